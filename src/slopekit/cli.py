@@ -1,0 +1,169 @@
+"""The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault, SlopekitError
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms.",
+)
+
+
+def _version(show: bool) -> None:
+    if show:
+        typer.echo(f"slopekit {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _slopekit(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
+) -> None:
+    """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
+
+
+@app.command()
+def wedge(
+    dips: Annotated[tuple[str, str], typer.Option(help="The two joints, dip/dip direction each.", metavar="D/DD D/DD")],
+    face: Annotated[str | None, typer.Option(help="Slope face, D/DD [60/180].")] = None,
+    upper: Annotated[str | None, typer.Option(help="Upper slope, D/DD [10/180].")] = None,
+    height: Annotated[str | None, typer.Option(help="Vertical, toe to crest at J1's trace [64.89 m].")] = None,
+    c: Annotated[str | None, typer.Option("--c", help="Cohesion, one value or C1,C2 [50 kPa].")] = None,
+    phi: Annotated[str | None, typer.Option(help="Friction angle, one value or P1,P2 [20].")] = None,
+    density: Annotated[str | None, typer.Option(help="Density [2600 kg/m3].")] = None,
+    unit_weight: Annotated[str | None, typer.Option(help="Unit weight, kN/m3, instead of a density.")] = None,
+    dilation: Annotated[str | None, typer.Option(help="Dilation angle of the joints, 0 to phi [0].")] = None,
+    tension: Annotated[str | None, typer.Option(help="Tensile strength of the joints [0 kPa].")] = None,
+    water: Annotated[str | None, typer.Option(help="dry, full, 50%, u=9.8kPa or u=5kPa,8kPa [dry].")] = None,
+    crack: Annotated[str | None, typer.Option(help="Tension crack, D/DD@DIST from the crest along J1's trace.")] = None,
+    seismic: Annotated[str | None, typer.Option(help="Pseudo-static coefficient, K or K@TREND.")] = None,
+    force: Annotated[list[str] | None, typer.Option(help="F@TREND/PLUNGE, kN; repeat for more.")] = None,
+    bolt: Annotated[list[str] | None, typer.Option(help="T@TREND/PLUNGE[,active|passive], kN; repeat.")] = None,
+    normal_stiffness: Annotated[str | None, typer.Option(help="k_zz of closed joints [1e7 kN/m3].")] = None,
+    shear_stiffness: Annotated[str | None, typer.Option(help="kN/m3, or clough-duncan [clough-duncan].")] = None,
+    criterion: Annotated[str | None, typer.Option(help="limit, or all-pairs to add the paper's criterion.")] = None,
+    accept: Annotated[
+        str | None, typer.Option(help="Smallest factor of safety accepted; exit code 1 below it.")
+    ] = None,
+    agree_within: Annotated[str | None, typer.Option(help="Largest difference of the two methods [1%].")] = None,
+    gravity: Annotated[str | None, typer.Option(help="[9.81 m/s2]")] = None,
+    water_unit_weight: Annotated[str | None, typer.Option(help="[9.81 kN/m3]")] = None,
+    refine: Annotated[str | None, typer.Option(help="Split the joints' triangles in four this often [0].")] = None,
+    origin: Annotated[str | None, typer.Option(help="Map coordinates of the toe, E,N,Z.")] = None,
+    picture: Annotated[Path | None, typer.Option(help="Draw the wedge to a PNG file (extra: plot).")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout, nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Print the factor line only.")] = False,
+    output: Annotated[Path | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
+) -> None:
+    """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
+    from slopekit.analysis import analyse_wedge
+    from slopekit.design.reading import wedge_design
+
+    if output is not None:
+        _check_folder(output)
+    if picture is not None:
+        _check_folder(picture.parent)
+    given: dict[str, Any] = {
+        "dips": dips, "face": face, "upper": upper, "height": height, "c": c, "phi": phi, "density": density,
+        "unit_weight": unit_weight, "dilation": dilation, "tension": tension, "water": water, "crack": crack,
+        "seismic": seismic, "forces": force, "bolts": bolt, "normal_stiffness": normal_stiffness,
+        "shear_stiffness": shear_stiffness, "criterion": criterion, "accept": accept, "agree_within": agree_within,
+        "gravity": gravity, "water_unit_weight": water_unit_weight, "refine": refine, "origin": origin,
+    }  # fmt: skip
+    result = analyse_wedge(wedge_design(given, _option))
+    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1)
+    from slopekit.views.sheet import wedge_sheet
+
+    sheet = wedge_sheet(result)
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
+        (output / "result.json").write_text(document + "\n", encoding="utf-8")
+        (output / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
+    if picture is not None:
+        from slopekit.views.scene import wedge_picture
+
+        wedge_picture(result, picture)
+    if as_json:
+        typer.echo(document)
+    elif quiet:
+        fos = result.criterion_fos
+        typer.echo(f"{result.status} {'none' if fos is None else f'{fos:.4f}'}")
+    else:
+        typer.echo(sheet)
+    raise typer.Exit(result.exit_code)
+
+
+@app.command()
+def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -> None:
+    """The long text of a message."""
+    from slopekit.explanations import explanation
+
+    typer.echo(explanation(code))
+
+
+def _option(key: str) -> str:
+    singular = {"forces": "force", "bolts": "bolt"}
+    return "--" + singular.get(key, key).replace("_", "-")
+
+
+def _check_folder(folder: Path) -> None:
+    """Refuse a folder that cannot be written before any work is done."""
+    existing = folder if folder.parts else Path()
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    if existing.is_dir() and os.access(existing, os.W_OK):
+        return
+    reason = "is a file" if existing.is_file() else "is not writable"
+    raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {existing} {reason}", str(folder))])
+
+
+def _print_faults(error: SlopekitError) -> None:
+    if "--json" in sys.argv[1:]:
+        document = {"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}
+        typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
+    for fault in error.faults:
+        typer.echo(str(fault), err=True)
+
+
+def main() -> None:
+    """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
+    try:
+        code = app(standalone_mode=False)
+    except SlopekitError as error:
+        _print_faults(error)
+        sys.exit(error.exit_code)
+    except typer.Abort:
+        sys.exit(130)
+    except typer.TyperException as error:
+        wrong = DesignError([Fault("E100", _said(error), "", "Try --help for the options.")])
+        _print_faults(wrong)
+        sys.exit(wrong.exit_code)
+    except Exception as error:
+        typer.echo(f"E599 a bug of ours: {type(error).__name__}: {error}", err=True)
+        typer.echo(
+            "     Please send us the command with this text. SLOPEKIT_DEBUG=1 prints where it happened.", err=True
+        )
+        if os.environ.get("SLOPEKIT_DEBUG"):
+            raise
+        sys.exit(5)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _said(error: typer.TyperException) -> str:
+    format_message = getattr(error, "format_message", None)
+    return str(format_message() if format_message else error)
+
+
+if __name__ == "__main__":
+    main()

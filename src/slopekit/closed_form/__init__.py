@@ -1,0 +1,1 @@
+"""Closed forms from the literature. They judge the numerical side and share nothing with it but orientations."""

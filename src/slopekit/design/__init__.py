@@ -1,0 +1,1 @@
+"""What a user writes, checked and turned into numbers."""

@@ -1,0 +1,180 @@
+"""Loads and points as a user writes them: one function a word, each value to a checked object or its faults."""
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from slopekit.design.wedge import Bolt, Crack, Force, Seismic, Water
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Line, number, parse_plane
+from slopekit.units import quantity
+
+
+def above_zero(value: object, kind: str, name: str, code: str, where: str) -> float:
+    result = quantity(value, kind, name, where)
+    if result <= 0.0:
+        raise DesignError([Fault(code, f"{name} is {number(result)}, it must be more than 0", where)])
+    return result
+
+
+def point(value: object, name: str, where: str) -> tuple[float, float, float]:
+    parts = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
+    if not isinstance(parts, Sequence) or len(parts) != 3:
+        raise DesignError([Fault("E109", f"{name} needs three coordinates: east, north, up", where)])
+    east, north, up = (quantity(part, "length", name, where) for part in parts)
+    return east, north, up
+
+
+def water(value: object, where: str, has_crack: bool) -> Water:
+    if isinstance(value, Water):
+        return value
+    text = value.strip().lower() if isinstance(value, str) else ""
+    if text in ("dry", "full"):
+        return Water() if text == "dry" else Water("full", 1.0)
+    if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
+        parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value  # type: ignore[assignment]
+        return pressures(parts, where, has_crack)
+    if text and not text.endswith("%"):
+        advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
+        raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
+    fill = quantity(value, "ratio", "water", where)
+    if fill > 1.0:
+        advice = f"Write {number(fill)}% for a percentage, u={number(fill)}kPa for a pressure." if not text else ""
+        raise DesignError(
+            [Fault("E118", f"water fills {number(fill * 100)} % of the joints, more than all", where, advice)]
+        )
+    if fill < 0.0:
+        raise DesignError([Fault("E119", f"water is {number(fill * 100)} %, it is never negative", where)])
+    return Water("full", fill) if fill else Water()
+
+
+def pressures(parts: Sequence[Any], where: str, has_crack: bool) -> Water:
+    if not 1 <= len(parts) <= (3 if has_crack else 2):
+        planes = "J1, J2 and the crack" if has_crack else "J1 and J2"
+        raise DesignError([Fault("E109", f"{len(parts)} water pressures given, there are {planes}", where)])
+    values = [quantity(part, "pressure", "water pressure", where) for part in parts]
+    if min(values) < 0.0:
+        raise DesignError([Fault("E119", f"water pressure is {number(min(values))} kPa, it is never negative", where)])
+    if len(values) == 1:
+        values *= 2
+    return Water("pressures", 0.0, tuple(values)) if any(values) else Water()
+
+
+def crack(value: object, where: str) -> Crack:
+    if isinstance(value, Crack):
+        return value
+    if isinstance(value, str) and "@" in value:
+        plane, _, distance = value.partition("@")
+        given: dict[str, object] = {"plane": plane, "distance": distance}
+    elif isinstance(value, dict) and value.keys() == {"plane", "distance"}:
+        given = value
+    else:
+        raise DesignError([Fault("E120", f"crack is {shown(value)}, it is written 80/180@5m", where)])
+    faults: list[Fault] = []
+    try:
+        orientation = parse_plane(given["plane"], "crack", where)
+    except DesignError as error:
+        faults += error.faults
+    try:
+        away = above_zero(given["distance"], "length", "crack distance", "E121", where)
+    except DesignError as error:
+        faults += error.faults
+    if faults:
+        raise DesignError(faults)
+    return Crack(orientation, away)
+
+
+def seismic(value: object, where: str) -> Seismic:
+    if isinstance(value, Seismic):
+        return value
+    text, _, toward = value.partition("@") if isinstance(value, str) else (value, "", "")
+    coefficient = quantity(text, "ratio", "seismic coefficient", where)
+    if not 0.0 <= coefficient <= 2.0:
+        message = f"seismic coefficient is {number(coefficient)}, it lies between 0 and 2 (parts of gravity)"
+        raise DesignError([Fault("E122", message, where)])
+    return Seismic(coefficient, trend(toward, "seismic", "E122", where) if toward else None)
+
+
+def trend(value: object, name: str, code: str, where: str) -> float:
+    trend = quantity(value, "angle", f"trend of {name}", where)
+    if not 0.0 <= trend <= 360.0:
+        raise DesignError([Fault(code, f"trend of {name} is {number(trend)}, it lies between 0 and 360", where)])
+    return trend
+
+
+def line_of_words(value: object, name: str, code: str, where: str) -> Line:
+    parts = re.split(r"\s*/\s*", value.strip()) if isinstance(value, str) else value
+    if not isinstance(parts, Sequence) or len(parts) != 2:
+        raise DesignError([Fault(code, f"direction of {name} is {shown(value)}, it is written trend/plunge", where)])
+    toward = trend(parts[0], name, code, where)
+    plunge = quantity(parts[1], "angle", f"plunge of {name}", where)
+    if not -90.0 <= plunge <= 90.0:
+        message = f"plunge of {name} is {number(plunge)}, it lies between -90 (up) and 90 (down)"
+        raise DesignError([Fault(code, message, where)])
+    return Line(toward, plunge)
+
+
+def force(value: object, where: str) -> Force:
+    if isinstance(value, Force):
+        return value
+    at = None
+    if isinstance(value, dict):
+        unknown = value.keys() - {"force", "toward", "at"}
+        if unknown or "force" not in value:
+            raise DesignError([Fault("E123", "a force has the keys force, toward, at", where)])
+        at = point(value["at"], "point of the force", where) if "at" in value else None
+        value = f"{value['force']}@{value['toward']}" if "toward" in value else value["force"]
+    if isinstance(value, str) and "@" in value:
+        size, _, toward = value.partition("@")
+        amount = quantity(size, "force", "force", where)
+        east, north, up = (amount * line_of_words(toward, "force", "E123", where).vector()).tolist()
+    elif is_point(value):
+        east, north, up = (quantity(part, "force", "force", where) for part in value)  # type: ignore[attr-defined]
+    else:
+        message = f"force is {shown(value)}, it is written 500kN@180/10 or (east, north, up)"
+        raise DesignError([Fault("E123", message, where)])
+    return Force((east, north, up), at)
+
+
+def bolt(value: object, where: str) -> Bolt:
+    if isinstance(value, Bolt):
+        return value
+    head = length = None
+    acts: Any = "active"
+    if isinstance(value, str) and "@" in value:
+        text, _, word = value.partition(",")
+        size, _, toward = text.partition("@")
+        acts = word.strip() or acts
+    elif isinstance(value, dict) and {"force", "toward"} <= value.keys() <= {
+        "force",
+        "toward",
+        "acts",
+        "head",
+        "length",
+    }:
+        size, toward, acts = value["force"], value["toward"], value.get("acts", acts)
+        head = point(value["head"], "head of the bolt", where) if "head" in value else None
+        if "length" in value:
+            length = above_zero(value["length"], "length", "length of the bolt", "E124", where)
+    else:
+        message = f"bolt is {shown(value)}, it is written 200kN@000/10,passive or as force, toward, acts, head, length"
+        raise DesignError([Fault("E124", message, where)])
+    if acts not in ("active", "passive"):
+        raise DesignError([Fault("E124", f"a bolt is active or passive, not {acts!r}", where)])
+    if length is not None and head is None:
+        raise DesignError([Fault("E124", "a bolt with a length needs its head", where)])
+    force = above_zero(size, "force", "force of the bolt", "E124", where)
+    return Bolt(force, line_of_words(toward, "bolt", "E124", where), acts, head, length)
+
+
+def is_point(value: object) -> bool:
+    """Three bare numbers: one force, not a list of forces."""
+    if isinstance(value, str | dict) or not hasattr(value, "__len__") or len(value) != 3:
+        return False
+    return all(isinstance(part, int | float) or hasattr(part, "dtype") for part in value)  # type: ignore[attr-defined]
+
+
+def shown(value: object) -> str:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return " ".join(str(item) for item in value)
+    return str(value)

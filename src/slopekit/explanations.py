@@ -1,0 +1,110 @@
+"""The long text of every code, for `slopekit explain CODE`. Loaded only when asked for."""
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+
+from slopekit.errors import DesignError, Fault
+
+EXPLANATIONS: Mapping[str, str] = {
+    "E100": "The command line itself was not understood: an unknown option, or an option without its value. "
+    "`slopekit wedge --help` lists the options; --dips takes two orientations.",
+    "E101": "A dip is the angle of the plane below the horizontal: 0 is flat, 90 is vertical. A plane that leans over "
+    "backwards is written by the other side: 95 toward 115 is 85 toward 295.",
+    "E102": "A dip direction is a bearing clockwise from north, 0 to 360: the way a ball would roll down the plane.",
+    "E103": "The first number is larger than any dip and the second would fit one: 115/45 instead of 45/115. "
+    "slopekit always takes dip / dip direction.",
+    "E104": "A plane is two numbers with a slash: 45/115. Strike notations (N25E 45SE, 025/45 by strike) are not "
+    "taken, because their conventions differ: by the right-hand rule, dip direction = strike + 90.",
+    "E105": "A value is infinite or not a number. Look for a division by zero where the input was made.",
+    "E106": "A number is needed here, with a unit behind it or without.",
+    "E107": "The unit measures something else: a pressure where a length is needed, or a density for a unit weight. "
+    "Bare numbers are m, kN, kPa, kN/m³ and degrees.",
+    "E108": "slopekit does not know this unit; the message lists those it knows for this kind of value.",
+    "E109": "Something is missing, or there are more values than things: a wedge has two joints, a point three "
+    "coordinates, and c, φ and u take one value for both joints or two.",
+    "E110": "Unit weight is a weight per volume in kN/m³: rock has 20 to 30. 2650 is a density in kg/m³, 2.65 one in "
+    "t/m³: give those as a density.",
+    "E111": "Density is a mass per volume in kg/m³: rock has 2000 to 3000. Write '2.65 t/m3' or 2650; 26 is a unit "
+    "weight in kN/m³.",
+    "E112": "Density and unit weight say the same thing: γ = ρ g. Give one, so that they cannot contradict each other.",
+    "E113": "Friction angles are in degrees. A fraction below 1.57 is almost surely in radians; if you mean a joint "
+    "of nearly no friction, write 0 or a whole number.",
+    "E114": "A strength is zero or more.",
+    "E115": "A friction angle lies from 0 to below 90 degrees; joints have 15 to 45.",
+    "E116": "The height is vertical, from the toe to where the trace of joint 1 meets the crest, and more than 0.",
+    "E117": "Dilation is how much a joint opens as it slips. It lies between 0 and the friction angle: beyond that a "
+    "joint would give back more work than it takes.",
+    "E118": "100 % is full water: the classic pyramid with mean pressure γ_w H/6 on each joint. For more, give the "
+    "pressures themselves: u=12kPa or u=12kPa,8kPa.",
+    "E119": "Water is dry, full, a percentage of full, or mean pressures on the joints. Suction is not modelled.",
+    "E120": "A tension crack is written plane@distance: 80/180@5m; the distance runs from the crest along the trace "
+    "of joint 1 on the upper slope.",
+    "E121": "The distance of the crack from the crest is more than 0.",
+    "E122": "The pseudo-static coefficient is the part of gravity that acts sideways; K@TREND gives its direction, "
+    "else it acts along the trend of the line of intersection.",
+    "E123": "A force is written size@trend/plunge (plunge positive downward), or as three numbers east, north, up.",
+    "E124": "A bolt is written T@TREND/PLUNGE with the direction of its force on the wedge, then active (a load) or "
+    "passive (strength: its capacity is divided by the factor of safety). Its length is measured from its head.",
+    "E126": "limit is the largest factor at which the wedge still stands; all-pairs adds the paper's criterion, the "
+    "smallest factor at which every node pair slips or debonds, which depends on the joint stiffness.",
+    "E127": "An acceptance level and a tolerance are more than 0.",
+    "E128": "This is not an input of a wedge. The message names the nearest one there is.",
+    "E129": "The folder or file cannot be written. Nothing was computed yet, nothing is lost.",
+    "E130": "Gravity is more than 0.",
+    "E131": "refine is how often each triangle of the joints is split in four, a whole number. Flat joints need none: "
+    "slopekit refines by itself where moments open part of a joint.",
+    "E132": "A stiffness is more than 0, in kN/m³ (kPa per metre); the shear stiffness may be clough-duncan.",
+    "E140": "Drawing needs the extra `plot`: pip install 'slopekit[plot]'.",
+    "E201": "Parallel joints never meet in a line, so they form no wedge. If they are one set, look at plane failure.",
+    "E203": "The line of intersection must come out of the face above the toe: it has to plunge less than the face "
+    "does in the same direction. A steeper line stays inside the rock: no wedge can slide out.",
+    "E204": "The line of intersection plunges into the slope: whatever the joints form cannot slide out of the face.",
+    "E205": "The line of intersection must climb out of the upper slope behind the crest: it has to plunge more than "
+    "the upper slope does in the same direction.",
+    "E206": "A joint parallel to the face or with a trace that never meets the crest bounds no wedge with it.",
+    "E207": "The tension crack must cross the line of intersection between the toe and the back of the wedge.",
+    "E208": "No piece of the cut rock mass touches both joints and the face and is free of the rock behind.",
+    "E209": "Face and upper slope must meet in a crest above the toe.",
+    "E211": "A bolt must pass through the wedge and be anchored behind one of its joints.",
+    "E212": "A bolt must reach past the deepest joint, with its anchorage length on top.",
+    "E501": "The control areas of the node pairs must sum to the interface. This is a bug of ours: please report it.",
+    "E502": "There is nothing to solve.",
+    "E503": "A rigid translation opened node pairs by the wrong amount. This is a bug of ours: please report it.",
+    "E599": "A bug of ours. SLOPEKIT_DEBUG=1 prints where it happened.",
+    "W301": "Nearly parallel joints: a degree on either moves the line of intersection far, and the wedge with it.",
+    "W302": "The unit weight is far from that of rock. If you work in other consistent units, this is why.",
+    "W303": "The closed form balances forces only. Here the moments open part of a joint or turn the wedge at a lower "
+    "factor: that lower factor is the answer.",
+    "W305": "The wedge was computed about its toe; map coordinates were added back at the end.",
+    "W306": "On an elastic bed part of the joints carries no normal force at the limit. In rigid sliding nothing opens "
+    "there, so its cohesion is counted, as Hoek & Bray count it. If that part may be open, leave it out of c.",
+    "W307": "A joint that opens loses its cohesion at once: the factor of safety jumps there. A little less water or "
+    "a little more bolt force may close it again.",
+    "W308": "Joints without cohesion and friction hold nothing: the factor of safety is 0 as soon as anything drives.",
+    "W309": "The static bound is proved where a mechanism and balancing forces meet; here only the former was.",
+    "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
+    "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
+    "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "
+    "refinement still moved it. --refine N goes on.",
+    "W313": "At full strength Newton's method found no equilibrium although the limit is above 1: the displacements "
+    "with these stiffnesses are not given.",
+}  # fmt: skip
+
+
+def explanation(code: str) -> str:
+    """The long text of a code.
+
+    Raises
+    ------
+    DesignError
+        E128 for a code that does not exist.
+
+    >>> explanation("e203").splitlines()[0]
+    'E203'
+    """
+    wanted = code.strip().upper()
+    if wanted not in EXPLANATIONS:
+        near = get_close_matches(wanted, EXPLANATIONS, n=1)
+        advice = f"Did you mean {near[0]}?" if near else ""
+        raise DesignError([Fault("E128", f"{code} is not a code of slopekit", "", advice)])
+    return f"{wanted}\n{EXPLANATIONS[wanted]}"

@@ -1,0 +1,164 @@
+"""Cut a rock mass along planes with manifold3d, in double precision, every face knowing its plane.
+
+A body is cut in a frame of its own: moved to the block's box and scaled by it along each axis, so that a wedge
+48 km long and 10 m wide is as easy as a cube. manifold3d gives the pieces and, by provenance (`face_id`), which
+plane made each face. The corners are then computed again from the planes that meet in them: they are as exact as
+the input, whatever the kernel's tolerance was.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from manifold3d import Error, Manifold, Mesh64
+
+from slopekit.arrays import Floats, Ints, frozen
+from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
+
+_FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
+_CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
+_BOX_TRIANGLES = np.array(
+    [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
+     [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]], dtype=np.uint64,
+)  # fmt: skip
+_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block: its faces as polygons by the plane that made them.
+
+    Attributes
+    ----------
+    faces : plane id -> (k, 3) corners in m, anticlockwise seen from outside
+    areas : plane id -> area in m²
+    volume : m³
+    centroid : (3,) m
+    """
+
+    faces: Mapping[int, Floats]
+    areas: Mapping[int, float]
+    volume: float
+    centroid: Floats
+
+    @property
+    def corners(self) -> Floats:
+        """All corners of all faces, (n, 3), repeated where faces share them."""
+        return np.concatenate(list(self.faces.values()))
+
+
+def cut_wedge(rock: RockMass) -> Block:
+    """The removable wedge of a rock mass.
+
+    The body is split by the face and the upper slope (their upper sides are air), then by the joints and the
+    crack. The wedge is the one piece that touches the face and both joints and reaches none of the body's outer
+    faces, behind which the rock goes on.
+
+    Raises
+    ------
+    GeometryError
+        E208 no piece of the body is removable.
+    """
+    corners = rock.corners
+    lowest, highest = corners.min(axis=0), corners.max(axis=0)
+    centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
+    scaled_normals = rock.normals * half
+    lengths = np.sqrt((scaled_normals**2).sum(axis=1))
+    scaled_offsets = (rock.offsets - rock.normals @ centre) / lengths
+    scaled_normals = scaled_normals / lengths[:, None]
+
+    body = _tagged(_SQUARE_BOX * 1.5, np.repeat(np.arange(_FAR, _FAR + 6), 2))
+    for plane in (FACE, UPPER):
+        body = body.split(_cutter(scaled_normals[plane], float(scaled_offsets[plane]), plane))[1]
+    pieces = [body]
+    for plane in (J1, J2, *range(CRACK, len(rock.normals))):
+        cutter = _cutter(scaled_normals[plane], float(scaled_offsets[plane]), plane)
+        pieces = [part for piece in pieces for part in piece.split(cutter) if not part.is_empty()]
+    wedges = []
+    for piece in pieces:
+        mesh = piece.to_mesh64()
+        touched = set(np.unique(mesh.face_id).tolist())
+        if {J1, J2, FACE} <= touched and max(touched) < _FAR:
+            wedges.append(mesh)
+    if len(wedges) != 1:
+        message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
+        raise GeometryError([Fault("E208", message, "", "The planes enclose no wedge of any volume.")])
+    return _block(wedges[0], rock, centre, half)
+
+
+_SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
+
+
+def _tagged(vertices: Floats, face_ids: Ints) -> Manifold:
+    mesh = Mesh64(np.ascontiguousarray(vertices), _BOX_TRIANGLES, face_id=face_ids.astype(np.uint64))
+    manifold = Manifold(mesh)
+    if manifold.status() != Error.NoError:
+        raise GeometryError([Fault("E208", f"the cutter is not a closed body ({manifold.status()})")])
+    return manifold
+
+
+def _cutter(normal: Floats, offset: float, plane: int, size: float = 12.0) -> Manifold:
+    """The half-space above a plane as a box whose first face lies on it and carries the plane's id."""
+    other = np.zeros(3)
+    other[np.argmin(np.abs(normal))] = 1.0
+    across = np.cross(normal, other)
+    across /= math.sqrt(float(across @ across))
+    axes = np.array([across, np.cross(normal, across)])
+    base = normal * offset + size * (_SQUARE @ axes)
+    ids = np.full(12, _CUTTER_BACK)
+    ids[:2] = plane
+    return _tagged(np.concatenate([base, base + size * normal]), ids)
+
+
+def _block(mesh: Mesh64, rock: RockMass, centre: Floats, half: Floats) -> Block:
+    triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
+    made_by = np.asarray(mesh.face_id, dtype=np.int64)
+    rough = np.asarray(mesh.vert_properties) * half + centre
+    meeting: list[set[int]] = [set() for _ in range(len(rough))]
+    for corners, plane in zip(triangles.tolist(), made_by.tolist(), strict=True):
+        for corner in corners:
+            meeting[corner].add(plane)
+    exact = np.array([_corner(sorted(planes), rock, point) for planes, point in zip(meeting, rough, strict=True)])
+    faces = {int(plane): frozen(exact[_outline(triangles[made_by == plane])]) for plane in np.unique(made_by)}
+    volume = 0.0
+    moment: Floats = np.zeros(3)
+    apex = exact[0]
+    areas = {}
+    for plane, polygon in faces.items():
+        vector: Floats = np.zeros(3)
+        for b, c in zip(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0], strict=True):
+            vector = np.asarray(vector + np.cross(b, c) / 2.0, dtype=np.float64)
+        areas[plane] = math.sqrt(float(vector @ vector))
+        a = polygon[0] - apex
+        for b, c in zip(polygon[1:-1] - apex, polygon[2:] - apex, strict=True):
+            part = float(np.linalg.det(np.array([a, b, c]))) / 6.0
+            volume += part
+            moment = np.asarray(moment + part * (a + b + c) / 4.0, dtype=np.float64)
+    if not volume > 0.0:
+        raise GeometryError([Fault("E208", "the wedge has no volume")])
+    return Block(faces, areas, volume, frozen(apex + moment / volume))
+
+
+def _corner(planes: list[int], rock: RockMass, rough: Floats) -> Floats:
+    """The point in which the planes meet, from the planes themselves."""
+    normals, offsets = rock.normals[planes], rock.offsets[planes]
+    if len(planes) == 3:
+        return np.asarray(np.linalg.solve(normals, offsets), dtype=np.float64)
+    # more planes than three through one point: the nearest point to all; fewer: a vertex on an edge
+    return rough + np.asarray(np.linalg.lstsq(normals, offsets - normals @ rough, rcond=None)[0])
+
+
+def _outline(triangles: Ints) -> list[int]:
+    """The closed outline of a patch of triangles as vertex indices, in the triangles' own sense."""
+    edges = {
+        (a, b) for triangle in triangles.tolist() for a, b in zip(triangle, triangle[1:] + triangle[:1], strict=True)
+    }
+    following = {a: b for a, b in edges if (b, a) not in edges}
+    start = min(following)
+    outline, vertex = [start], following[start]
+    while vertex != start:
+        outline.append(vertex)
+        vertex = following[vertex]
+    return outline

@@ -1,0 +1,169 @@
+"""The rock mass that a wedge is cut from: its planes in the local frame, toe at the origin.
+
+All planes are `normal · x = offset`. The joints and the face pass through the toe; the upper slope passes through
+the point where the trace of joint 1 meets the crest, `height` above the toe (Hoek & Bray's H1).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats, frozen
+from slopekit.errors import Fault, GeometryError
+from slopekit.orientation import downward, line_of
+
+J1, J2, FACE, UPPER, CRACK = range(5)
+PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
+_PARALLEL = 1e-6  # sine of the angle below which two planes are one (0.00006°)
+
+
+@dataclass(frozen=True, slots=True)
+class RockMass:
+    """The planes that bound the rock mass and cut it, and the corners of the largest wedge they can form.
+
+    Attributes
+    ----------
+    normals : (k, 3) unit normals in the order J1, J2, face, upper slope[, crack]; upward
+    offsets : (k,) m
+    toe, back, crest1, crest2 : (3,) m; the line of intersection runs from `back` down to `toe`
+    """
+
+    normals: Floats
+    offsets: Floats
+    toe: Floats
+    back: Floats
+    crest1: Floats
+    crest2: Floats
+
+    @property
+    def corners(self) -> Floats:
+        """The four corners, shape (4, 3)."""
+        return np.array([self.toe, self.back, self.crest1, self.crest2])
+
+    @property
+    def line_of_intersection(self) -> Floats:
+        """Unit vector down the line of intersection, shape (3,)."""
+        down = self.toe - self.back
+        unit: Floats = down / math.sqrt(float(down @ down))
+        return unit
+
+
+def wedge_rock_mass(
+    joints: Floats, face: Floats, upper: Floats, height: float, crack: Floats | None = None, distance: float = 0.0
+) -> RockMass:
+    """The rock mass of a wedge between two joints, the face and the upper slope, and maybe a tension crack.
+
+    Parameters
+    ----------
+    joints : (2, 3); face, upper, crack : (3,) upward unit normals
+    height : vertical height (m) from the toe to where the trace of joint 1 meets the crest
+    distance : from the crest to the crack along the trace of joint 1 on the upper slope (m)
+
+    Raises
+    ------
+    GeometryError
+        E201 parallel joints, E203-E205 the line of intersection does not daylight, E206 a joint parallel to
+        the face, E207 crack outside the wedge, E209 face and upper slope make no crest.
+    """
+    line = np.cross(joints[0], joints[1])
+    sine = math.sqrt(float(line @ line))
+    if sine < _PARALLEL:
+        raise GeometryError([_parallel("E201", "J1 and J2", "they never meet in a line", sine)])
+    crest_edge = np.cross(face, upper)
+    if math.sqrt(float(crest_edge @ crest_edge)) < _PARALLEL:
+        raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
+    line = line / sine
+    traces = [np.cross(joint, face) for joint in joints]
+    for k, trace in enumerate(traces):
+        if math.sqrt(float(trace @ trace)) < _PARALLEL:
+            raise GeometryError([_parallel("E206", f"J{k + 1} and the face", "the joint does not cut the face", 0.0)])
+    if abs(traces[0][2]) < _PARALLEL:
+        message = "the trace of J1 on the face is horizontal: it never climbs to the crest"
+        raise GeometryError([Fault("E206", message, "", "Number the joints the other way round.")])
+    into_rock = -line if face @ line > 0.0 else line
+    _check_daylight(line, into_rock, face, upper)
+
+    crest1 = traces[0] * (height / traces[0][2])
+    offset = float(upper @ crest1)
+    if offset <= 0.0:
+        message = "the upper slope climbs faster than the face: they make no crest above the toe"
+        raise GeometryError([Fault("E209", message)])
+    climb = float(upper @ traces[1])
+    if abs(climb) < _PARALLEL * math.sqrt(float(traces[1] @ traces[1])):
+        message = "the trace of J2 on the face runs along the crest and never meets it"
+        raise GeometryError([Fault("E206", message)])
+    crest2 = traces[1] * (offset / climb)
+    back = into_rock * (offset / float(upper @ into_rock))
+    planes, offsets = [*joints, face, upper], [0.0, 0.0, 0.0, offset]
+    if crack is not None:
+        offsets.append(_crack_offset(crack, distance, back, crest1))
+        planes.append(crack)
+    return RockMass(frozen(planes), frozen(offsets), frozen(np.zeros(3)), frozen(back), frozen(crest1), frozen(crest2))
+
+
+def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats) -> None:
+    """Refuse a line of intersection that does not come out of the face below the upper slope."""
+    if float(upper @ into_rock) > 1e-12 and into_rock[2] > 1e-12 and float(face @ into_rock) < -1e-12:
+        return
+    down = line_of(downward(line))
+    of_face, of_upper = line_of(_dip_vector(face)), line_of(_dip_vector(upper))
+    apart = math.radians(down.trend_deg - of_face.trend_deg)
+    if math.cos(apart) <= 0.0 or down.plunge_deg < 1e-9:
+        message = (
+            f"the line of intersection plunges {down.plunge_deg:.1f}° toward {down.trend_deg:05.1f}, into the slope "
+            f"(the face dips toward {of_face.trend_deg:05.1f}): it does not daylight"
+        )
+        raise GeometryError([Fault("E204", message, "", f"It trends {math.degrees(apart) % 360:.1f}° from the face.")])
+    apparent_face = math.degrees(math.atan(math.tan(math.radians(of_face.plunge_deg)) * math.cos(apart)))
+    if down.plunge_deg >= apparent_face - 1e-9:
+        message = (
+            f"the line plunges {down.plunge_deg:.1f}°, steeper than the face ({of_face.plunge_deg:.4g}°): "
+            "it does not daylight"
+        )
+        advice = (
+            f"Along trend {down.trend_deg:05.1f} the face falls at {apparent_face:.1f}°: "
+            f"{down.plunge_deg - apparent_face:.2f}° too steep."
+        )
+        raise GeometryError([Fault("E203", message, "", advice)])
+    apart = math.radians(down.trend_deg - of_upper.trend_deg)
+    apparent_upper = math.degrees(math.atan(math.tan(math.radians(of_upper.plunge_deg)) * math.cos(apart)))
+    message = (
+        f"the line plunges {down.plunge_deg:.1f}°, flatter than the upper slope ({of_upper.plunge_deg:.4g}°): "
+        "it never reaches the upper slope"
+    )
+    advice = (
+        f"Along trend {down.trend_deg:05.1f} the upper slope falls at {apparent_upper:.1f}°: "
+        f"{apparent_upper - down.plunge_deg:.2f}° too flat."
+    )
+    raise GeometryError([Fault("E205", message, "", advice)])
+
+
+def _dip_vector(normal: Floats) -> Floats:
+    """Down-dip vector of a plane (not of unit length); of a horizontal one, down the y axis."""
+    flat = math.hypot(normal[0], normal[1])
+    if flat < 1e-12:
+        return np.array([0.0, 1.0, 0.0])
+    return np.array([normal[0] * normal[2] / flat, normal[1] * normal[2] / flat, -flat])
+
+
+def _parallel(code: str, which: str, consequence: str, sine: float) -> Fault:
+    degrees = math.degrees(math.asin(min(1.0, sine)))
+    return Fault(code, f"{which} are parallel (to {degrees:.2g}°): {consequence}")
+
+
+def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats) -> float:
+    """Offset of the crack plane, refused where the crack does not cross the wedge."""
+    trace = back - crest1
+    length = math.sqrt(float(trace @ trace))
+    if distance >= length:
+        message = f"the crack lies {distance:.6g} m behind the crest, the wedge ends at {length:.6g} m"
+        raise GeometryError([Fault("E207", message, "", "The wedge has no tension crack there: leave the crack out.")])
+    offset = float(crack @ (crest1 + trace * (distance / length)))
+    crossing = float(crack @ back)
+    share = offset / crossing if crossing else math.inf
+    if not 0.0 < share < 1.0:
+        message = "the crack does not cross the line of intersection inside the wedge"
+        advice = "It would cut off the toe." if share <= 0.0 else "It passes behind the wedge."
+        raise GeometryError([Fault("E207", message, "", advice)])
+    return offset

@@ -1,0 +1,135 @@
+"""Loads on one block: weight, water, seismic, forces, bolts, each where it acts.
+
+Everything that does not depend on the strength becomes one force and one moment about the centroid. Passive bolts
+stay apart: their capacity is strength, and is divided by the strength reduction factor.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats, frozen
+from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.cutting import Block
+
+
+@dataclass(frozen=True, slots=True)
+class WaterPressure:
+    """Water on one face: its mean pressure (kPa), and the point of highest pressure (None: uniform)."""
+
+    mean_kpa: float
+    apex: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PointForce:
+    """A force (3,) in kN through a point (3,) in m; without a point it acts through the centroid."""
+
+    force: Floats
+    at: Floats | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Loads:
+    """The loads on a block.
+
+    Attributes
+    ----------
+    force : (3,) kN; moment : (3,) kNm about the block's centroid
+    parts : name -> (3,) kN, the forces that add up to `force`
+    passive_forces : (b, 3) kN, full capacity along each passive bolt; passive_points : (b, 3) m
+    """
+
+    force: Floats
+    moment: Floats
+    parts: Mapping[str, Floats]
+    passive_forces: Floats
+    passive_points: Floats
+
+
+def block_loads(
+    block: Block,
+    unit_weight: float,
+    water: Mapping[int, WaterPressure],
+    seismic: Floats,
+    forces: Sequence[PointForce] = (),
+    active: Sequence[PointForce] = (),
+    passive: Sequence[PointForce] = (),
+) -> Loads:
+    """Add up the loads on a block.
+
+    Parameters
+    ----------
+    unit_weight : kN/m³
+    water : plane id -> pressure on that face of the block
+    seismic : (3,) parts of the weight, acting at the centroid
+    forces, active, passive : forces, active bolts and passive bolts
+    """
+    weight = unit_weight * block.volume
+    parts = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
+    moment = np.zeros(3)
+    for plane, pressure in water.items():
+        force, at = _water(block.faces[plane], pressure)
+        parts[f"water {plane}"] = force
+        moment += np.cross(at - block.centroid, force)
+    for name, group in (("forces", forces), ("active bolts", active)):
+        parts[name] = np.zeros(3)
+        for load in group:
+            parts[name] = parts[name] + load.force
+            if load.at is not None:
+                moment += np.cross(load.at - block.centroid, load.force)
+    points = [block.centroid if load.at is None else load.at for load in passive]
+    return Loads(
+        frozen(sum(parts.values())), frozen(moment), parts,
+        frozen(np.reshape([load.force for load in passive], (-1, 3))), frozen(np.reshape(points, (-1, 3))),
+    )  # fmt: skip
+
+
+def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:
+    """Force of the water on the block and the point it acts through.
+
+    A pyramid falls linearly from its apex, on the edge or at a corner of the face, to nothing on the other edges:
+    on each triangle (apex, a, b) the mean is a third of the peak and the resultant passes (2 apex + a + b) / 4.
+    """
+    apex = polygon.mean(axis=0) if pressure.apex is None else pressure.apex
+    a, b = polygon, np.roll(polygon, -1, axis=0)
+    vectors = np.cross(a - apex, b - apex) / 2.0
+    sizes = np.sqrt((vectors**2).sum(axis=1))
+    centres = (apex + a + b) / 3.0 if pressure.apex is None else (2.0 * apex + a + b) / 4.0
+    force: Floats = -pressure.mean_kpa * vectors.sum(axis=0)
+    return force, sizes @ centres / sizes.sum()
+
+
+def check_bolt(
+    block: Block, name: str, head: Floats, direction: Floats, length: float | None, joints: Sequence[int]
+) -> None:
+    """Refuse a bolt that misses the block or ends before it is anchored behind the deepest joint.
+
+    Raises
+    ------
+    GeometryError
+        E211 the bolt misses the block, E212 it is too short.
+    """
+    enters, leaves, behind = -math.inf, math.inf, -1
+    size = float(np.ptp(block.corners, axis=0).max())
+    for plane, polygon in block.faces.items():
+        outward = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+        outward = outward / math.sqrt(float(outward @ outward))
+        gap, slope = float(outward @ (polygon[0] - head)), float(outward @ direction)
+        if abs(slope) < 1e-12:
+            if gap < -1e-9 * size:
+                enters = math.inf
+        elif slope > 0.0 and gap / slope < leaves:
+            leaves, behind = gap / slope, plane
+        elif slope < 0.0:
+            enters = max(enters, gap / slope)
+    if leaves <= max(enters, 0.0) + 1e-9 * size:
+        raise GeometryError([Fault("E211", f"{name} misses the block", f"head at {head.round(3).tolist()}")])
+    if behind not in joints:
+        message = f"{name} leaves the block through a free face: it is anchored in nothing"
+        raise GeometryError([Fault("E211", message, f"head at {head.round(3).tolist()}")])
+    if length is not None and length <= leaves:
+        message = f"{name} is {length:.4g} m long and leaves the block after {leaves:.4g} m: it is too short"
+        raise GeometryError([Fault("E212", message, "", "It needs its anchorage behind the joint on top of that.")])

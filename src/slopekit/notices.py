@@ -1,0 +1,88 @@
+"""What a reader must know beside the number: notices with stable W-codes."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import Notice
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.orientation import Plane
+from slopekit.preie.limit import Limit, LimitAnalysis
+from slopekit.preie.model import Model
+
+MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
+_NEARLY_PARALLEL_DEG = 5.0
+
+
+def notices(
+    design: WedgeDesign, status: str, analysis: LimitAnalysis, pairs: NodePairs, model: Model,
+    bound_is_proved: bool, mesh_change: float | None, unsettled: bool,
+) -> Iterator[Notice]:  # fmt: skip
+    """The notices of one analysed wedge, in the order of their weight for the reader."""
+    cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
+    apart = math.degrees(math.acos(min(1.0, cosine)))
+    if apart < _NEARLY_PARALLEL_DEG:
+        yield Notice("W301", _parallel_note(design, apart))
+    if not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
+        yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+    alone, limit = analysis.forces_only, analysis.governing
+    if status == "topples":
+        yield Notice("W303", "moments turn the wedge over whatever the strength of its joints; forces alone would give "
+                     f"{alone.factor:.4g}: do not use it" if alone.factor is not None else
+                     "moments turn the wedge over whatever the strength of its joints")  # fmt: skip
+    elif analysis.moments_govern and limit.factor is not None:
+        of = f" {alone.factor:.4g}" if alone.factor is not None else ""
+        yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
+    if limit.factor and not analysis.moments_govern:
+        idle = _idle_share(limit, model)
+        if idle > 0.005:
+            yield Notice("W306", f"{idle * 100:.0f} % of the joint area in contact carries no normal force at the "
+                         "limit on an elastic bed; its cohesion is counted because nothing opens there")  # fmt: skip
+    for k in range(2):
+        name, on = f"J{k + 1}", pairs.interface == k
+        if limit.factor is not None and not limit.bond[on].any() and design.cohesion_kpa[k] > 0.0:
+            yield Notice(
+                "W307",
+                f"{name} has lost contact and with it its cohesion: the factor of safety jumps where that happens",
+            )
+    if not any(design.cohesion_kpa) and not any(design.friction_angle_deg):
+        yield Notice("W308", "the joints have no strength: the factor of safety is 0")
+    if any(design.dilation_deg):
+        yield Notice("W310", "the closed form knows no dilation: it is printed, not compared")
+    if any(bolt.head_m is None for bolt in design.bolts):
+        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    if not bound_is_proved:
+        yield Notice("W309", "the static bound is a numerical optimum, not proved by balancing forces")
+    if mesh_change is not None and mesh_change > MESH_CHANGE:
+        yield Notice(
+            "W312", f"the last refinement of the node pairs still moved the limit by {mesh_change * 100:.1f} %"
+        )
+    if unsettled:
+        yield Notice("W313", "no equilibrium was found at full strength with these stiffnesses: no displacements")
+    if max(abs(coordinate) for coordinate in design.origin_m) > 1e4:
+        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
+
+
+def _idle_share(limit: Limit, model: Model) -> float:
+    bonded = limit.bond > 0.0
+    idle = bonded & (limit.normal_force <= 1e-9 * limit.normal_force.sum()) & (model.cohesion > 0.0)
+    area = model.control_area
+    return float(area[idle].sum() / max(float(area[bonded].sum()), 1e-300))
+
+
+def _parallel_note(design: WedgeDesign, apart: float) -> str:
+    """How far one degree of one joint moves the line of intersection."""
+    first, second = design.joints
+    normals = second.normal()
+    line = np.cross(first.normal(), normals)
+    moved = 0.0
+    for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
+        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
+        sizes = math.sqrt(float(line @ line) * float(other @ other))
+        if sizes > 0.0:
+            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
+    return (
+        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
+    )

@@ -1,0 +1,193 @@
+"""Orientations: planes as dip / dip direction, lines as trend / plunge, both in words.
+
+Frame: x east, y north, z up. Angles are degrees, dips below the horizontal, directions clockwise from north.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.errors import DesignError, Fault
+
+_COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
+_PAIR = re.compile(r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$")
+_QUADRANT = re.compile(r"^\s*[NSns]\s*\d+(\.\d+)?\s*[°]?\s*[EWew]|\d\s*[NESWnesw]{1,2}\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """The orientation of a plane: dip and dip direction in degrees.
+
+    >>> print(Plane(45, 115).in_words())
+    dips 45° toward 115 (ESE), strike 025
+    """
+
+    dip_deg: float
+    dip_direction_deg: float
+
+    def normal(self) -> Floats:
+        """Upward unit normal, shape (3,): (sin β sin α, sin β cos α, cos β)."""
+        normal: Floats = normals(np.array([self.dip_deg]), np.array([self.dip_direction_deg]))[0]
+        return normal
+
+    def in_words(self) -> str:
+        """The plane as an engineer would say it; the strike (right-hand rule) only as an echo."""
+        strike = (self.dip_direction_deg - 90.0) % 360.0
+        return (
+            f"dips {number(self.dip_deg)}° toward {bearing(self.dip_direction_deg)} "
+            f"({compass_point(self.dip_direction_deg)}), strike {bearing(strike)}"
+        )
+
+    def __str__(self) -> str:
+        return f"{number(self.dip_deg)}/{bearing(self.dip_direction_deg)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The orientation of a line: trend and plunge in degrees, plunge positive downward.
+
+    >>> Line(180.0, 22.9).vector().round(4).tolist()
+    [0.0, -0.9212, -0.3891]
+    """
+
+    trend_deg: float
+    plunge_deg: float
+
+    def vector(self) -> Floats:
+        """Unit vector (east, north, up), shape (3,)."""
+        trend, plunge = math.radians(self.trend_deg), math.radians(self.plunge_deg)
+        horizontal = math.cos(plunge)
+        return np.array([math.sin(trend) * horizontal, math.cos(trend) * horizontal, -math.sin(plunge)])
+
+    def __str__(self) -> str:
+        return f"{bearing(self.trend_deg)}/{self.plunge_deg:.1f}"
+
+
+def normals(dip_deg: Floats, dip_direction_deg: Floats) -> Floats:
+    """Upward unit normals of planes.
+
+    Parameters
+    ----------
+    dip_deg, dip_direction_deg : (...) arrays, degrees
+
+    Returns
+    -------
+    (..., 3) array
+
+    Source: METHOD.md §1; Wyllie & Mah (2004), appendix I.
+
+    >>> normals(np.array([0.0, 90.0]), np.array([0.0, 90.0])).round(12).tolist()
+    [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
+    """
+    dip, direction = np.radians(dip_deg), np.radians(dip_direction_deg)
+    sine = np.sin(dip)
+    return np.stack([sine * np.sin(direction), sine * np.cos(direction), np.cos(dip)], axis=-1)
+
+
+def line_of(vector: Floats) -> Line:
+    """Trend and plunge of a vector as it points (upward vectors get a negative plunge).
+
+    >>> line_of(np.array([0.0, -1.0, -1.0]))
+    Line(trend_deg=180.0, plunge_deg=45.0)
+    """
+    east, north, up = (float(component) for component in vector)
+    trend = math.degrees(math.atan2(east, north)) % 360.0
+    return Line(trend, math.degrees(math.atan2(-up, math.hypot(east, north))))
+
+
+def downward(vector: Floats) -> Floats:
+    """The vector or its opposite, whichever plunges; a horizontal one is returned as it is."""
+    return -vector if vector[2] > 0.0 else vector
+
+
+def number(value: float) -> str:
+    """A number without needless zeros: 45, 12.5, 0.02.
+
+    >>> number(45.0), number(12.5)
+    ('45', '12.5')
+    """
+    return f"{value:.10g}"
+
+
+def bearing(degrees: float) -> str:
+    """A direction in three digits, decimals only where there are any.
+
+    >>> bearing(25.0), bearing(179.9)
+    ('025', '179.9')
+    """
+    whole, _, decimals = number(degrees % 360.0 if degrees != 360.0 else 360.0).partition(".")
+    return whole.zfill(3) + (f".{decimals}" if decimals else "")
+
+
+def compass_point(degrees: float) -> str:
+    """The nearest of the sixteen compass points.
+
+    >>> compass_point(115)
+    'ESE'
+    """
+    return _COMPASS[round((degrees % 360.0) / 22.5) % 16]
+
+
+def parse_plane(value: object, name: str, where: str = "") -> Plane:
+    """Read `45/115`, a (dip, dip direction) pair or a `Plane`, and refuse what cannot be one.
+
+    Raises
+    ------
+    DesignError
+        E101 dip, E102 dip direction out of range, E103 the two look swapped, E104 not dip/dip direction
+        (strike notation among them), E105 not a finite number.
+    """
+    if isinstance(value, Plane):
+        value = (value.dip_deg, value.dip_direction_deg)
+    where = where or f"{name} = {value}"
+    if isinstance(value, str):
+        match = _PAIR.match(value)
+        if match is None:
+            raise DesignError([_not_a_plane(value, name, where)])
+        parts: tuple[object, ...] = match.groups()
+    elif isinstance(value, list | tuple | np.ndarray) and len(value) == 2:
+        parts = tuple(value)
+    else:
+        raise DesignError([_not_a_plane(value, name, where)])
+    numbers = []
+    for part in parts:
+        try:
+            numbers.append(float(str(part).rstrip("°")))
+        except ValueError:
+            raise DesignError([_not_a_plane(value, name, where)]) from None
+    return _checked_plane(numbers[0], numbers[1], name, where)
+
+
+def _checked_plane(dip: float, direction: float, name: str, where: str) -> Plane:
+    if not (math.isfinite(dip) and math.isfinite(direction)):
+        raise DesignError([Fault("E105", f"orientation of {name} is not a finite number", where)])
+    if not 0.0 <= dip <= 90.0:
+        if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0:
+            advice = f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}?"
+            message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
+            raise DesignError([Fault("E103", message, where, advice)])
+        advice = ""
+        if 90.0 < dip <= 180.0:
+            meant = Plane(180.0 - dip, (direction + 180.0) % 360.0)
+            advice = f"A plane that dips {number(dip)}° toward {bearing(direction)} is written {meant}."
+        message = f"dip of {name} is {number(dip)}, a dip lies between 0 and 90"
+        raise DesignError([Fault("E101", message, where, advice)])
+    if not 0.0 <= direction <= 360.0:
+        message = f"dip direction of {name} is {number(direction)}, a direction lies between 0 and 360"
+        advice = f"{number(direction)} is the same direction as {bearing(direction % 360.0)}."
+        raise DesignError([Fault("E102", message, where, advice)])
+    return Plane(dip, direction)
+
+
+def _not_a_plane(value: object, name: str, where: str) -> Fault:
+    text = str(value)
+    message = f"{name} is {text!r}, a plane is written dip/dip direction, for example 45/115"
+    advice = ""
+    if _QUADRANT.search(text) or "strike" in text.lower():
+        advice = (
+            "This looks like a strike. slopekit takes no strikes: dip direction = strike + 90 by the right-hand rule."
+        )
+    return Fault("E104", message, where, advice)

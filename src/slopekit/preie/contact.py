@@ -1,0 +1,140 @@
+"""The contact law of a node pair: modes, stiffness, strength and its reduction (Tables 1 and 2, eqs. 31-33).
+
+Tractions are compression positive, openings positive; all arrays run over the node pairs.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints
+
+
+class ContactMode(IntEnum):
+    """Contact modes of Table 1; a pair in SLIP or DEBOND has failed."""
+
+    STICK = 0
+    SLIP = 1
+    DEBOND = 2
+
+
+@dataclass(frozen=True, slots=True)
+class CloughDuncan:
+    """Clough and Duncan's hyperbola (eq. 31) with the paper's parameters.
+
+    The printed k = k₁ γ_w (σ_n/P_a)ⁿ (1 - R_f τ/(σ_n tan φ₁))² is the tangent of the hyperbola
+    τ = s / (1/K + R_f s/(σ_n tan φ₁)), K = k₁ γ_w (σ_n/P_a)ⁿ: the law is integrated, not stepped.
+    `floor_kpa` keeps K from vanishing with the normal traction.
+    """
+
+    modulus_number: float = 4800.0
+    exponent: float = 0.56
+    failure_ratio: float = 0.74
+    friction_angle_deg: float = 36.0
+    water_unit_weight: float = 9.81
+    atmospheric_kpa: float = 101.325
+    floor_kpa: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class JointStiffness:
+    """k_zz of closed pairs and of debonded ones, and the tangential law (a constant k, or Clough-Duncan); kN/m³."""
+
+    normal: float = 1.0e7
+    debonded: float = 10.0
+    tangential: float | CloughDuncan = CloughDuncan()
+
+
+@dataclass(frozen=True, slots=True)
+class Tractions:
+    """Tractions (n, 3) on the plus side in kPa, their slopes (n, 3, 3) by displacement, and the modes (n,)."""
+
+    tractions: Floats
+    slopes: Floats
+    modes: Ints
+
+
+def tractions(
+    relative: Floats,
+    stiffness: JointStiffness,
+    cohesion: Floats,
+    tan_friction: Floats,
+    tan_dilation: Floats,
+    tension: Floats,
+    reduction: float,
+    debonded: Bools,
+) -> Tractions:
+    """Tractions of node pairs at their relative displacement.
+
+    Parameters
+    ----------
+    relative : (n, 3) m; opening, and two tangents
+    cohesion, tension : (n,) kPa; tan_friction, tan_dilation : (n,); all at full strength
+    reduction : strength reduction factor F; c, tan φ and σ_t are divided by it (eqs. 32, 33)
+    debonded : (n,) pairs that have debonded before: they have no tension and no cohesion until they close again
+    """
+    k_n = stiffness.normal
+    opening, tangential = relative[:, 0], relative[:, 1:]
+    slip = np.sqrt((tangential * tangential).sum(axis=1))
+    away = np.where(slip > 0.0, slip, 1.0)
+    direction = tangential / away[:, None]
+    mu = tan_friction / reduction
+    psi = np.minimum(tan_dilation, mu)
+    c = cohesion / reduction
+    limit = np.where(debonded, 0.0, tension / reduction)
+
+    normal = -k_n * opening
+    shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), stiffness.tangential)
+    strength = np.maximum(c + mu * normal, 0.0)
+    yields = shear > strength
+    if psi.any():  # dilation: plastic slip closes the joint, N = -k (δ - ψ s_p) with s_p = s - strength / (τ / s)
+        give = np.where(yields, shear / away, 1.0)
+        plastic = np.where(yields, slip - strength / give, 0.0)
+        normal = np.where(yields, (normal + k_n * psi * (slip - c / give)) / (1.0 + k_n * psi * mu / give), normal)
+        strength = np.maximum(c + mu * normal, 0.0)
+        yields &= plastic > 0.0
+    open_: Bools = normal < -limit
+    force = np.where(yields, strength, shear)
+    slope_slip = np.where(yields, 0.0, by_slip)
+    slope_normal = np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal)
+    normal_by_opening = np.where(open_, -stiffness.debonded, -k_n)
+    if psi.any():
+        give = np.where(yields, shear / away, 1.0)
+        factor = np.where(yields & ~open_, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
+        normal_by_opening = normal_by_opening * factor
+        normal_by_slip = np.where(yields & ~open_, k_n * psi * factor, 0.0)
+    else:
+        normal_by_slip = np.zeros_like(slip)
+    normal = np.where(open_, -stiffness.debonded * opening, normal)
+    force = np.where(open_, 0.0, force)
+    slope_slip = np.where(open_, 0.0, slope_slip + slope_normal * normal_by_slip)
+    slope_normal = np.where(open_, 0.0, slope_normal)
+    secant = np.where(open_, 0.0, np.where(slip > 0.0, force / away, by_slip))
+
+    out = np.empty_like(relative)
+    out[:, 0], out[:, 1:] = normal, -force[:, None] * direction
+    slopes = np.zeros((len(slip), 3, 3))
+    slopes[:, 0, 0] = normal_by_opening
+    slopes[:, 0, 1:] = normal_by_slip[:, None] * direction
+    slopes[:, 1:, 0] = -(slope_normal * normal_by_opening)[:, None] * direction
+    across = direction[:, :, None] * direction[:, None, :]
+    slopes[:, 1:, 1:] = -secant[:, None, None] * (np.eye(2) - across) - slope_slip[:, None, None] * across
+    modes = np.where(open_, ContactMode.DEBOND, np.where(yields, ContactMode.SLIP, ContactMode.STICK))
+    return Tractions(out, slopes, modes.astype(np.int64))
+
+
+def _tangential(slip: Floats, normal: Floats, law: float | CloughDuncan) -> tuple[Floats, Floats, Floats]:
+    """Elastic shear traction at a slip and a normal traction, and its slopes by both."""
+    if not isinstance(law, CloughDuncan):
+        return law * slip, np.full_like(slip, law), np.zeros_like(slip)
+    pressed = np.maximum(normal, law.floor_kpa)
+    initial = law.modulus_number * law.water_unit_weight * (pressed / law.atmospheric_kpa) ** law.exponent
+    ceiling = pressed * np.tan(np.radians(law.friction_angle_deg)) / law.failure_ratio
+    bend = 1.0 / (1.0 + initial * slip / ceiling)
+    shear = initial * slip * bend
+    above = normal > law.floor_kpa
+    by_normal = np.where(
+        above, bend * bend * law.exponent * initial * slip / pressed + (shear / ceiling) ** 2 * ceiling / pressed, 0.0
+    )
+    return shear, initial * bend * bend, by_normal

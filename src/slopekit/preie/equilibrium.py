@@ -1,0 +1,180 @@
+"""Equilibrium at one strength reduction factor: Bᵀ f(B γ) + P = 0, six unknowns a block, by Newton's method.
+
+The law is taken in total displacements: the strength is first more than enough, then brought down to the factor
+asked for in steps, so that Newton starts near its answer and pairs fail in the order in which the paper's
+increments fail them. Where no step leads on, the blocks do not stand: that is an answer (`stands` is false).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, tractions
+from slopekit.preie.model import Model
+
+_TOLERANCE = 1e-9
+_MOST_STEPS = 50
+_MOST_RELEASES = 30
+_SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibrium:
+    """The state of a model at one strength reduction factor.
+
+    Attributes
+    ----------
+    stands : whether forces and moments balance
+    factor : the strength reduction factor
+    displacement : (u,) m and radians, of the block's centroid
+    forces : (n, 3) kN at the node pairs; modes : (n,) ContactMode
+    residual : largest unbalanced generalised force in parts of the load
+    steps : Newton steps
+    """
+
+    stands: bool
+    factor: float
+    displacement: Floats
+    forces: Floats
+    modes: Ints
+    residual: float
+    steps: int
+    scaled: Floats
+    debonded: Bools
+
+    @property
+    def failed_pairs(self) -> int:
+        """Number of pairs that slip or have debonded."""
+        return int((self.modes != ContactMode.STICK).sum())
+
+
+@dataclass(frozen=True, slots=True)
+class _Physical:
+    """What the contact law needs in kPa and m, from the scaled model."""
+
+    cohesion: Floats
+    tension: Floats
+    area: Floats
+
+    @staticmethod
+    def of(model: Model) -> "_Physical":
+        area = model.control_area * model.area_scale
+        per_area = model.force_scale / area
+        return _Physical(model.cohesion * per_area, model.tension * per_area, area)
+
+
+def equilibrium(
+    model: Model, factor: float, stiffness: JointStiffness, start: Equilibrium | None = None,
+    until_all_failed: bool = False,
+) -> Equilibrium:  # fmt: skip
+    """Bring the strength down to 1/factor of itself and find where the blocks come to rest.
+
+    Parameters
+    ----------
+    factor : strength reduction factor F > 0
+    start : an equilibrium at a smaller factor to go on from
+    until_all_failed : stop at the first state on the way in which no pair sticks
+    """
+    physical = _Physical.of(model)
+    if start is None or not start.stands or start.factor > factor:
+        none: Bools = np.zeros(len(model.control_area), dtype=bool)
+        here = min(1e-3, factor * 1e-3)
+        # first guess: springs in all directions, the normal ones' stiffness
+        spring = np.repeat(physical.area, 3)[:, None] * model.flat_rows * (stiffness.normal / model.force_scale)
+        guess = np.asarray(np.linalg.solve(model.flat_rows.T @ spring, model.load), dtype=np.float64)
+        state = _settle(model, physical, here, stiffness, guess, none)
+        if not state.stands:
+            return state
+    else:
+        state = start
+    steps = state.steps
+    stride = math.log(factor / state.factor) if state.factor < factor else 0.0
+    remaining = stride
+    while remaining > 0.0:
+        target = factor if stride >= remaining else state.factor * math.exp(stride)
+        trial = _settle(model, physical, target, stiffness, state.scaled, state.debonded)
+        steps += trial.steps
+        if trial.stands:
+            state = trial
+            if until_all_failed and state.failed_pairs == len(state.modes):
+                break
+            remaining = math.log(factor / state.factor) if target != factor else 0.0
+            stride *= 2.0
+        else:
+            stride = min(stride, remaining) / 3.0
+            if stride < _SMALLEST_STEP:
+                return _with_steps(trial, steps, factor)
+    return _with_steps(state, steps, state.factor if remaining > 0.0 else factor)
+
+
+def _with_steps(state: Equilibrium, steps: int, factor: float) -> Equilibrium:
+    return Equilibrium(
+        state.stands, factor, state.displacement, state.forces, state.modes, state.residual, steps, state.scaled,
+        state.debonded,
+    )  # fmt: skip
+
+
+def _settle(
+    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools
+) -> Equilibrium:
+    """Newton until the forces balance, again while pairs debond or close again (Table 2)."""
+    scaled, steps = start, 0
+    toggles = np.zeros(len(debonded), dtype=np.int64)
+    for _ in range(_MOST_RELEASES):
+        scaled, law, residual, used = _newton(model, physical, factor, stiffness, scaled, debonded)
+        steps += used
+        now: Bools = law.modes == ContactMode.DEBOND
+        settled = now | (debonded & (toggles > 2))
+        if residual > _TOLERANCE or (settled == debonded).all() or not (model.tension.any() or model.cohesion.any()):
+            break
+        toggles += settled != debonded
+        debonded = settled
+    forces = law.tractions * physical.area[:, None]
+    to_metres = np.concatenate([np.full(3, model.length_scale), np.ones(model.unknowns - 3)])
+    return Equilibrium(
+        residual <= _TOLERANCE, factor, scaled * to_metres, forces, law.modes, residual, steps, scaled, debonded
+    )
+
+
+def _newton(
+    model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
+) -> tuple[Floats, Tractions, float, int]:
+    bolts = model.bolt_capacity / factor
+    weight = physical.area / model.force_scale
+
+    def unbalanced(at: Floats) -> tuple[Floats, Tractions]:
+        relative = model.relative(at) * model.length_scale
+        law = tractions(
+            relative, stiffness, np.where(debonded, 0.0, physical.cohesion), model.tan_friction, model.tan_dilation,
+            physical.tension, factor, debonded,
+        )  # fmt: skip
+        out = (law.tractions * weight[:, None]).ravel() @ model.flat_rows + model.load
+        if len(bolts):
+            out = out + (bolts * (model.bolt_rows @ at < 0.0)) @ model.bolt_rows
+        return out, law
+
+    out, law = unbalanced(scaled)
+    size = float(np.abs(out).max())
+    steps = 0
+    while size > _TOLERANCE * 1e-3 and steps < _MOST_STEPS:
+        slopes = law.slopes * (weight * model.length_scale)[:, None, None]
+        matrix = model.flat_rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
+        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+        try:
+            step = -np.linalg.solve(matrix * unit, out) * unit
+        except np.linalg.LinAlgError:
+            break
+        steps += 1
+        length = 1.0
+        while length > 1e-4:
+            after, law_after = unbalanced(scaled + length * step)
+            size_after = float(np.abs(after).max())
+            if size_after < size * (1.0 - 0.1 * length):
+                break
+            length *= 0.5
+        else:
+            break
+        scaled, out, law, size = scaled + length * step, after, law_after, size_after
+    return scaled, law, size, steps

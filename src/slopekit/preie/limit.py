@@ -1,0 +1,214 @@
+"""The limit factor of safety: the largest F at which the blocks still stand when slip does not dilate the joints.
+
+Three steps, each only where the one before does not settle it:
+
+1. every pair closed, every bond whole: `intact_limit_state`, exact;
+2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
+   pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
+3. passes: friction frozen at the normal forces of the last pass, the cheapest mechanism of a convex program, new
+   normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
+   again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
+
+Turning may lower the limit below what the forces alone give, and then governs. Where turning wedges the block and
+would raise it, the forces alone stand: no credit is taken for an arrangement that only moments hold together.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.preie.limit_state import LimitState, elastic_displacement, intact_limit_state, settled_limit_state
+from slopekit.preie.linear import nonnegative_least_squares
+from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
+from slopekit.preie.model import Model
+
+_OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
+_MOST_PASSES = 200
+_MOST_RELEASES = 2
+_MOMENTS = 1e-7  # a limit lower than that of the forces alone by more than this part is governed by moments
+_NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
+
+
+class Outcome(Enum):
+    """How a limit analysis ended; every one of them is an answer but the last."""
+
+    SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
+    NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
+    LIFTED = "the loads pull the blocks off every joint"
+    NO_DRIVING_FORCE = "nothing drives the blocks: they stand without strength"
+    NOT_CONVERGED = "the passes did not settle"
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A limit factor with its evidence.
+
+    Attributes
+    ----------
+    outcome : how it ended
+    factor : F, None unless something slides or turns
+    velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
+    passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
+    """
+
+    outcome: Outcome
+    factor: float | None
+    velocity: Floats
+    normal_force: Floats
+    bond: Floats
+    passes: int
+    steps: int
+    change: float
+
+
+@dataclass(frozen=True, slots=True)
+class LimitAnalysis:
+    """The limit with turning and that of the forces alone (None where the first step settled both)."""
+
+    governing: Limit
+    forces_only: Limit
+    with_turning: Limit
+    moments_govern: bool
+
+
+def limit_analysis(model: Model) -> LimitAnalysis:
+    """The limit factor of one block, and whether moments govern it."""
+    if not model.dilates:
+        state = intact_limit_state(model)
+        if state is not None:
+            limit = _exact(state, np.ones(len(model.control_area)), 0)
+            return LimitAnalysis(limit, limit, limit, False)
+    alone = forces_only_limit(model)
+    if alone.outcome is Outcome.LIFTED:
+        return LimitAnalysis(alone, alone, alone, False)
+    if alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model):
+        return LimitAnalysis(alone, alone, alone, False)
+    if alone.factor == 0.0:
+        return LimitAnalysis(alone, alone, alone, False)
+    start = np.concatenate([alone.velocity, np.zeros(model.unknowns - 3)])
+    turning = _passes(model, start, alone.normal_force, alone.bond, alone.bond > 0.0)
+    if turning.outcome is Outcome.NO_STRENGTH:
+        return LimitAnalysis(turning, alone, turning, True)
+    if turning.outcome is Outcome.NOT_CONVERGED:
+        return LimitAnalysis(turning, alone, turning, False)
+    assert turning.factor is not None
+    governs = alone.factor is None or turning.factor < alone.factor * (1.0 - _MOMENTS)
+    return LimitAnalysis(turning if governs else _turned(alone, model), alone, turning, governs)
+
+
+def forces_only_limit(model: Model) -> Limit:
+    """The limit of a block that may move but not turn: `model` with three unknowns or its full form."""
+    held = model if model.unknowns == 3 else model.without_rotation()
+    load = held.load
+    normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
+    which = which.ravel()
+    pushes, rest = nonnegative_least_squares(normals.T, -load)
+    pull = -rest
+    speed = math.sqrt(float(pull @ pull))
+    touching = (pushes > 0.0)[which]
+    share = held.control_area / np.bincount(which, held.control_area)[which]
+    normal_force, bond = pushes[which] * share, touching.astype(np.float64)
+    if speed < 1e-12:
+        return Limit(Outcome.NO_DRIVING_FORCE, None, np.zeros(3), normal_force, bond, 0, 0, 0.0)
+    velocity = pull / speed
+    if not touching.any():
+        return Limit(Outcome.LIFTED, None, velocity, normal_force, bond, 0, 0, 0.0)
+    strength = bond * held.cohesion + held.tan_friction * normal_force
+    resisting = float(strength @ held.slip(velocity))
+    if len(held.bolt_capacity) or held.dilates:
+        may_bond: Bools = np.ones(len(bond), dtype=bool)
+        return _passes(held, velocity, normal_force, np.ones(len(bond)) if len(held.bolt_capacity) else bond, may_bond)
+    return Limit(Outcome.SLIDES, resisting / speed, velocity, normal_force, bond, 0, 0, 0.0)
+
+
+def _turned(limit: Limit, model: Model) -> Limit:
+    """The forces-only limit with its velocity in the full model's unknowns."""
+    velocity = np.concatenate([limit.velocity, np.zeros(model.unknowns - len(limit.velocity))])
+    return Limit(
+        limit.outcome, limit.factor, velocity, limit.normal_force, limit.bond, limit.passes, limit.steps, limit.change
+    )
+
+
+def _exact(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
+    factor = 1.0 / state.reduction
+    normal = np.maximum(state.normal_force, 0.0)
+    return Limit(Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0)
+
+
+def _stands_without_strength(model: Model) -> bool:
+    """Whether pushes on the joints alone balance the forces and the moments."""
+    _, rest = nonnegative_least_squares(model.normal_rows.T, -model.load)
+    return float(np.abs(rest).max()) < 1e-12
+
+
+def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
+    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all."""
+    releases = np.where(may_bond, 0, _MOST_RELEASES)
+    friction = bond * model.cohesion + model.tan_friction * normal_force
+    if not float(velocity @ model.load) > 0.0:
+        velocity = model.load.copy()
+    stages, weight = COLD, 1.0
+    last: Floats | None = None
+    factor_before, calm, quiet, steps = math.inf, 0, 0, 0
+    factor = math.inf
+    for count in range(1, _MOST_PASSES + 1):
+        total = float(friction.sum() + model.bolt_capacity.sum())
+        if total < _NOTHING * _NOTHING:
+            return Limit(Outcome.NO_STRENGTH, None, velocity, normal_force, bond, count, steps, 0.0)
+        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / factor if factor < math.inf else 0.0)
+        found = cheapest_mechanism(
+            model, friction, tan_dilation, velocity, np.zeros(model.unknowns), model.load, model.bolt_capacity, stages
+        )
+        velocity, factor, stages, steps = found.velocity, found.load_factor, WARM, steps + found.steps
+        if not factor > _NOTHING * total:
+            return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
+        normal_force = found.normal_force / factor
+        bond_before, bond, releases = bond, *_release(model, velocity, tan_dilation, bond, releases)
+        renewed = bond * model.cohesion + model.tan_friction * normal_force
+        excess = renewed - friction
+        change = float(np.abs(excess).sum()) / total
+        if (bond != bond_before).any():
+            friction, last, calm, quiet, weight, factor_before = renewed, None, 0, 0, 1.0, math.inf
+            continue
+        calm += 1
+        settled_factor = abs(factor - factor_before) / factor
+        quiet = quiet + 1 if settled_factor < 1e-7 and change < 1e-3 else 0
+        if change < 1e-7 or quiet >= 3:
+            return Limit(Outcome.SLIDES, factor, _unit(velocity), normal_force, bond, count, steps, settled_factor)
+        factor_before = factor
+        if not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
+            state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
+            if state is not None and abs(math.log(state.reduction * factor)) < 0.3:
+                opened = (model.normal_rows @ state.velocity > _OPENS) & (bond > 0.0)
+                if not opened.any():
+                    return _exact(state, bond, count, steps)
+        if last is not None:
+            turn = excess - last
+            weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
+            weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
+            if calm > 30:  # averaging: slow, but it ends oscillations
+                weight = max(2.0 / (calm - 28), 0.03)
+        last = excess
+        friction = np.maximum(friction + weight * excess, 0.0)
+    return Limit(Outcome.NOT_CONVERGED, None, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
+
+
+def _release(
+    model: Model, velocity: Floats, tan_dilation: Floats, bond: Floats, releases: Floats
+) -> tuple[Floats, Floats]:
+    """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
+    motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    opened = motion - tan_dilation * slip > _OPENS * max(float(slip.max()), float(motion.max()))
+    renewed = np.where(opened | (releases >= _MOST_RELEASES), 0.0, 1.0)
+    return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
+
+
+def _unit(vector: Floats) -> Floats:
+    unit: Floats = vector / math.sqrt(float(vector @ vector))
+    return unit
+
+
+__all__ = ["Limit", "LimitAnalysis", "Outcome", "elastic_displacement", "forces_only_limit", "limit_analysis"]

@@ -1,0 +1,204 @@
+"""The limit state at infinite slip, exact: Newton's method once it is known which pairs touch, slip and stick.
+
+Where slip does not dilate the joints, a block that slides for ever keeps its closed pairs closed: its velocity v
+lies in the null space Z of their normals. The normal forces come from an elastic displacement g in the rest Y of the
+space, however small the springs' give: N = -a B_n Y g. With λ = 1/F the unknowns are the direction of v within Z, g
+and λ: as many as the block has, and one.
+
+    Bᵀ f + P + λ P_bolts = 0,    f_n = N,    f_t = -λ (χ c A + N tan φ) v_t / |v_t|,    |v| = 1
+
+χ is 0 for pairs that have lost their cohesion. Hinges (closed pairs that do not slip) are springs in all directions.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.preie.linear import split_space
+from slopekit.preie.model import Model
+
+_EYE2 = np.eye(2)
+_MOST_STEPS = 30
+_MOST_CHANGES = 12
+_LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
+
+
+@dataclass(frozen=True, slots=True)
+class LimitState:
+    """An equilibrium at the limit.
+
+    Attributes
+    ----------
+    reduction : λ = 1/F
+    normal_force : (n,); velocity : (u,) of unit length; displacement : (u,) elastic
+    forces : (n, 3) normal and two tangents, at the reduced strength
+    residual : largest unbalanced generalised force in parts of the load
+    steps : Newton steps
+    """
+
+    reduction: float
+    normal_force: Floats
+    velocity: Floats
+    displacement: Floats
+    forces: Floats
+    residual: float
+    steps: int
+
+
+def elastic_displacement(model: Model) -> Floats:
+    """Displacement under the load with every pair bonded, springs of stiffness a in all directions: (u,)."""
+    weighted = np.repeat(model.control_area, 3)[:, None] * model.flat_rows
+    return np.asarray(np.linalg.solve(model.flat_rows.T @ weighted, model.load), dtype=np.float64)
+
+
+def intact_limit_state(model: Model) -> LimitState | None:
+    """The limit state with every pair closed and every cohesion whole, or None where there is no such state.
+
+    This is the whole answer for a wedge that slides on both its joints and presses on all of both.
+    """
+    closed: Bools = np.ones(len(model.control_area), dtype=bool)
+    free, _ = split_space(model.normal_rows)
+    along = free.T @ model.load
+    pull = float(np.sqrt(along @ along))
+    if free.shape[1] == 0 or pull < 1e-12:
+        return None
+    displacement = elastic_displacement(model)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ displacement), 0.0)
+    strength = float((model.cohesion + model.tan_friction * normal).sum() + model.bolt_capacity.sum())
+    if strength < 1e-14:
+        return None
+    state = limit_state(
+        model, free @ along, pull / strength, closed, ~closed, np.ones(len(closed)), displacement=displacement
+    )
+    if state is None or state.reduction <= 0.0 or state.normal_force.min() < 0.0:
+        return None
+    return state
+
+
+def settled_limit_state(
+    model: Model, velocity: Floats, reduction: float, normal_force: Floats, bond: Floats
+) -> LimitState | None:
+    """Polish an approximate mechanism: pairs pulled apart are let go, pairs pushed together are closed.
+
+    Parameters
+    ----------
+    velocity, reduction, normal_force : from the passes of `limit`
+    bond : (n,) χ
+
+    Returns
+    -------
+    The limit state, or None where the contact modes do not settle.
+    """
+    velocity = velocity / float(np.sqrt(velocity @ velocity))
+    slip = model.slip(velocity)
+    total = float(normal_force.sum())
+    closed: Bools = normal_force > 1e-6 * total
+    for _ in range(_MOST_CHANGES):
+        if not closed.any():
+            return None
+        state = limit_state(model, velocity, reduction, closed, closed & (slip < 1e-4 * slip.max()), bond)
+        if state is None or state.reduction <= 0.0:
+            return None
+        opening = model.normal_rows @ state.velocity
+        pulled = closed & (state.normal_force < -1e-10 * np.abs(state.normal_force).sum())
+        pushed = ~closed & (opening < -1e-8)
+        if not pulled.any() and not pushed.any():
+            # pairs that the mechanism leaves at rest must be open in the elastic displacement
+            pushed = ~closed & (np.abs(opening) <= 1e-8) & (model.normal_rows @ state.displacement < -1e-12)
+            if not pushed.any():
+                return state
+        closed = (closed & ~pulled) | pushed
+    return None
+
+
+def limit_state(
+    model: Model, velocity: Floats, reduction: float, closed: Bools, hinged: Bools, bond: Floats,
+    displacement: Floats | None = None,
+) -> LimitState | None:  # fmt: skip
+    """Newton's method for given contact modes; None where it does not converge.
+
+    Parameters
+    ----------
+    velocity, reduction : where to start
+    closed : (n,) pairs that carry normal force; hinged : (n,) those of them that do not slip
+    bond : (n,) χ
+    """
+    unknowns = model.unknowns
+    sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
+    hinges = np.flatnonzero(hinged)
+    if len(sliding) == 0:
+        return None
+    normal_rows = model.normal_rows
+    free, rest = split_space(np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2))]))
+    count = free.shape[1]
+    if count == 0:
+        return None
+    along = free.T @ velocity
+    length = float(np.sqrt(along @ along))
+    if length < 1e-6:
+        return None
+    elastic = np.zeros(unknowns - count) if displacement is None else rest.T @ displacement
+    rows = model.rows[sliding].reshape(-1, unknowns)
+    slip_rows = model.rows[sliding, 1:, :] @ free
+    springs = -(model.control_area * closed)[sliding, None] * (normal_rows[sliding] @ rest)
+    hinge_rows = model.rows[hinges].reshape(-1, unknowns)
+    hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (hinge_rows @ rest)
+    tan_friction, cohesion = model.tan_friction[sliding], (model.cohesion * bond)[sliding]
+    drawn = -model.bolt_rows @ (free @ along) > 0.0
+    bolts = (model.bolt_capacity * drawn) @ model.bolt_rows
+
+    along = along / length
+    matrix = np.zeros((unknowns + 1, unknowns + 1))
+    forces = np.empty((len(sliding), 3))
+    slope = np.empty((len(sliding), 3, unknowns + 1))
+    scale = 1.0
+    for steps in range(_MOST_STEPS):
+        tangential = slip_rows @ along
+        size = np.sqrt((tangential * tangential).sum(axis=1))
+        if size.min() <= 1e-14:
+            return None
+        direction = tangential / size[:, None]
+        normal = springs @ elastic
+        strength = cohesion + tan_friction * normal
+        forces[:, 0] = normal
+        forces[:, 1:] = (-reduction * strength)[:, None] * direction
+        hinge_forces = hinge_springs @ elastic
+        out = forces.ravel() @ rows + hinge_forces @ hinge_rows + model.load + reduction * bolts
+        norm = (float(along @ along) - 1.0) / 2.0
+        scale = 1.0 + abs(reduction) * float(np.abs(strength).sum())
+        residual = float(np.abs(out).max())
+        if steps and max(residual, abs(norm)) < 1e-13 * scale:
+            break
+        turning = (_EYE2 - direction[:, :, None] * direction[:, None, :]) * (-reduction * strength / size)[
+            :, None, None
+        ]
+        slope[:, 0, :count] = 0.0
+        slope[:, 1:, :count] = turning @ slip_rows
+        slope[:, 0, count:unknowns] = springs
+        slope[:, 1:, count:unknowns] = (
+            -direction[:, :, None] * (reduction * tan_friction[:, None] * springs)[:, None, :]
+        )
+        slope[:, 0, unknowns] = 0.0
+        slope[:, 1:, unknowns] = -strength[:, None] * direction
+        matrix[:unknowns] = rows.T @ slope.reshape(-1, unknowns + 1)
+        matrix[:unknowns, count:unknowns] += hinge_rows.T @ hinge_springs
+        matrix[:unknowns, unknowns] += bolts
+        matrix[unknowns, :count] = along
+        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+        try:
+            step = -np.linalg.solve(matrix * unit, np.append(out, norm)) * unit
+        except np.linalg.LinAlgError:
+            return None
+        along = along + step[:count]
+        elastic = elastic + step[count:unknowns]
+        reduction = reduction + float(step[unknowns])
+        if not np.abs(step).max() < _LOST:
+            return None
+    else:
+        if residual > 1e-9 * scale:
+            return None
+    all_forces = np.zeros((len(closed), 3))
+    all_forces[sliding] = forces
+    all_forces[hinges] = hinge_forces.reshape(-1, 3)
+    return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, residual, steps)

@@ -1,0 +1,154 @@
+"""The mechanism that costs least: one convex program in the block velocities.
+
+For frozen friction forces r and tan ψ (the tangent of the dilation) it finds
+
+    minimise    Σ r |v_t|  +  Σ T <ė>  +  κ/2 Σ a <tan ψ |v_t| - v_n>²  -  p·v      subject to   q·v = 1,
+
+v_n and v_t the opening and slip of the node pairs, T and ė the passive bolts and how fast they are drawn out. The
+penalty κ keeps the blocks out of each other: its gradient is the normal force. |v_t| is rounded off within
+`rounding` of zero. This is the dual of "the smallest load factor at which admissible forces balance the loads"; one
+block has six unknowns. Newton's method, with a line search on the slope: close to the answer the energy is flat to
+rounding errors long before the forces are exact.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.preie.model import Model
+
+_EYE2 = np.eye(2)
+#: (penalty, rounding, relative residual) from a cold start, and the last of them for a warm one.
+COLD: tuple[tuple[float, float, float], ...] = (
+    (1e1, 1e-1, 1e-2),
+    (1e3, 1e-2, 1e-2),
+    (1e5, 1e-4, 1e-2),
+    (1e7, 1e-6, 1e-8),
+)
+WARM = COLD[-1:]
+_MOST_STEPS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanism:
+    """A velocity (u,) with q·v = 1, its load factor, the normal forces (n,) at that factor, and the steps it took.
+
+    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,).
+    """
+
+    velocity: Floats
+    load_factor: float
+    normal_force: Floats
+    steps: int
+    energy: float
+    slip: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """The program at one velocity."""
+
+    gradient: Floats
+    normal_force: Floats
+    strength: Floats
+    direction: Floats
+    slip: Floats
+    overlap: Floats
+    pull: Floats
+    pull_slope: Floats
+
+
+def cheapest_mechanism(
+    model: Model,
+    friction: Floats,
+    tan_dilation: Floats,
+    start: Floats,
+    load: Floats,
+    normalise: Floats,
+    bolts: Floats,
+    stages: Sequence[tuple[float, float, float]] = COLD,
+) -> Mechanism:
+    """Solve the program of this module.
+
+    Parameters
+    ----------
+    friction : (n,) frozen r
+    tan_dilation : (n,)
+    start : (u,) with q·v not zero
+    load, normalise : (u,) p and q
+    bolts : (b,) T
+    stages : (penalty relative to Σ r, rounding, relative residual) one after the other
+    """
+    velocity = start / float(normalise @ start)
+    steps, factor = 0, 0.0
+    scale = max(float(friction.sum() + bolts.sum()), 1e-12)
+    unknowns = model.unknowns
+    bordered = np.zeros((unknowns + 1, unknowns + 1))
+    for penalty, rounding, residual in stages:
+        kappa = penalty * scale
+        at = _evaluate(model, friction, tan_dilation, velocity, kappa, rounding, load, bolts)
+        for _ in range(_MOST_STEPS):
+            curvature = _curvature(model, at, tan_dilation, kappa)
+            diagonal = np.diag(curvature)
+            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(diagonal.sum()) + 1e-300))
+            bordered[:unknowns, :unknowns] = curvature * unit[:, None] * unit
+            bordered[np.arange(unknowns), np.arange(unknowns)] += 1e-13
+            bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -normalise * unit
+            solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
+            step, factor = solved[:unknowns] * unit, float(solved[unknowns])
+            steps += 1
+            forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
+            if float(np.abs(at.gradient - factor * normalise).max()) < residual * forces:
+                break
+            slope, length = float(at.gradient @ step), 1.0
+            for _ in range(30):
+                after = _evaluate(model, friction, tan_dilation, velocity + length * step, kappa, rounding, load, bolts)
+                slope_after = float(after.gradient @ step)
+                if slope_after <= 0.5 * abs(slope):
+                    break
+                length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
+            velocity, at = velocity + length * step, after
+    energy = float(friction @ at.slip) + 0.5 * kappa * float(model.control_area @ (at.overlap**2))
+    energy += float(at.pull @ np.maximum(-model.bolt_rows @ velocity, 0.0)) - float(load @ velocity)
+    return Mechanism(velocity, factor, at.normal_force, steps, energy, at.slip)
+
+
+def _evaluate(
+    model: Model, friction: Floats, tan_dilation: Floats, velocity: Floats, kappa: float, rounding: float,
+    load: Floats, bolts: Floats,
+) -> _Point:  # fmt: skip
+    motion = model.relative(velocity)
+    tangential = motion[:, 1:]
+    slip = np.sqrt((tangential * tangential).sum(axis=1) + rounding * rounding)
+    overlap = np.maximum(tan_dilation * (slip - rounding) - motion[:, 0], 0.0)
+    direction = tangential / slip[:, None]
+    normal_force = kappa * model.control_area * overlap
+    strength = friction + normal_force * tan_dilation
+    forces = np.empty_like(motion)
+    forces[:, 0] = -normal_force
+    forces[:, 1:] = strength[:, None] * direction
+    gradient = forces.ravel() @ model.flat_rows - load
+    if len(bolts) == 0:
+        return _Point(gradient, normal_force, strength, direction, slip, overlap, bolts, bolts)
+    drawn = -model.bolt_rows @ velocity
+    rounded = np.sqrt(drawn * drawn + rounding * rounding)
+    pull = bolts * 0.5 * (1.0 + drawn / rounded)
+    pull_slope = bolts * 0.5 * rounding * rounding / rounded**3
+    return _Point(gradient - pull @ model.bolt_rows, normal_force, strength, direction, slip, overlap, pull, pull_slope)
+
+
+def _curvature(model: Model, at: _Point, tan_dilation: Floats, kappa: float) -> Floats:
+    touching = np.where(at.overlap > 0.0, kappa * model.control_area, 0.0)
+    across = at.direction[:, :, None] * at.direction[:, None, :]
+    blocks = np.empty((len(touching), 3, 3))
+    blocks[:, 0, 0] = touching
+    dilating = touching * tan_dilation
+    blocks[:, 0, 1:] = blocks[:, 1:, 0] = -dilating[:, None] * at.direction
+    blocks[:, 1:, 1:] = (at.strength / at.slip)[:, None, None] * (_EYE2 - across)
+    blocks[:, 1:, 1:] += (dilating * tan_dilation)[:, None, None] * across
+    curvature: Floats = model.flat_rows.T @ np.matmul(blocks, model.rows).reshape(-1, model.unknowns)
+    if len(at.pull_slope):
+        curvature = curvature + (model.bolt_rows.T * at.pull_slope) @ model.bolt_rows
+    return curvature

@@ -1,0 +1,170 @@
+"""The PRE-IE model of a few rigid blocks as arrays, moved to a local origin and scaled.
+
+Mixed system of the paper (eq. 23) in node-pair forces f and block displacements γ:
+
+    C f - B γ = 0,   Bᵀ f + P = 0,   C = diag(1 / (A k))
+
+As printed, eqs. 24-27 do not have matching dimensions (K_ff carries G_γᵀ Wᵀ in front); the system here comes from
+the functional (19): C is diagonal with lumped control areas, so that f = C⁻¹ B γ and only γ is solved for.
+
+Lengths are divided by the root mean square distance of the node pairs from the centroid, forces by the total load,
+control areas by their sum: a wedge of 1 mm and one of 100 km are the same model.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from slopekit.arrays import Floats, Ints, frozen
+from slopekit.errors import Fault, SolverError
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.loads import Loads
+
+_RIGID_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class JointStrength:
+    """Mohr-Coulomb strength of each interface: (k,) arrays; kPa and tangents.
+
+    Dilation and tension are those of the joint at full strength.
+    """
+
+    cohesion: Floats
+    tan_friction: Floats
+    tan_dilation: Floats
+    tension: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A PRE-IE model in scaled units.
+
+    Attributes
+    ----------
+    rows : (n, 3, u) relative displacement of pair i per unknown; local axes normal, first and second tangent
+    control_area : (n,) parts of the whole; sums to 1
+    cohesion, tension : (n,) strength forces c A and σ_t A, in parts of the load
+    tan_friction, tan_dilation : (n,)
+    interface : (n,) the interface of each pair
+    load : (u,) P; generalised forces of the loads that do not depend on the strength
+    bolt_rows : (b, u) shortening of each passive bolt per unknown; bolt_capacity : (b,) at full strength
+    length_scale : m; force_scale : kN; area_scale : m²; origin : (3,) m
+    """
+
+    rows: Floats
+    control_area: Floats
+    cohesion: Floats
+    tension: Floats
+    tan_friction: Floats
+    tan_dilation: Floats
+    interface: Ints
+    load: Floats
+    bolt_rows: Floats
+    bolt_capacity: Floats
+    length_scale: float
+    force_scale: float
+    area_scale: float
+    origin: Floats
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns u: six a block, three where it may only move without turning."""
+        return int(self.rows.shape[2])
+
+    @property
+    def flat_rows(self) -> Floats:
+        """The rows as a (3n, u) matrix B."""
+        return self.rows.reshape(-1, self.unknowns)
+
+    @property
+    def normal_rows(self) -> Floats:
+        """Normal opening of each pair per unknown, (n, u)."""
+        return self.rows[:, 0, :]
+
+    @property
+    def dilates(self) -> bool:
+        """Whether slip opens any joint."""
+        return bool(self.tan_dilation.any())
+
+    def relative(self, displacement: Floats) -> Floats:
+        """Relative displacement of the pairs, (n, 3): normal (opening positive) and two tangents."""
+        return (self.flat_rows @ displacement).reshape(-1, 3)
+
+    def slip(self, displacement: Floats) -> Floats:
+        """Size of the tangential relative displacement, (n,)."""
+        tangential = self.relative(displacement)[:, 1:]
+        size: Floats = np.sqrt((tangential * tangential).sum(axis=1))
+        return size
+
+    def without_rotation(self) -> "Model":
+        """The same model with its one block held from turning: the forces alone, as closed forms see them."""
+        return replace(
+            self, rows=frozen(self.rows[:, :, :3]), load=frozen(self.load[:3]), bolt_rows=frozen(self.bolt_rows[:, :3])
+        )
+
+
+def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: JointStrength) -> Model:
+    """The model of one block on bedrock.
+
+    Parameters
+    ----------
+    pairs : node pairs of block 0 against the bedrock
+    loads : force and moment about `centroid`
+    strength : indexed by `pairs.interface`
+
+    Raises
+    ------
+    SolverError
+        E502 there is nothing to solve, E503 a rigid translation opens a pair that it should not.
+    """
+    # the sum of all loads' sizes, not the size of their sum: bolts may hold the block in balance
+    force_scale = sum(math.sqrt(float(part @ part)) for part in loads.parts.values())
+    if len(pairs) == 0 or not force_scale > 0.0:
+        raise SolverError([Fault("E502", "the model has no node pairs or no load")])
+    arms = pairs.points - centroid
+    length = math.sqrt(float((arms * arms).sum()) / len(pairs))
+    arms = arms / length
+    axes = local_axes(pairs.normals)
+    rows = np.concatenate([axes, np.cross(arms[:, None, :], axes)], axis=2)
+    opening = rows[:, 0, :3] - pairs.normals
+    if float(np.abs(opening).max()) > _RIGID_TOLERANCE:
+        raise SolverError([Fault("E503", "a rigid translation does not open the node pairs by its normal part")])
+    bolt_arms = (loads.passive_points - centroid) / length
+    bolt_axes = np.concatenate([loads.passive_forces, np.cross(bolt_arms, loads.passive_forces)], axis=1)
+    capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))
+    area = float(pairs.control_areas.sum())
+    per_force = pairs.control_areas / force_scale
+    at = pairs.interface
+    return Model(
+        rows=frozen(rows),
+        control_area=frozen(pairs.control_areas / area),
+        cohesion=frozen(strength.cohesion[at] * per_force),
+        tension=frozen(strength.tension[at] * per_force),
+        tan_friction=frozen(strength.tan_friction[at]),
+        tan_dilation=frozen(strength.tan_dilation[at]),
+        interface=at,
+        load=frozen(np.concatenate([loads.force, loads.moment / length]) / force_scale),
+        bolt_rows=frozen(bolt_axes / capacity[:, None]),
+        bolt_capacity=frozen(capacity / force_scale),
+        length_scale=length,
+        force_scale=force_scale,
+        area_scale=area,
+        origin=centroid,
+    )
+
+
+def local_axes(normals: Floats) -> Floats:
+    """Local axes ξ (normal), η, ζ (tangents) of node pairs: (n, 3) unit normals to (n, 3, 3), one axis a row.
+
+    >>> local_axes(np.array([[0.0, 0.0, 1.0]])).round(12).tolist()
+    [[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]]
+    """
+    other = np.zeros_like(normals)
+    steep = np.abs(normals[:, 0]) > 0.9
+    other[steep, 1], other[~steep, 0] = 1.0, 1.0
+    first = np.cross(normals, other)
+    first /= np.sqrt((first * first).sum(axis=1))[:, None]
+    axes: Floats = np.stack([normals, first, np.cross(normals, first)], axis=1)
+    return axes
