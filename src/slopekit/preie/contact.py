@@ -3,6 +3,7 @@
 Tractions are compression positive, openings positive; all arrays run over the node pairs.
 """
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -72,69 +73,67 @@ def tractions(
     relative : (n, 3) m; opening, and two tangents
     cohesion, tension : (n,) kPa; tan_friction, tan_dilation : (n,); all at full strength
     reduction : strength reduction factor F; c, tan φ and σ_t are divided by it (eqs. 32, 33)
-    debonded : (n,) pairs that have debonded before: they have no tension and no cohesion until they close again
+    debonded : (n,) pairs that have debonded before: they have no tension until they close again
+
+    Joints that dilate take a constant k_t (k₁ γ_w where Clough-Duncan was asked for): on the hyperbola more normal
+    traction would mean less elastic slip, so more dilation, so more normal traction, without end.
     """
     k_n = stiffness.normal
     opening, tangential = relative[:, 0], relative[:, 1:]
     slip = np.sqrt((tangential * tangential).sum(axis=1))
     away = np.where(slip > 0.0, slip, 1.0)
     direction = tangential / away[:, None]
-    mu = tan_friction / reduction
+    mu, c = tan_friction / reduction, cohesion / reduction
     psi = np.minimum(tan_dilation, mu)
-    c = cohesion / reduction
-    limit = np.where(debonded, 0.0, tension / reduction)
+    law = stiffness.tangential
+    give = law.modulus_number * law.water_unit_weight if isinstance(law, CloughDuncan) else law
 
     normal = -k_n * opening
-    shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), stiffness.tangential)
+    open_: Bools = normal < -np.where(debonded, 0.0, tension / reduction)
+    shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), give if psi.any() else law)
     strength = np.maximum(c + mu * normal, 0.0)
-    yields = shear > strength
-    if psi.any():  # dilation: plastic slip closes the joint, N = -k (δ - ψ s_p) with s_p = s - strength / (τ / s)
-        give = np.where(yields, shear / away, 1.0)
-        plastic = np.where(yields, slip - strength / give, 0.0)
-        normal = np.where(yields, (normal + k_n * psi * (slip - c / give)) / (1.0 + k_n * psi * mu / give), normal)
-        strength = np.maximum(c + mu * normal, 0.0)
-        yields &= plastic > 0.0
-    open_: Bools = normal < -limit
-    force = np.where(yields, strength, shear)
-    slope_slip = np.where(yields, 0.0, by_slip)
-    slope_normal = np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal)
-    normal_by_opening = np.where(open_, -stiffness.debonded, -k_n)
+    yields: Bools = (shear > strength) & ~open_
+    softer, lifting = np.ones_like(slip), np.zeros_like(slip)
     if psi.any():
-        give = np.where(yields, shear / away, 1.0)
-        factor = np.where(yields & ~open_, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
-        normal_by_opening = normal_by_opening * factor
-        normal_by_slip = np.where(yields & ~open_, k_n * psi * factor, 0.0)
-    else:
-        normal_by_slip = np.zeros_like(slip)
-    normal = np.where(open_, -stiffness.debonded * opening, normal)
-    force = np.where(open_, 0.0, force)
-    slope_slip = np.where(open_, 0.0, slope_slip + slope_normal * normal_by_slip)
-    slope_normal = np.where(open_, 0.0, slope_normal)
+        # plastic slip closes the joint: σ = σ_elastic + k_n tan ψ (s - strength(σ) / k_t), linear in σ
+        softer = np.where(yields, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
+        lifting = np.where(yields, k_n * psi * softer, 0.0)
+        normal = np.where(yields, (normal + k_n * psi * (slip - c / give)) * softer, normal)
+        strength = np.maximum(c + mu * normal, 0.0)
+    # shear as a function of normal traction and slip: the strength where the pair yields, else the elastic law
+    force = np.where(open_, 0.0, np.where(yields, strength, shear))
+    slope_normal = np.where(open_, 0.0, np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal))
+    slope_slip = np.where(open_ | yields, 0.0, by_slip) + slope_normal * lifting
+    by_opening = np.where(open_, -stiffness.debonded, -k_n * softer)
     secant = np.where(open_, 0.0, np.where(slip > 0.0, force / away, by_slip))
 
     out = np.empty_like(relative)
-    out[:, 0], out[:, 1:] = normal, -force[:, None] * direction
-    slopes = np.zeros((len(slip), 3, 3))
-    slopes[:, 0, 0] = normal_by_opening
-    slopes[:, 0, 1:] = normal_by_slip[:, None] * direction
-    slopes[:, 1:, 0] = -(slope_normal * normal_by_opening)[:, None] * direction
+    out[:, 0] = np.where(open_, -stiffness.debonded * opening, normal)
+    out[:, 1:] = -force[:, None] * direction
+    slopes = np.empty((len(slip), 3, 3))
+    slopes[:, 0, 0] = by_opening
+    slopes[:, 0, 1:] = lifting[:, None] * direction
+    slopes[:, 1:, 0] = -(slope_normal * by_opening)[:, None] * direction
     across = direction[:, :, None] * direction[:, None, :]
     slopes[:, 1:, 1:] = -secant[:, None, None] * (np.eye(2) - across) - slope_slip[:, None, None] * across
     modes = np.where(open_, ContactMode.DEBOND, np.where(yields, ContactMode.SLIP, ContactMode.STICK))
     return Tractions(out, slopes, modes.astype(np.int64))
 
 
+def _hyperbola(normal: Floats, law: CloughDuncan) -> tuple[Floats, Floats, Floats, Bools]:
+    """Initial stiffness and ceiling of Clough and Duncan's hyperbola at a normal traction, kept above the floor."""
+    pressed = np.maximum(normal, law.floor_kpa)
+    initial = law.modulus_number * law.water_unit_weight * (pressed / law.atmospheric_kpa) ** law.exponent
+    ceiling = pressed * math.tan(math.radians(law.friction_angle_deg)) / law.failure_ratio
+    return initial, ceiling, pressed, normal > law.floor_kpa
+
+
 def _tangential(slip: Floats, normal: Floats, law: float | CloughDuncan) -> tuple[Floats, Floats, Floats]:
     """Elastic shear traction at a slip and a normal traction, and its slopes by both."""
     if not isinstance(law, CloughDuncan):
         return law * slip, np.full_like(slip, law), np.zeros_like(slip)
-    pressed = np.maximum(normal, law.floor_kpa)
-    initial = law.modulus_number * law.water_unit_weight * (pressed / law.atmospheric_kpa) ** law.exponent
-    ceiling = pressed * np.tan(np.radians(law.friction_angle_deg)) / law.failure_ratio
+    initial, ceiling, pressed, above = _hyperbola(normal, law)
     bend = 1.0 / (1.0 + initial * slip / ceiling)
     shear = initial * slip * bend
-    above = normal > law.floor_kpa
-    by_normal = np.where(
-        above, bend * bend * law.exponent * initial * slip / pressed + (shear / ceiling) ** 2 * ceiling / pressed, 0.0
-    )
+    by_normal = np.where(above, (bend * bend * law.exponent * initial * slip + shear * shear / ceiling) / pressed, 0.0)
     return shear, initial * bend * bend, by_normal

@@ -103,6 +103,8 @@ def cheapest_mechanism(
             if float(np.abs(at.gradient - factor * normalise).max()) < residual * forces:
                 break
             slope, length = float(at.gradient @ step), 1.0
+            if not slope < 0.0:  # downhill is below rounding: this is the bottom
+                break
             for _ in range(30):
                 after = _evaluate(model, friction, tan_dilation, velocity + length * step, kappa, rounding, load, bolts)
                 slope_after = float(after.gradient @ step)
