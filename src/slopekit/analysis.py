@@ -67,7 +67,7 @@ def analyse_wedge(design: WedgeDesign) -> WedgeResult:
     with clock("bound"):
         bound, proved = None, False
         if limit.factor:
-            found = static_bound(model, _full(limit.velocity, model), limit.factor)
+            found = static_bound(model, limit.velocity_of(model), limit.factor)
             bound, proved = found.factor, found.proved
     stiffness = _stiffness(design)
     with clock("displacements"):
@@ -110,6 +110,18 @@ def analyse_wedge(design: WedgeDesign) -> WedgeResult:
     )  # fmt: skip
 
 
+def prepare(design: WedgeDesign, refine: int) -> "Scene":
+    """The stages before the solver, from a design to its node pairs and its model.
+
+    Parameters
+    ----------
+    refine : how often the triangles of the joints are split in four
+    """
+    rock = _rock_mass(design)
+    block = cut_wedge(rock)
+    return _scene(design, block, _loads(design, rock, block), refine)
+
+
 class _Clock:
     """Times by stage; wall clock, and nothing else depends on it."""
 
@@ -128,7 +140,9 @@ class _Clock:
 
 
 @dataclass(frozen=True, slots=True)
-class _Scene:
+class Scene:
+    """Node pairs and the model made of them."""
+
     pairs: NodePairs
     model: Model
 
@@ -142,18 +156,18 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
     )  # fmt: skip
 
 
-def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> _Scene:
+def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> Scene:
     pairs = node_pairs({joint: block.faces[joint] for joint, _ in JOINTS}, refine)
     strength = JointStrength(
         np.array(design.cohesion_kpa), np.tan(np.radians(design.friction_angle_deg)),
         np.tan(np.radians(design.dilation_deg)), np.array(design.tension_kpa),
     )  # fmt: skip
-    return _Scene(pairs, build_model(pairs, loads, block.centroid, strength))
+    return Scene(pairs, build_model(pairs, loads, block.centroid, strength))
 
 
 def _refine_where_needed(
-    design: WedgeDesign, block: Block, loads: Loads, scene: _Scene, analysis: LimitAnalysis, clock: "_Clock"
-) -> tuple[_Scene, LimitAnalysis, int, float | None]:
+    design: WedgeDesign, block: Block, loads: Loads, scene: Scene, analysis: LimitAnalysis, clock: "_Clock"
+) -> tuple[Scene, LimitAnalysis, int, float | None]:
     """Split the triangles while moments govern and the limit still moves; a plain wedge never comes here."""
     refined, change = design.refine, None
     while analysis.moments_govern and (factor := analysis.governing.factor) and refined < _MOST_REFINED:
@@ -287,26 +301,22 @@ def _compare(
 # -- reading the answer -------------------------------------------------------------------------------
 
 
-def _full(velocity: Floats, model: Model) -> Floats:
-    return np.concatenate([velocity, np.zeros(model.unknowns - len(velocity))])
-
-
-def _status(limit: Limit, analysis: LimitAnalysis, scene: _Scene) -> str:
+def _status(limit: Limit, analysis: LimitAnalysis, scene: Scene) -> str:
     """The status from the mechanism: which joints stay closed, which way the wedge moves."""
     if limit.outcome is Outcome.NOT_CONVERGED:
         return "not_converged"
     if limit.outcome is Outcome.NO_DRIVING_FORCE:
         return "no_driving_force"
     if limit.outcome is Outcome.LIFTED:
-        return "lifted" if scene.model.load[2] >= 0.0 else "falls"
+        return "falls" if scene.model.normal_rows[:, 2].max() <= 0.0 else "lifted"
     if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
         return "topples"
-    velocity = _full(limit.velocity, scene.model)
+    velocity = limit.velocity_of(scene.model)
     opening, slip = scene.model.relative(velocity)[:, 0], scene.model.slip(velocity)
-    opening = (
-        opening - scene.model.tan_dilation * slip / max(limit.factor or 1.0, 1.0) if scene.model.dilates else opening
-    )
+    if scene.model.dilates and limit.factor:  # beyond what dilation opens
+        opening = opening - np.minimum(scene.model.tan_dilation, scene.model.tan_friction / limit.factor) * slip
     opens = opening > _TURNS * max(float(slip.max()), float(opening.max()))
+    opens = opens | (limit.bond == 0.0)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint, _ in JOINTS]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint, _ in JOINTS]
     turning, moving = velocity[3:], velocity[:3]
@@ -325,7 +335,7 @@ def _movement(limit: Limit, model: Model) -> Movement | None:
     """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
     if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED):
         return None
-    velocity = _full(limit.velocity, model)
+    velocity = limit.velocity_of(model)
     displacement, rotation = velocity[:3], velocity[3:] / model.length_scale
     size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
     return Movement(frozen(displacement / size), frozen(rotation / size))
@@ -349,7 +359,7 @@ def _geometry(design: WedgeDesign, rock: RockMass, block: Block) -> WedgeGeometr
     )  # fmt: skip
 
 
-def _forces(analysis: LimitAnalysis, scene: _Scene, block: Block, loads: Loads, rock: RockMass) -> WedgeForces:
+def _forces(analysis: LimitAnalysis, scene: Scene, block: Block, loads: Loads, rock: RockMass) -> WedgeForces:
     limit, model, alone = analysis.governing, scene.model, analysis.forces_only
     normal: dict[str, float | None] = {}
     for joint, name in JOINTS:

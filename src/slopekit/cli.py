@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+import tempfile
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -61,19 +62,17 @@ def wedge(
     water_unit_weight: Annotated[str | None, typer.Option(help="[9.81 kN/m3]")] = None,
     refine: Annotated[str | None, typer.Option(help="Split the joints' triangles in four this often [0].")] = None,
     origin: Annotated[str | None, typer.Option(help="Map coordinates of the toe, E,N,Z.")] = None,
-    picture: Annotated[Path | None, typer.Option(help="Draw the wedge to a PNG file (extra: plot).")] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw the wedge to a PNG file (extra: plot).")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout, nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print the factor line only.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
     from slopekit.analysis import analyse_wedge
     from slopekit.design.reading import wedge_design
 
-    if output is not None:
-        _check_folder(output)
-    if picture is not None:
-        _check_folder(picture.parent)
+    folder = None if output is None else _folder(Path(output))
+    image = None if picture is None else _image(Path(picture))
     given: dict[str, Any] = {
         "dips": dips, "face": face, "upper": upper, "height": height, "c": c, "phi": phi, "density": density,
         "unit_weight": unit_weight, "dilation": dilation, "tension": tension, "water": water, "crack": crack,
@@ -86,14 +85,13 @@ def wedge(
     from slopekit.views.sheet import wedge_sheet
 
     sheet = wedge_sheet(result)
-    if output is not None:
-        output.mkdir(parents=True, exist_ok=True)
-        (output / "result.json").write_text(document + "\n", encoding="utf-8")
-        (output / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
-    if picture is not None:
+    if folder is not None:
+        (folder / "result.json").write_text(document + "\n", encoding="utf-8")
+        (folder / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
+    if image is not None:
         from slopekit.views.scene import wedge_picture
 
-        wedge_picture(result, picture)
+        wedge_picture(result, image)
     if as_json:
         typer.echo(document)
     elif quiet:
@@ -117,15 +115,23 @@ def _option(key: str) -> str:
     return "--" + singular.get(key, key).replace("_", "-")
 
 
-def _check_folder(folder: Path) -> None:
-    """Refuse a folder that cannot be written before any work is done."""
-    existing = folder if folder.parts else Path()
-    while not existing.exists() and existing != existing.parent:
-        existing = existing.parent
-    if existing.is_dir() and os.access(existing, os.W_OK):
-        return
-    reason = "is a file" if existing.is_file() else "is not writable"
-    raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {existing} {reason}", str(folder))])
+def _folder(folder: Path) -> Path:
+    """Make a folder to write to, before any work is done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+    return folder
+
+
+def _image(path: Path) -> Path:
+    if path.suffix.lower() != ".png":
+        raise DesignError([Fault("E141", f"the picture {path} is not a .png file", str(path))])
+    _folder(path.parent)
+    return path
 
 
 def _print_faults(error: SlopekitError) -> None:

@@ -55,6 +55,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "slopekit refines by itself where moments open part of a joint.",
     "E132": "A stiffness is more than 0, in kN/m³ (kPa per metre); the shear stiffness may be clough-duncan.",
     "E140": "Drawing needs the extra `plot`: pip install 'slopekit[plot]'.",
+    "E141": "Pictures are written as PNG: give a file name that ends in .png.",
     "E201": "Parallel joints never meet in a line, so they form no wedge. If they are one set, look at plane failure.",
     "E203": "The line of intersection must come out of the face above the toe: it has to plunge less than the face "
     "does in the same direction. A steeper line stays inside the rock: no wedge can slide out.",
@@ -86,8 +87,10 @@ EXPLANATIONS: Mapping[str, str] = {
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
     "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "
     "refinement still moved it. --refine N goes on.",
-    "W313": "At full strength Newton's method found no equilibrium although the limit is above 1: the displacements "
-    "with these stiffnesses are not given.",
+    "W313": "The limit is above 1, yet on an elastic bed no equilibrium was found at full strength: pairs that open "
+    "there lose their cohesion one after the other, or Newton's method lost its way. Displacements are not given.",
+    "W315": "A passive bolt acts only when the wedge draws it out. These are square to the movement or pushed in.",
+    "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
 }  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from slopekit.preie.model import Model
 
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 _NEARLY_PARALLEL_DEG = 5.0
+_SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
 def notices(
@@ -29,9 +30,9 @@ def notices(
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
     alone, limit = analysis.forces_only, analysis.governing
     if status == "topples":
-        yield Notice("W303", "moments turn the wedge over whatever the strength of its joints; forces alone would give "
-                     f"{alone.factor:.4g}: do not use it" if alone.factor is not None else
-                     "moments turn the wedge over whatever the strength of its joints")  # fmt: skip
+        opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
+        unused = "" if alone.factor is None else f"; forces alone would give {alone.factor:.4g}: do not use it"
+        yield Notice("W303", f"moments turn the wedge over{opened}, and no strength is called on{unused}")
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
@@ -47,7 +48,15 @@ def notices(
                 "W307",
                 f"{name} has lost contact and with it its cohesion: the factor of safety jumps where that happens",
             )
-    if not any(design.cohesion_kpa) and not any(design.friction_angle_deg):
+    if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
+        drawn = -model.bolt_rows @ limit.velocity_of(model)
+        if not (drawn > _SQUARE).any():
+            yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
+    if max(design.cohesion_kpa) > 5000.0:
+        yield Notice(
+            "W316", f"a cohesion of {max(design.cohesion_kpa):.6g} kPa is that of intact rock: was it typed in Pa?"
+        )
+    if not any(design.cohesion_kpa) and not any(design.friction_angle_deg) and not len(model.bolt_capacity):
         yield Notice("W308", "the joints have no strength: the factor of safety is 0")
     if any(design.dilation_deg):
         yield Notice("W310", "the closed form knows no dilation: it is printed, not compared")
@@ -60,7 +69,11 @@ def notices(
             "W312", f"the last refinement of the node pairs still moved the limit by {mesh_change * 100:.1f} %"
         )
     if unsettled:
-        yield Notice("W313", "no equilibrium was found at full strength with these stiffnesses: no displacements")
+        yield Notice(
+            "W313",
+            "on an elastic bed no equilibrium was found at full strength (pairs that open "
+            "there lose their cohesion): no displacements",
+        )
     if max(abs(coordinate) for coordinate in design.origin_m) > 1e4:
         yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 

@@ -16,8 +16,8 @@ STATUSES: Mapping[str, str] = {
     "slides_on_J2": "slides on J2, J1 has lost contact",
     "slides_up": "is pushed up the slope",
     "rotates": "turns while it slides",
-    "topples": "topples: no strength of the joints can hold it",
-    "lifted": "is lifted off both planes",
+    "topples": "topples: where its joints open, nothing is left to hold it",
+    "lifted": "is pushed off both planes",
     "falls": "falls: nothing lies under it",
     "no_driving_force": "stands: nothing drives it",
     "not_converged": "the analysis did not converge: no number",
@@ -142,8 +142,10 @@ class WedgeResult:
 
     @property
     def criterion_fos(self) -> float | None:
-        """The factor that `--accept` is held against."""
-        return self.fos.all_pairs_failed if self.design.criterion == "all-pairs" else self.fos.limit
+        """The factor that `--accept` is held against: the limit, or the lower of it and the all-pairs factor."""
+        if self.design.criterion == "limit" or self.fos.limit is None:
+            return self.fos.limit
+        return None if self.fos.all_pairs_failed is None else min(self.fos.limit, self.fos.all_pairs_failed)
 
     @property
     def accepted(self) -> bool | None:
@@ -152,6 +154,8 @@ class WedgeResult:
             return None
         if self.status == "no_driving_force":
             return True
+        if self.status == "not_converged" or self.agree is False:
+            return False  # a number that the two methods dispute is no reason to accept
         return self.criterion_fos is not None and self.criterion_fos >= self.design.accept
 
     @property

@@ -23,6 +23,11 @@ _BARE = {
     "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "degrees",
     "stiffness": "kN/m3", "acceleration": "m/s2", "ratio": "no unit",
 }  # fmt: skip
+_LARGEST = 1e18
+_SPELLED = {
+    "kpa": "kPa", "pa": "Pa", "mpa": "MPa", "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
+    "kn": "kN", "n": "N", "mn": "MN", "kpa/m": "kPa/m", "mpa/m": "MPa/m", "gpa/m": "GPa/m",
+}  # fmt: skip
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
 
 
@@ -46,14 +51,32 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     where = where or f"{name} = {value}"
     if isinstance(value, bool) or value is None:
         raise DesignError([Fault("E106", f"{name} is {value!r}, a number is needed", where)])
-    text = value if isinstance(value, str) else repr(float(value)) if isinstance(value, SupportsFloat) else str(value)
+    text = value if isinstance(value, str) else _written(value)
     match = _QUANTITY.match(text)
-    if match is None:
-        raise DesignError([Fault("E106", f"{name} is {text!r}, a number is needed", where)])
+    if match is None or re.match(r"^,\d", match.group(2)):
+        comma = re.match(r"^\s*[+-]?\d+,\d+", text)
+        advice = f"Decimals take a point: {text.replace(',', '.')}" if comma else ""
+        raise DesignError([Fault("E106", f"{name} is {text!r}, a number is needed", where, advice)])
     result = float(match.group(1)) * _factor(match.group(2), kind, name, where)
+    if abs(result) > _LARGEST and math.isfinite(result):
+        raise DesignError([Fault("E105", f"{name} is {text.strip()}, larger than anything on Earth", where)])
     if not math.isfinite(result):
         raise DesignError([Fault("E105", f"{name} is {text.strip()}, not a finite number", where)])
     return result
+
+
+def _written(value: object) -> str:
+    """A bare value as text; what float() refuses is left for the message to show."""
+    try:
+        return repr(float(value)) if isinstance(value, SupportsFloat) else str(value)
+    except OverflowError:
+        return "inf"
+    except (TypeError, ValueError):
+        return str(value)
+
+
+def _a(kind: str) -> str:
+    return ("an " if kind[0] in "aeio" else "a ") + kind
 
 
 def unit_of(value: object) -> str:
@@ -83,7 +106,9 @@ def _factor(unit: str, kind: str, name: str, where: str) -> float:
         return _UNITS[kind][spelled]
     other = [other for other, units in _UNITS.items() if spelled in units]
     if other:
-        message = f"{name} has the unit {unit}, which measures a {other[0]}, not a {kind}"
+        message = f"{name} has the unit {unit}, which measures {_a(other[0])}, not {_a(kind)}"
         raise DesignError([Fault("E107", message, where, f"A bare number here is in {_BARE[kind]}.")])
-    known = ", ".join(_UNITS[kind])
-    raise DesignError([Fault("E108", f"{name} has the unknown unit {unit!r}", where, f"Known for a {kind}: {known}.")])
+    known = ", ".join(_SPELLED.get(unit, unit) for unit in _UNITS[kind])
+    raise DesignError(
+        [Fault("E108", f"{name} has the unknown unit {unit!r}", where, f"Known for {_a(kind)}: {known}.")]
+    )

@@ -15,6 +15,7 @@ from slopekit.orientation import Plane
 
 Vector = tuple[float, float, float]
 _SMALL = 1e-12
+_SQUARE = 1e-9  # cosine of the angle below which a bolt counts as square to the movement
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,18 +108,23 @@ def hoek_bray_wedge(
     size = weight + sum(abs(push) for push in pushes) + sum(_length(force) for force in forces)
 
     slide = _slide(load, shape.inward[0], shape.inward[1], size)
-    drawn = [bolt for bolt in passive if slide.direction is not None and _dot(bolt, slide.direction) < 0.0]
+    status = slide.status
+    drawn = [bolt for bolt in passive if slide.direction is not None and _is_drawn(bolt, slide.direction)]
     strength = bonds, (tangents[0], tangents[1])
     reduction = 0.0
     if drawn and slide.direction is not None:
         reduction = _passive_reduction(load, drawn, shape, strength, size, slide.direction)
-        slide = _slide(_pulled(load, drawn, reduction), shape.inward[0], shape.inward[1], size)
+        held = _slide(_pulled(load, drawn, reduction), shape.inward[0], shape.inward[1], size)
+        if held.direction is not None:
+            slide, status = held, held.status
     resisting = _resisting(slide, strength)
     factor: float | None = None
-    if slide.direction is not None:
-        factor = 1.0 / reduction if reduction else resisting / slide.driving
+    if reduction:
+        factor = 1.0 / reduction
+    elif slide.direction is not None:
+        factor = resisting / slide.driving
     return ClosedFormWedge(
-        slide.status, factor, slide.normal, slide.driving, resisting, slide.direction, shape.areas, shape.volume,
+        status, factor, slide.normal, slide.driving, resisting, slide.direction, shape.areas, shape.volume,
         weight, shape.total_height, (pushes[0], pushes[1], pushes[2]),
     )  # fmt: skip
 
@@ -191,7 +197,7 @@ def _slide(load: Vector, n1: Vector, n2: Vector, size: float) -> _Slide:
     if on1 >= 0.0 and on2 >= 0.0:
         if _length(load) <= _SMALL * size:
             return _Slide("no_driving_force", None, 0.0, (0.0, 0.0), (False, False))
-        return _Slide("lifted" if load[2] >= 0.0 else "falls", None, 0.0, (0.0, 0.0), (False, False))
+        return _Slide("falls" if max(n1[2], n2[2]) <= 0.0 else "lifted", None, 0.0, (0.0, 0.0), (False, False))
     for k, (own, other, n, m) in enumerate(((on1, on2, n1, n2), (on2, on1, n2, n1))):
         if own < 0.0 and other - own * between >= 0.0:
             along = _add(load, n, -own)
@@ -223,6 +229,11 @@ def _resisting(slide: _Slide, strength: tuple[tuple[float, float], tuple[float, 
         for bond, tangent, normal, touches in zip(bonds, tangents, slide.normal, slide.touches, strict=True)
         if touches
     )
+
+
+def _is_drawn(bolt: Sequence[float], direction: Vector) -> bool:
+    """Whether a movement draws a passive bolt out; one square to it does not, whatever rounding says."""
+    return _dot(bolt, direction) < -_SQUARE * _length(bolt)
 
 
 def _pulled(load: Vector, bolts: Sequence[Sequence[float]], reduction: float) -> Vector:

@@ -42,7 +42,8 @@ class _Reader:
     """Collects faults while it reads one key after the other."""
 
     def __init__(self, given: dict[str, Any], option: Callable[[str], str]) -> None:
-        self.given, self.option = given, option
+        self.given = {key: value.tolist() if hasattr(value, "tolist") else value for key, value in given.items()}
+        self.option = option
         self.faults: list[Fault] = []
         self.defaults: list[str] = []
 
@@ -55,10 +56,14 @@ class _Reader:
         joints = self.joints()
         face, upper = self.plane("face"), self.plane("upper")
         height = self.positive("height", "length", "E116")
+        if height is not None and not 1e-6 <= height <= 1e7:
+            message = f"height is {number(height)} m, out of range (1e-6 to 1e7)"
+            self.faults.append(Fault("E116", message, self.where("height", self.given["height"])))
         cohesion = self.pair("c", "pressure", self.check_cohesion)
         friction = self.pair("phi", "angle", self.check_friction)
         dilation = self.pair("dilation", "angle", None) if "dilation" in self.given else (0.0, 0.0)
-        self.check_dilation(dilation, friction)
+        if "dilation" in self.given:
+            self.check_dilation(dilation, friction)
         tension = self.pair("tension", "pressure", self.check_tension) if "tension" in self.given else (0.0, 0.0)
         gravity = self.positive("gravity", "acceleration", "E130", default=9.81)
         unit_weight, density = self.weight(gravity or 9.81)
@@ -72,7 +77,7 @@ class _Reader:
         stiffness = self.stiffness()
         criterion = self.read("criterion", self.criterion) or "limit"
         accept = self.read("accept", lambda value, where: words.above_zero(value, "ratio", "accept", "E127", where))
-        agree = self.read("agree_within", lambda v, w: words.above_zero(v, "ratio", "agree_within", "E127", w)) or 0.01
+        agree = self.read("agree_within", self.agree_within) or 0.01
         water_unit_weight = self.positive("water_unit_weight", "unit weight", "E110", default=9.81)
         refine = self.read("refine", self.refine) or 0
         origin = self.read("origin", lambda value, where: words.point(value, "origin", where)) or (0.0, 0.0, 0.0)
@@ -110,7 +115,7 @@ class _Reader:
     def many(self, key: str, convert: Callable[[Any, str], T]) -> tuple[T, ...]:
         """A list of things, each with its own faults; one thing alone counts as a list of one."""
         values = self.given.get(key, ())
-        if isinstance(values, str | dict) or words.is_point(values):
+        if isinstance(values, str | dict) or words.is_point(values) or not isinstance(values, Sequence):
             values = [values]
         found = []
         for value in values:
@@ -275,11 +280,19 @@ class _Reader:
     def stiffness(self) -> Stiffness:
         normal = self.positive("normal_stiffness", "stiffness", "E132", default=Stiffness().normal_kn_m3)
         shear: float | None = None
-        if self.given.get("shear_stiffness", "clough-duncan") != "clough-duncan":
+        if str(self.given.get("shear_stiffness", "clough-duncan")).lower() != "clough-duncan":
             shear = self.positive("shear_stiffness", "stiffness", "E132")
         return Stiffness(normal or 1e7, shear)
 
+    @staticmethod
+    def agree_within(value: object, where: str) -> float:
+        part = words.above_zero(value, "ratio", "agree_within", "E127", where)
+        if part >= 1.0:
+            raise DesignError([Fault("E127", f"agree_within is {number(part * 100)} %, it is less than 100 %", where)])
+        return part
+
     def criterion(self, value: object, where: str) -> Criterion:
+        value = value.lower() if isinstance(value, str) else value
         if value not in ("limit", "all-pairs"):
             near = get_close_matches(str(value), ("limit", "all-pairs"), n=1)
             advice = f"Did you mean {near[0]}?" if near else ""

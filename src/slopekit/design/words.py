@@ -9,6 +9,8 @@ from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, number, parse_plane
 from slopekit.units import quantity
 
+_BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)$")
+
 
 def above_zero(value: object, kind: str, name: str, code: str, where: str) -> float:
     result = quantity(value, kind, name, where)
@@ -28,18 +30,22 @@ def point(value: object, name: str, where: str) -> tuple[float, float, float]:
 def water(value: object, where: str, has_crack: bool) -> Water:
     if isinstance(value, Water):
         return value
+    if isinstance(value, dict):  # as a design file has it
+        value = value.get("mode") or value.get("fill") or value.get("pressures")
+        value = list(value.values()) if isinstance(value, dict) else value
     text = value.strip().lower() if isinstance(value, str) else ""
     if text in ("dry", "full"):
         return Water() if text == "dry" else Water("full", 1.0)
     if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
         parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value  # type: ignore[assignment]
         return pressures(parts, where, has_crack)
-    if text and not text.endswith("%"):
+    if text and not text.endswith("%") and not _BARE_NUMBER.match(text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
         raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
     fill = quantity(value, "ratio", "water", where)
     if fill > 1.0:
-        advice = f"Write {number(fill)}% for a percentage, u={number(fill)}kPa for a pressure." if not text else ""
+        percent = text.endswith("%")
+        advice = "" if percent else f"Write {number(fill)}% for a percentage, u={number(fill)}kPa for a pressure."
         raise DesignError(
             [Fault("E118", f"water fills {number(fill * 100)} % of the joints, more than all", where, advice)]
         )

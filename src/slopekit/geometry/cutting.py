@@ -85,7 +85,10 @@ def cut_wedge(rock: RockMass) -> Block:
     if len(wedges) != 1:
         message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
         raise GeometryError([Fault("E208", message, "", "The planes enclose no wedge of any volume.")])
-    return _block(wedges[0], rock, centre, half)
+    block = _block(wedges[0], rock, centre, half)
+    if len(rock.normals) > CRACK and CRACK not in block.faces:
+        raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
+    return block
 
 
 _SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])

@@ -5,6 +5,7 @@ the point where the trace of joint 1 meets the crest, `height` above the toe (Ho
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from slopekit.orientation import downward, line_of
 
 J1, J2, FACE, UPPER, CRACK = range(5)
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
+_NEARLY_PARALLEL = math.sin(math.radians(5.0))
 _PARALLEL = 1e-6  # sine of the angle below which two planes are one (0.00006°)
 
 
@@ -74,15 +76,16 @@ def wedge_rock_mass(
     if math.sqrt(float(crest_edge @ crest_edge)) < _PARALLEL:
         raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
     line = line / sine
+    into_rock = -line if face @ line > 0.0 else line
     traces = [np.cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
         if math.sqrt(float(trace @ trace)) < _PARALLEL:
             raise GeometryError([_parallel("E206", f"J{k + 1} and the face", "the joint does not cut the face", 0.0)])
+    _check_daylight(line, into_rock, face, upper, sine)
     if abs(traces[0][2]) < _PARALLEL:
         message = "the trace of J1 on the face is horizontal: it never climbs to the crest"
-        raise GeometryError([Fault("E206", message, "", "Number the joints the other way round.")])
-    into_rock = -line if face @ line > 0.0 else line
-    _check_daylight(line, into_rock, face, upper)
+        advice = "Number the joints the other way round." if abs(traces[1][2]) > _PARALLEL else ""
+        raise GeometryError([Fault("E206", message, "", advice)])
 
     crest1 = traces[0] * (height / traces[0][2])
     offset = float(upper @ crest1)
@@ -97,33 +100,44 @@ def wedge_rock_mass(
     back = into_rock * (offset / float(upper @ into_rock))
     planes, offsets = [*joints, face, upper], [0.0, 0.0, 0.0, offset]
     if crack is not None:
-        offsets.append(_crack_offset(crack, distance, back, crest1))
+        offsets.append(_crack_offset(crack, distance, back, crest1, (*joints, upper)))
         planes.append(crack)
     return RockMass(frozen(planes), frozen(offsets), frozen(np.zeros(3)), frozen(back), frozen(crest1), frozen(crest2))
 
 
-def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats) -> None:
+def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats, sine: float) -> None:
     """Refuse a line of intersection that does not come out of the face below the upper slope."""
     if float(upper @ into_rock) > 1e-12 and into_rock[2] > 1e-12 and float(face @ into_rock) < -1e-12:
         return
     down = line_of(downward(line))
+    near = ""
+    if sine < _NEARLY_PARALLEL:
+        near = (
+            f" J1 and J2 are only {math.degrees(math.asin(sine)):.2g}° apart: "
+            "a small change of either moves the line far."
+        )
+    if abs(down.plunge_deg) < 1e-9:
+        message = f"the line of intersection is horizontal (trend {down.trend_deg:05.1f}): it does not daylight"
+        raise GeometryError([Fault("E204", message, "", near.strip())])
     of_face, of_upper = line_of(_dip_vector(face)), line_of(_dip_vector(upper))
     apart = math.radians(down.trend_deg - of_face.trend_deg)
-    if math.cos(apart) <= 0.0 or down.plunge_deg < 1e-9:
+    if math.cos(apart) <= 0.0:
         message = (
             f"the line of intersection plunges {down.plunge_deg:.1f}° toward {down.trend_deg:05.1f}, into the slope "
             f"(the face dips toward {of_face.trend_deg:05.1f}): it does not daylight"
         )
-        raise GeometryError([Fault("E204", message, "", f"It trends {math.degrees(apart) % 360:.1f}° from the face.")])
+        raise GeometryError(
+            [Fault("E204", message, "", f"It trends {math.degrees(apart) % 360:.1f}° from the face.{near}")]
+        )
     apparent_face = math.degrees(math.atan(math.tan(math.radians(of_face.plunge_deg)) * math.cos(apart)))
     if down.plunge_deg >= apparent_face - 1e-9:
-        message = (
-            f"the line plunges {down.plunge_deg:.1f}°, steeper than the face ({of_face.plunge_deg:.4g}°): "
-            "it does not daylight"
-        )
+        steeper = f"the face ({of_face.plunge_deg:.4g}°)"
+        if down.plunge_deg <= of_face.plunge_deg:
+            steeper = f"the face along its trend ({apparent_face:.1f}°)"
+        message = f"the line plunges {down.plunge_deg:.1f}°, steeper than {steeper}: it does not daylight"
         advice = (
             f"Along trend {down.trend_deg:05.1f} the face falls at {apparent_face:.1f}°: "
-            f"{down.plunge_deg - apparent_face:.2f}° too steep."
+            f"{down.plunge_deg - apparent_face:.2g}° too steep.{near}"
         )
         raise GeometryError([Fault("E203", message, "", advice)])
     apart = math.radians(down.trend_deg - of_upper.trend_deg)
@@ -134,7 +148,7 @@ def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats
     )
     advice = (
         f"Along trend {down.trend_deg:05.1f} the upper slope falls at {apparent_upper:.1f}°: "
-        f"{apparent_upper - down.plunge_deg:.2f}° too flat."
+        f"{apparent_upper - down.plunge_deg:.2g}° too flat.{near}"
     )
     raise GeometryError([Fault("E205", message, "", advice)])
 
@@ -152,8 +166,12 @@ def _parallel(code: str, which: str, consequence: str, sine: float) -> Fault:
     return Fault(code, f"{which} are parallel (to {degrees:.2g}°): {consequence}")
 
 
-def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats) -> float:
+def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, planes: Sequence[Floats]) -> float:
     """Offset of the crack plane, refused where the crack does not cross the wedge."""
+    for plane, name in zip(planes, ("J1", "J2", "the upper slope"), strict=True):
+        across = np.cross(crack, plane)
+        if math.sqrt(float(across @ across)) < _PARALLEL:
+            raise GeometryError([Fault("E207", f"the crack is parallel to {name}: it cuts no wedge off")])
     trace = back - crest1
     length = math.sqrt(float(trace @ trace))
     if distance >= length:
@@ -161,8 +179,10 @@ def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats) 
         raise GeometryError([Fault("E207", message, "", "The wedge has no tension crack there: leave the crack out.")])
     offset = float(crack @ (crest1 + trace * (distance / length)))
     crossing = float(crack @ back)
-    share = offset / crossing if crossing else math.inf
-    if not 0.0 < share < 1.0:
+    if abs(crossing) < _PARALLEL * math.sqrt(float(back @ back)):
+        raise GeometryError([Fault("E207", "the crack is parallel to the line of intersection: it never crosses it")])
+    share = offset / crossing
+    if not 1e-9 < share < 1.0 - 1e-9:
         message = "the crack does not cross the line of intersection inside the wedge"
         advice = "It would cut off the toe." if share <= 0.0 else "It passes behind the wedge."
         raise GeometryError([Fault("E207", message, "", advice)])

@@ -25,11 +25,12 @@ _PROVED = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class StaticBound:
-    """The bound, how it was found (`proved`: by a mechanism and by forces), and the work done."""
+    """The bound (None: not found), whether a mechanism and forces prove it, the work done, and the mechanism (u,)."""
 
     factor: float | None
     proved: bool
     steps: int
+    velocity: Floats
 
 
 def static_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
@@ -86,7 +87,9 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
         return None
     if not 0.0 < reduction <= (1.0 + _PROVED) / limit:
         return None
-    return StaticBound(1.0 / reduction, True, steps) if _balances(model, v, reduction) else None
+    if not _balances(model, v, reduction):
+        return None
+    return StaticBound(1.0 / reduction, True, steps, np.concatenate([v, np.zeros(model.unknowns - 3)]))
 
 
 def _balances(model: Model, v: Floats, reduction: float) -> bool:
@@ -121,7 +124,7 @@ def _general_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
             if len(model.bolt_capacity):
                 slope += float(model.bolt_capacity @ np.maximum(-model.bolt_rows @ v, 0.0))
             if not slope > 0.0:
-                return StaticBound(None, False, steps)
+                return StaticBound(None, False, steps, v)
             renewed = min(max(reduction - here.energy / slope, 0.3 * reduction), 3.0 * reduction)
             done = abs(renewed - reduction) <= stages[0][2] * 0.1 * reduction
             reduction = renewed
@@ -129,7 +132,9 @@ def _general_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
                 break
         found.append(reduction)
     reduction = found[-1] + (found[-1] - found[-2]) / 9.0
-    return StaticBound(max(1.0 / reduction, limit), False, steps)
+    if not here.settled:
+        return StaticBound(None, False, steps, v)
+    return StaticBound(max(1.0 / reduction, limit), False, steps, v)
 
 
 def _relative(

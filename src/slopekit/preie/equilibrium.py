@@ -6,17 +6,19 @@ increments fail them. Where no step leads on, the blocks do not stand: that is a
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, tractions
 from slopekit.preie.model import Model
 
 _TOLERANCE = 1e-9
 _MOST_STEPS = 50
 _MOST_RELEASES = 30
+_BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
+_RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 _SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium
 
 
@@ -86,6 +88,11 @@ def equilibrium(
         guess = np.asarray(np.linalg.solve(model.flat_rows.T @ spring, model.load), dtype=np.float64)
         state = _settle(model, physical, here, stiffness, guess, none)
         if not state.stands:
+            for part in _RAMP:
+                lighter = replace(model, load=frozen(model.load * part))
+                state = _settle(lighter, physical, here, stiffness, guess * part if part == _RAMP[0] else guess, none)
+                guess = state.scaled
+        if not state.stands:
             return state
     else:
         state = start
@@ -142,6 +149,7 @@ def _newton(
     model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
 ) -> tuple[Floats, Tractions, float, int]:
     bolts = model.bolt_capacity / factor
+    stretch = model.bolt_capacity * (model.length_scale / _BOLT_GIVE_M)
     weight = physical.area / model.force_scale
 
     def unbalanced(at: Floats) -> tuple[Floats, Tractions]:
@@ -152,7 +160,7 @@ def _newton(
         )  # fmt: skip
         out = (law.tractions * weight[:, None]).ravel() @ model.flat_rows + model.load
         if len(bolts):
-            out = out + (bolts * (model.bolt_rows @ at < 0.0)) @ model.bolt_rows
+            out = out + np.minimum(np.maximum(-stretch * (model.bolt_rows @ at), 0.0), bolts) @ model.bolt_rows
         return out, law
 
     out, law = unbalanced(scaled)
@@ -161,6 +169,10 @@ def _newton(
     while size > _TOLERANCE * 1e-3 and steps < _MOST_STEPS:
         slopes = law.slopes * (weight * model.length_scale)[:, None, None]
         matrix = model.flat_rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
+        if len(bolts):
+            pull = -stretch * (model.bolt_rows @ scaled)
+            springs = np.where((pull > 0.0) & (pull < bolts), stretch, 0.0)
+            matrix = matrix - (model.bolt_rows.T * springs) @ model.bolt_rows
         unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
         try:
             step = -np.linalg.solve(matrix * unit, out) * unit

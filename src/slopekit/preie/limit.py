@@ -14,21 +14,23 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
+from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import LimitState, elastic_displacement, intact_limit_state, settled_limit_state
 from slopekit.preie.linear import nonnegative_least_squares
 from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
 from slopekit.preie.model import Model
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 200
+_MOST_PASSES = 400
+_STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
-_MOMENTS = 1e-7  # a limit lower than that of the forces alone by more than this part is governed by moments
+_MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
@@ -63,6 +65,10 @@ class Limit:
     steps: int
     change: float
 
+    def velocity_of(self, model: Model) -> Floats:
+        """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
+        return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
+
 
 @dataclass(frozen=True, slots=True)
 class LimitAnalysis:
@@ -88,6 +94,8 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(alone, alone, alone, False)
     if alone.factor == 0.0:
         return LimitAnalysis(alone, alone, alone, False)
+    if model.dilates and (associated := _associated_limit(model)) is not None:
+        return LimitAnalysis(associated, associated, associated, False)
     start = np.concatenate([alone.velocity, np.zeros(model.unknowns - 3)])
     turning = _passes(model, start, alone.normal_force, alone.bond, alone.bond > 0.0)
     if turning.outcome is Outcome.NO_STRENGTH:
@@ -96,7 +104,40 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(turning, alone, turning, False)
     assert turning.factor is not None
     governs = alone.factor is None or turning.factor < alone.factor * (1.0 - _MOMENTS)
-    return LimitAnalysis(turning if governs else _turned(alone, model), alone, turning, governs)
+    if governs:
+        return LimitAnalysis(turning, alone, turning, True)
+    if alone.factor is not None and turning.factor < alone.factor * (1.0 + _MOMENTS):
+        # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
+        return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
+    return LimitAnalysis(_turned(alone, model), alone, turning, False)
+
+
+def passes_limit(model: Model, passes: int) -> float:
+    """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error."""
+    normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
+    velocity, stages, factor = model.load, COLD, 0.0
+    for _ in range(passes):
+        friction = model.cohesion + model.tan_friction * normal
+        found = cheapest_mechanism(
+            model, friction, np.zeros(len(normal)), velocity, np.zeros(model.unknowns), model.load,
+            model.bolt_capacity, stages,
+        )  # fmt: skip
+        velocity, factor, stages = found.velocity, found.load_factor, WARM
+        normal = found.normal_force / factor
+    return factor
+
+
+def _associated_limit(model: Model) -> Limit | None:
+    """The limit where every joint dilates by all its reduced friction angle: there it is the static bound."""
+    rigid = replace(model, tan_dilation=np.zeros_like(model.tan_dilation))
+    without = limit_analysis(rigid).governing
+    if not without.factor:
+        return None
+    bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
+    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
+        return None
+    bond = np.ones(len(model.control_area))
+    return Limit(Outcome.SLIDES, bound.factor, _unit(bound.velocity), without.normal_force, bond, 0, bound.steps, 0.0)
 
 
 def forces_only_limit(model: Model) -> Limit:
@@ -126,10 +167,7 @@ def forces_only_limit(model: Model) -> Limit:
 
 def _turned(limit: Limit, model: Model) -> Limit:
     """The forces-only limit with its velocity in the full model's unknowns."""
-    velocity = np.concatenate([limit.velocity, np.zeros(model.unknowns - len(limit.velocity))])
-    return Limit(
-        limit.outcome, limit.factor, velocity, limit.normal_force, limit.bond, limit.passes, limit.steps, limit.change
-    )
+    return replace(limit, velocity=limit.velocity_of(model))
 
 
 def _exact(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
@@ -145,46 +183,61 @@ def _stands_without_strength(model: Model) -> bool:
 
 
 def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
-    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all."""
+    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all.
+
+    Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
+    """
     releases = np.where(may_bond, 0, _MOST_RELEASES)
     friction = bond * model.cohesion + model.tan_friction * normal_force
     if not float(velocity @ model.load) > 0.0:
         velocity = model.load.copy()
     stages, weight = COLD, 1.0
     last: Floats | None = None
-    factor_before, calm, quiet, steps = math.inf, 0, 0, 0
-    factor = math.inf
+    factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
+    nothing = np.zeros(model.unknowns)
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
         if total < _NOTHING * _NOTHING:
-            return Limit(Outcome.NO_STRENGTH, None, velocity, normal_force, bond, count, steps, 0.0)
+            return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
         tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / factor if factor < math.inf else 0.0)
         found = cheapest_mechanism(
-            model, friction, tan_dilation, velocity, np.zeros(model.unknowns), model.load, model.bolt_capacity, stages
+            model, friction, tan_dilation, velocity, nothing, model.load, model.bolt_capacity, stages
         )
-        velocity, factor, stages, steps = found.velocity, found.load_factor, WARM, steps + found.steps
-        if not factor > _NOTHING * total:
-            return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
-        normal_force = found.normal_force / factor
-        bond_before, bond, releases = bond, *_release(model, velocity, tan_dilation, bond, releases)
-        renewed = bond * model.cohesion + model.tan_friction * normal_force
-        excess = renewed - friction
+        velocity, stages, steps = found.velocity, WARM, steps + found.steps
+        factor_before, factor = factor, found.load_factor
+        without = not factor > _NOTHING * total
+        if not without:
+            normal_force = found.normal_force / factor
+        # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
+        rest = np.maximum(model.tan_friction - factor * tan_dilation, 0.0)
+        excess = bond * model.cohesion + rest * normal_force - friction
         change = float(np.abs(excess).sum()) / total
-        if (bond != bond_before).any():
-            friction, last, calm, quiet, weight, factor_before = renewed, None, 0, 0, 1.0, math.inf
-            continue
+        moved = abs(factor - factor_before) / factor if factor > 0.0 else 0.0
         calm += 1
-        settled_factor = abs(factor - factor_before) / factor
-        quiet = quiet + 1 if settled_factor < 1e-7 and change < 1e-3 else 0
-        if change < 1e-7 or quiet >= 3:
-            return Limit(Outcome.SLIDES, factor, _unit(velocity), normal_force, bond, count, steps, settled_factor)
-        factor_before = factor
-        if not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
+        quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
+        state: LimitState | None = None
+        settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
+        if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
             state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
-            if state is not None and abs(math.log(state.reduction * factor)) < 0.3:
-                opened = (model.normal_rows @ state.velocity > _OPENS) & (bond > 0.0)
-                if not opened.any():
+            if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
+                state = None
+        if settled or state is not None or without or calm >= _STAGE_PASSES:
+            at = velocity if state is None else state.velocity
+            renewed, releases = _release(model, at, tan_dilation, bond, releases)
+            if (renewed == bond).all():
+                if without:
+                    return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
+                if state is not None:
                     return _exact(state, bond, count, steps)
+                if settled:
+                    return Limit(Outcome.SLIDES, factor, _unit(velocity), normal_force, bond, count, steps, moved)
+            else:
+                if state is not None:
+                    normal_force = np.maximum(state.normal_force, 0.0)
+                bond = renewed
+                friction = bond * model.cohesion + rest * normal_force
+                last, calm, quiet, weight = None, 0, 0, 1.0
+                continue
         if last is not None:
             turn = excess - last
             weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
@@ -209,6 +262,3 @@ def _release(
 def _unit(vector: Floats) -> Floats:
     unit: Floats = vector / math.sqrt(float(vector @ vector))
     return unit
-
-
-__all__ = ["Limit", "LimitAnalysis", "Outcome", "elastic_displacement", "forces_only_limit", "limit_analysis"]

@@ -21,6 +21,7 @@ from slopekit.preie.model import Model
 _EYE2 = np.eye(2)
 _MOST_STEPS = 30
 _MOST_CHANGES = 12
+_SQUARE = 1e-9  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
 _LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 
 
@@ -145,7 +146,7 @@ def limit_state(
     hinge_rows = model.rows[hinges].reshape(-1, unknowns)
     hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (hinge_rows @ rest)
     tan_friction, cohesion = model.tan_friction[sliding], (model.cohesion * bond)[sliding]
-    drawn = -model.bolt_rows @ (free @ along) > 0.0
+    drawn = -model.bolt_rows @ (free @ along) > _SQUARE * length
     bolts = (model.bolt_capacity * drawn) @ model.bolt_rows
 
     along = along / length

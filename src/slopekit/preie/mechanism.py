@@ -11,6 +11,7 @@ block has six unknowns. Newton's method, with a line search on the slope: close 
 rounding errors long before the forces are exact.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,13 +30,15 @@ COLD: tuple[tuple[float, float, float], ...] = (
 )
 WARM = COLD[-1:]
 _MOST_STEPS = 60
+_LONGEST = 30.0  # a step is at most this many times the velocity: flat directions have no natural length
 
 
 @dataclass(frozen=True, slots=True)
 class Mechanism:
     """A velocity (u,) with q·v = 1, its load factor, the normal forces (n,) at that factor, and the steps it took.
 
-    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,).
+    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,); `settled`: the last stage met its
+    residual.
     """
 
     velocity: Floats
@@ -44,6 +47,7 @@ class Mechanism:
     steps: int
     energy: float
     slip: Floats
+    settled: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,28 +86,33 @@ def cheapest_mechanism(
     stages : (penalty relative to Σ r, rounding, relative residual) one after the other
     """
     velocity = start / float(normalise @ start)
-    steps, factor = 0, 0.0
+    steps, factor, settled = 0, 0.0, False
     scale = max(float(friction.sum() + bolts.sum()), 1e-12)
     unknowns = model.unknowns
     bordered = np.zeros((unknowns + 1, unknowns + 1))
     for penalty, rounding, residual in stages:
         kappa = penalty * scale
         at = _evaluate(model, friction, tan_dilation, velocity, kappa, rounding, load, bolts)
+        settled = False
         for _ in range(_MOST_STEPS):
             curvature = _curvature(model, at, tan_dilation, kappa)
             diagonal = np.diag(curvature)
-            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(diagonal.sum()) + 1e-300))
+            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(diagonal.sum()) or 1.0))
             bordered[:unknowns, :unknowns] = curvature * unit[:, None] * unit
             bordered[np.arange(unknowns), np.arange(unknowns)] += 1e-13
             bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -normalise * unit
             solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])
+            longest = _LONGEST * math.sqrt(float(velocity @ velocity))
+            step *= min(1.0, longest / max(math.sqrt(float(step @ step)), 1e-300))
             steps += 1
             forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
             if float(np.abs(at.gradient - factor * normalise).max()) < residual * forces:
+                settled = True
                 break
             slope, length = float(at.gradient @ step), 1.0
             if not slope < 0.0:  # downhill is below rounding: this is the bottom
+                settled = True
                 break
             for _ in range(30):
                 after = _evaluate(model, friction, tan_dilation, velocity + length * step, kappa, rounding, load, bolts)
@@ -114,7 +123,7 @@ def cheapest_mechanism(
             velocity, at = velocity + length * step, after
     energy = float(friction @ at.slip) + 0.5 * kappa * float(model.control_area @ (at.overlap**2))
     energy += float(at.pull @ np.maximum(-model.bolt_rows @ velocity, 0.0)) - float(load @ velocity)
-    return Mechanism(velocity, factor, at.normal_force, steps, energy, at.slip)
+    return Mechanism(velocity, factor, at.normal_force, steps, energy, at.slip, settled)
 
 
 def _evaluate(

@@ -41,7 +41,9 @@ def wedge_picture(result: WedgeResult, path: Path) -> None:
         draw.add_mesh(patch, color=colour, opacity=0.75, label=f"{name} {result.design.joints[joint]}")
     draw.add_mesh(_slope(pyvista, result, corners, size), color="#bbbbbb", opacity=0.35, label="face and upper slope")
     if mechanism is not None:
-        start = np.asarray(geometry.centroid_m) - toe
+        start = (
+            np.asarray(geometry.faces_m["face"]).mean(axis=0) - toe + 0.12 * size * np.asarray(mechanism.displacement)
+        )
         arrow = pyvista.Arrow(start=start, direction=mechanism.displacement, scale=0.35 * size)
         draw.add_mesh(arrow, color="#c0392b", label="movement")
     north = pyvista.Arrow(start=(0.75 * size, -0.45 * size, 0.0), direction=(0, 1, 0), scale=0.25 * size)

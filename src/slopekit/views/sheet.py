@@ -95,7 +95,9 @@ def _loads(result: WedgeResult) -> list[str]:
         entries.append(f"seismic {design.seismic.coefficient:.4g} g {toward}")
     for force in design.forces:
         at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
-        entries.append("force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*force.components_kn) + at)
+        size = max(abs(part) for part in force.components_kn)
+        parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
+        entries.append("force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + at)
     for bolt in design.bolts:
         role = "a load" if bolt.acts == "active" else "capacity divided by F"
         at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
@@ -179,6 +181,8 @@ def _all_pairs(result: WedgeResult) -> list[str]:
     if pairs is None:
         return []
     low, high = pairs.bracket
+    if result.fos.all_pairs_failed is None:
+        return ["not found: the search met no factor at which the wedge rests on sticking pairs"]
     how = "equilibrium lost there" if pairs.lost_equilibrium else "the wedge still stands there"
     law = result.design.stiffness
     shear = "Clough-Duncan" if law.shear_kn_m3 is None else f"{law.shear_kn_m3:.4g} kN/m³"
@@ -192,6 +196,10 @@ def _accept(result: WedgeResult) -> list[str]:
     if result.accepted is None:
         return []
     verdict = "MET" if result.accepted else "NOT MET"
+    if result.agree is False or result.status == "not_converged":
+        verdict = "NOT MET (the methods disagree or did not converge: no number to judge)"
+    elif result.criterion_fos is None and result.status != "no_driving_force":
+        verdict = "NOT MET (no factor of safety)"
     return [f"fos >= {result.design.accept:g} ({result.design.criterion}): {verdict}"]
 
 
@@ -223,6 +231,8 @@ def _time(result: WedgeResult) -> str:
 
 
 def _governs(result: WedgeResult) -> list[str]:
+    if result.moments_govern or result.status == "not_converged":
+        return ["not given: it is read from the closed form, which does not govern here"]
     parts = []
     base = result.fos.closed_form
     for name, factor, status in result.governs:

@@ -1,0 +1,160 @@
+"""What README claims of one wedge: speed by stage, cold start, speed against error, random wedges, the paper's search.
+
+Run by hand: ``python -m benchmarks.wedge`` (about two minutes). Every time is a median; every ratio is of one run.
+"""
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+
+import slopekit as sk
+from slopekit.analysis import closed_form, prepare
+from slopekit.design.reading import wedge_design
+from slopekit.preie.bound import static_bound
+from slopekit.preie.limit import forces_only_limit, limit_analysis, passes_limit
+from tests.support import random_wedge
+
+PAPER = {"dips": ("45/115", "45/245")}
+REFERENCE = "import numpy, scipy.sparse, manifold3d, clarabel, typer"
+
+
+def median_ms(work: Callable[[], object], repeat: int = 101) -> float:
+    """Median wall time of `work` in milliseconds, after one call to warm up."""
+    work()
+    times = []
+    for _ in range(repeat):
+        began = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - began)
+    return statistics.median(times) * 1e3
+
+
+def stages() -> None:
+    print("\n## One wedge in process (median ms)")
+    design = wedge_design(PAPER)
+    scene = prepare(design, 0)
+    limit = limit_analysis(scene.model).governing
+    rows = {
+        "closed form": lambda: closed_form(design),
+        "read, cut, load, mesh: design to model": lambda: prepare(wedge_design(PAPER), 0),
+        "model to limit": lambda: limit_analysis(scene.model),
+        "static bound": lambda: static_bound(scene.model, limit.velocity_of(scene.model), limit.factor),
+        "orientation to checked result (all of it)": lambda: sk.wedge(**PAPER),
+    }
+    times = {name: median_ms(work) for name, work in rows.items()}
+    for name, ms in times.items():
+        print(f"{name:45s} {ms:8.3f} ms   {ms / times['closed form']:7.1f} x closed form")
+    timing = [sk.wedge(**PAPER).timing_s for _ in range(51)]
+    shown = {key: statistics.median(t[key] for t in timing) * 1e3 for key in timing[0]}
+    print("by stage: " + "  ".join(f"{key} {ms:.2f}" for key, ms in shown.items()))
+
+
+def cold() -> None:
+    print("\n## Cold command against the bare imports")
+
+    def command() -> None:
+        subprocess.run([sys.executable, "-m", "slopekit.cli", "wedge", "--dips", *PAPER["dips"]],
+                       capture_output=True, check=True)  # fmt: skip
+
+    def bare() -> None:
+        subprocess.run([sys.executable, "-c", REFERENCE], capture_output=True, check=True)
+
+    command(), bare()
+    ours, theirs = [], []
+    for _ in range(15):  # alternately, so that the machine's mood hits both
+        for work, times in ((command, ours), (bare, theirs)):
+            began = time.perf_counter()
+            work()
+            times.append(time.perf_counter() - began)
+    a, b = statistics.median(ours), statistics.median(theirs)
+    print(f"slopekit wedge {a * 1e3:.0f} ms, {REFERENCE!r} {b * 1e3:.0f} ms, ratio {a / b:.2f}")
+
+
+def speed_against_error() -> None:
+    print("\n## Speed against error: the paper's wedge")
+    exact = closed_form(wedge_design(PAPER)).factor
+    print("solver                 node pairs   passes    time ms     |error|")
+    for refine in range(5):
+        model = prepare(wedge_design(PAPER), refine).model
+        found = limit_analysis(model).governing
+        ms = median_ms(lambda model=model: limit_analysis(model), 31)
+        print(
+            f"exact limit state      {len(model.control_area):10d} {found.passes:8d} {ms:10.3f}  {abs(found.factor - exact):.1e}"
+        )
+    for refine in (0, 2):
+        model = prepare(wedge_design(PAPER), refine).model
+        for most in (1, 2, 3):
+            found = passes_limit(model, most)
+            ms = median_ms(lambda model=model, most=most: passes_limit(model, most), 31)
+            print(
+                f"passes only            {len(model.control_area):10d} {most:8d} {ms:10.3f}  {abs(found - exact):.1e}"
+            )
+    held = prepare(wedge_design(PAPER), 0).model
+    ms = median_ms(lambda: forces_only_limit(held))
+    print(
+        f"forces alone           {len(held.control_area):10d} {0:8d} {ms:10.3f}  {abs(forces_only_limit(held).factor - exact):.1e}"
+    )
+
+
+def random_wedges(count: int = 2000, seed: int = 2000) -> None:
+    print(f"\n## {count} random wedges (seed {seed})")
+    rng = np.random.default_rng(seed)
+    outcomes, statuses, worst, worst_alone, above, over_bound, times = Counter(), Counter(), 0.0, 0.0, 0, 0, []
+    for _ in range(count):
+        wedge = random_wedge(rng)
+        began = time.perf_counter()
+        result = sk.wedge(**wedge)
+        times.append(time.perf_counter() - began)
+        limit, closed = result.fos.limit, result.fos.closed_form
+        statuses[result.status] += 1
+        if result.status == "not_converged":
+            outcomes["not converged"] += 1
+        elif result.moments_govern:
+            outcomes[
+                "moments govern: no number (topples)" if limit is None else "moments govern: below the closed form"
+            ] += 1
+            above += limit is not None and limit >= closed
+            worst_alone = max(worst_alone, abs(result.forces_only / closed - 1.0))
+        elif closed is None:
+            outcomes["no number from either"] += 1
+        else:
+            outcomes["limit equals the closed form"] += 1
+            worst = max(worst, abs(limit / closed - 1.0))
+        bound = result.fos.static_bound
+        over_bound += bound is not None and limit > bound * (1 + 1e-9)
+    for name, number in outcomes.most_common():
+        print(f"{number:6d}  {name}")
+    print("statuses: " + ", ".join(f"{name} {number}" for name, number in statuses.most_common()))
+    print(f"worst relative error: limit {worst:.1e}; forces alone where moments govern {worst_alone:.1e}")
+    print(f"limit above the closed form where moments govern: {above}; above the static bound: {over_bound}")
+    print(f"time per wedge: median {statistics.median(times) * 1e3:.1f} ms, largest {max(times) * 1e3:.0f} ms")
+
+
+def all_pairs() -> None:
+    print("\n## The paper's criterion on the paper's wedge (k_n = 1e7 kN/m³)")
+    for shear in ("clough-duncan", 1e5, 1e6, 2e6, 4e6, 1e7):
+        began = time.perf_counter()
+        result = sk.wedge(**PAPER, criterion="all-pairs", shear_stiffness=shear)
+        seconds = time.perf_counter() - began
+        pairs = result.all_pairs
+        name = shear if isinstance(shear, str) else f"k_t/k_n = {shear / 1e7:g}"
+        print(f"{name:16s} F = {result.fos.all_pairs_failed:.5f}, {len(pairs.history)} trials, {seconds * 1e3:.0f} ms")
+    result = sk.wedge(**PAPER, criterion="all-pairs", refine=2)
+    print(
+        f"failed pairs of {result.model.node_pairs}: "
+        + json.dumps([[round(f, 5), n] for f, n in sorted(result.all_pairs.history)])
+    )
+
+
+if __name__ == "__main__":
+    stages()
+    cold()
+    speed_against_error()
+    all_pairs()
+    random_wedges()

@@ -1,0 +1,132 @@
+"""The limit and the static bound against exact slides, Clarabel, and each other."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis import prepare
+from slopekit.design.reading import wedge_design
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.loads import Loads
+from slopekit.preie.bound import static_bound
+from slopekit.preie.limit import Outcome, limit_analysis
+from slopekit.preie.model import JointStrength, Model, build_model
+from tests.preie import conic_oracle
+from tests.support import random_wedge
+
+
+def block_on_incline(
+    dip: float, c: float, phi: float, psi: float = 0.0, height: float = 1.0, push: float = 0.0, refine: int = 0
+) -> Model:
+    """A 2 m x 2 m block of the given height on a plane dipping toward +x, weight 20 kN, pushed downhill."""
+    a = math.radians(dip)
+    down, across, up = (
+        np.array([math.cos(a), 0, -math.sin(a)]),
+        np.array([0.0, 1.0, 0.0]),
+        np.array([math.sin(a), 0, math.cos(a)]),
+    )
+    square = np.array([down * x + across * y for x, y in ((-1, -1), (-1, 1), (1, 1), (1, -1))])
+    centroid = up * height / 2
+    weight = np.array([0.0, 0.0, -20.0])
+    force = weight + push * down
+    none = np.zeros((0, 3))
+    loads = Loads(force, np.zeros(3), {"weight": weight, "push": push * down}, none, none)
+    one = np.ones(1)
+    strength = JointStrength(c * one, math.tan(math.radians(phi)) * one, math.tan(math.radians(psi)) * one, 0.0 * one)
+    return build_model(node_pairs({0: square}, refine), loads, centroid, strength)
+
+
+@pytest.mark.parametrize("refine", [0, 2])
+@pytest.mark.parametrize(("dip", "c", "phi"), [(30, 0, 35), (30, 2, 20), (10, 0.5, 5), (60, 10, 40)])
+def test_block_on_an_incline_slides(dip, c, phi, refine) -> None:
+    """F = (c A + W cos α tan φ) / W sin α, exact for a flat block: its moments open nothing that counts."""
+    a = math.radians(dip)
+    exact = (c * 4.0 + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
+    found = limit_analysis(block_on_incline(dip, c, phi, height=0.2, refine=refine)).governing
+    assert found.factor == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize(("height", "tips"), [(1.99, False), (2.01, True)])
+def test_a_block_tips_at_its_geometric_limit(height, tips) -> None:
+    """On a 45° plane a block 2 m long tips over its lower edge when it is higher than 2 m, whatever the friction."""
+    found = limit_analysis(block_on_incline(45.0, 0.0, 60.0, height=height))
+    assert (found.governing.outcome is Outcome.NO_STRENGTH) == tips
+    if not tips:
+        assert found.governing.factor == pytest.approx(math.tan(math.radians(60.0)), rel=1e-9)
+
+
+def test_a_block_on_a_horizontal_plane_is_driven_by_nothing() -> None:
+    assert limit_analysis(block_on_incline(0.0, 0.0, 30.0)).governing.outcome is Outcome.NO_DRIVING_FORCE
+
+
+@pytest.mark.parametrize("psi", [5.0, 15.0, 30.0])
+def test_dilation_of_one_plane(psi) -> None:
+    """Dilation does not change the limit of a block on one plane: its shear force opposes the slip all the same.
+
+    Forces: along the plane only, so F = tan φ / tan α for any ψ <= φ/F (Davis 1968 for this kinematics).
+    """
+    found = limit_analysis(block_on_incline(20.0, 0.0, 30.0, psi=psi, height=0.2)).governing
+    assert found.factor == pytest.approx(math.tan(math.radians(30)) / math.tan(math.radians(20)), rel=1e-6)
+
+
+def paper_model(c=(50, 50), phi=(20, 20), **more) -> Model:
+    return prepare(wedge_design({"dips": ("45/115", "45/245"), "c": c, "phi": phi, **more}), 0).model
+
+
+@pytest.mark.parametrize("c", [50.0, 0.0])
+def test_full_dilation_gives_the_static_bound(c) -> None:
+    """ψ = φ, reduced with it, is associated flow: the limit is the static bound (METHOD.md §3: 1.5868)."""
+    full = limit_analysis(paper_model((c, c), dilation=20.0)).governing.factor
+    model = paper_model((c, c))
+    bound = static_bound(model, limit_analysis(model).governing.velocity, limit_analysis(model).governing.factor)
+    assert bound.proved
+    assert full == pytest.approx(bound.factor, rel=2e-6)
+
+
+def test_dilation_raises_the_limit_steadily() -> None:
+    factors = [limit_analysis(paper_model(dilation=psi)).governing.factor for psi in (0.0, 3.0, 6.0, 9.0, 12.0)]
+    assert factors == sorted(factors)
+    assert factors[0] == pytest.approx(1.5573963, abs=1e-6)
+    assert factors[-1] < 1.58676
+
+
+def random_models(count: int, seed: int):
+    rng = np.random.default_rng(seed)
+    while count:
+        design = wedge_design({**random_wedge(rng), "bolts": None})
+        model = prepare(design, 0).model
+        analysis = limit_analysis(model)
+        if analysis.governing.factor:
+            count -= 1
+            yield model, analysis
+
+
+def test_static_bound_against_clarabel() -> None:
+    """Two solvers without a line in common; proved bounds to 1e-6, the others to 2e-3 (Clarabel's margin is 1e-10)."""
+    proved = 0
+    for model, analysis in random_models(25, 11):
+        ours = static_bound(model, analysis.governing.velocity_of(model), analysis.governing.factor)
+        assert ours.factor == pytest.approx(conic_oracle.static_bound(model), rel=1e-6 if ours.proved else 2e-3)
+        proved += ours.proved
+    assert proved > 10
+
+
+def test_turning_limit_against_the_conic_sequence() -> None:
+    """Where every bond holds, the conic sequence of METHOD.md §4 (Clarabel) must find the same limit."""
+    compared = 0
+    for model, analysis in random_models(40, 12):
+        turning = analysis.with_turning
+        if turning.bond.all() and turning.factor and not analysis.moments_govern:
+            assert conic_oracle.frozen_friction_limit(model) == pytest.approx(turning.factor, rel=2e-4)
+            compared += 1
+    assert compared > 10
+
+
+def test_reducing_the_strength_by_the_limit_leaves_one() -> None:
+    wedge = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30.0, "water": "50%"}
+    first = sk.wedge(**wedge, c=(24, 48), phi=(20, 30)).fos.limit
+    reduced = [math.degrees(math.atan(math.tan(math.radians(phi)) / first)) for phi in (20, 30)]
+    again = sk.wedge(**wedge, c=(24 / first, 48 / first), phi=reduced).fos.limit
+    assert again == pytest.approx(1.0, rel=1e-9)

@@ -1,0 +1,143 @@
+"""The command as a user runs it: output, JSON, exit codes, what it loads."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+PAPER = ["wedge", "--dips", "45/115", "45/245"]
+
+
+def slopekit(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120
+    )
+
+
+def test_the_sheet_of_the_papers_wedge() -> None:
+    run = slopekit(*PAPER)
+    assert run.returncode == 0
+    assert run.stderr == ""
+    lines = run.stdout.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert "1.5574  limit, PRE-IE" in run.stdout
+    assert "1.5574  Hoek & Bray closed form" in run.stdout
+    assert "1.5868  static bound" in run.stdout
+    assert "difference < 0.0001 %   AGREE (limit 1 %)" in run.stdout
+    assert "J1 45/115  dips 45° toward 115 (ESE), strike 025" in run.stdout
+    assert "DEFAULTS  face, upper, height, c, φ, density (the paper's wedge)" in run.stdout
+    assert [line.split()[0] for line in lines[1:] if not line.startswith(" ")] == [
+        "PLANES", "SIZE", "LOADS", "FORCES", "STATUS", "FoS", "ROTATION", "MODEL", "MOVES", "TIME", "GOVERNS",
+        "DEFAULTS",
+    ]  # fmt: skip
+
+
+def test_json_is_one_document_with_the_contracts_keys() -> None:
+    document = json.loads(slopekit(*PAPER, "--json").stdout)
+    assert set(document) >= {
+        "slopekit", "kind", "status", "fos", "difference", "agree", "moments_govern", "geometry", "forces_kn", "model",
+        "mechanism", "inputs", "defaults", "warnings", "timing_s",
+    }  # fmt: skip
+    assert document["fos"].keys() == {"limit", "closed_form", "static_bound", "all_pairs_failed"}
+    assert document["fos"]["all_pairs_failed"] is None
+    assert document["geometry"]["line"] == pytest.approx({"trend_deg": 180.0, "plunge_deg": 22.9098}, abs=1e-4)
+    assert document["geometry"]["areas_m2"].keys() == {"J1", "J2"}
+    assert document["forces_kn"].keys() == {"weight", "normal", "water", "driving", "resisting"}
+    assert document["model"]["unknowns"] == 6
+    assert document["mechanism"]["blocks"] == ["wedge"]
+    assert document["timing_s"].keys() >= {"cut", "mesh", "solve", "total"}
+
+
+def test_the_same_command_gives_the_same_numbers() -> None:
+    def run() -> dict:
+        return {key: value for key, value in json.loads(slopekit(*PAPER, "--json").stdout).items() if key != "timing_s"}
+
+    assert run() == run()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        ((), 0),
+        (("--accept", "1.5"), 0),
+        (("--accept", "1.6"), 1),
+        (("--accept", "1.5", "--water", "full"), 1),
+        (("--phi", "0.35"), 2),
+        (("--nonsense", "1"), 2),
+        (("--face", "20/180"), 3),
+        (("--c", "0", "--phi", "5"), 0),
+    ],
+)
+def test_exit_codes(arguments, code) -> None:
+    assert slopekit(*PAPER, *arguments).returncode == code
+
+
+def test_a_slope_that_fails_is_an_answer() -> None:
+    run = slopekit(*PAPER, "--water", "u=200kPa", "--c", "0", "--json")
+    assert run.returncode == 0
+    assert json.loads(run.stdout)["fos"]["limit"] < 1.0
+
+
+def test_lifted_has_no_number() -> None:
+    document = json.loads(slopekit(*PAPER, "--water", "u=400kPa", "--json").stdout)
+    assert document["status"] == "lifted"
+    assert document["agree"] is True
+    assert set(document["fos"].values()) == {None}
+
+
+def test_faults_go_to_stderr_and_into_the_json() -> None:
+    run = slopekit(*PAPER, "--phi", "0.35", "--height", "-3", "--json")
+    assert run.returncode == 2
+    assert [fault["code"] for fault in json.loads(run.stdout)["errors"]] == ["E116", "E113"]
+    assert "E113 phi of J1 is 0.35°, that looks like radians\n     --phi 0.35\n" in run.stderr
+
+
+def test_quiet_and_output_folder(tmp_path) -> None:
+    run = slopekit(*PAPER, "--quiet", "-o", str(tmp_path / "new"))
+    assert run.stdout == "slides_on_both 1.5574\n"
+    assert json.loads((tmp_path / "new/result.json").read_text())["status"] == "slides_on_both"
+    assert (tmp_path / "new/sheet.txt").read_text().startswith("slopekit ")
+
+
+def test_a_folder_that_cannot_be_written_is_refused_first(tmp_path) -> None:
+    (tmp_path / "file").write_text("")
+    run = slopekit(*PAPER, "-o", str(tmp_path / "file"))
+    assert run.returncode == 2
+    assert run.stderr.startswith("E129 ")
+
+
+def test_explain_and_version() -> None:
+    assert slopekit("explain", "e203").stdout.startswith("E203\n")
+    unknown = slopekit("explain", "E2O3")
+    assert unknown.returncode == 2
+    assert "Did you mean E203?" in unknown.stderr
+    assert slopekit("--version").stdout == "slopekit 0.1.0\n"
+
+
+def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
+    """DESIGN.md: heavy imports sit inside the functions that need them."""
+    heavy = ["trimesh", "pyvista", "matplotlib", "scipy", "clarabel", "pydantic", "ruamel", "shapely", "yaml"]
+    program = (
+        "import sys; sys.argv = ['slopekit', 'wedge', '--dips', '45/115', '45/245', '--quiet']\n"
+        "from slopekit.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert run.stdout.splitlines() == ["slides_on_both 1.5574", "[]"]
+
+
+def test_picture(tmp_path) -> None:
+    pytest.importorskip("pyvista")
+    target = tmp_path / "wedge.png"
+    environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
+    run = subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", *PAPER, "--picture", str(target), "--quiet"],
+        capture_output=True, text=True, timeout=120, env=environment,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    assert target.read_bytes().startswith(b"\x89PNG")
+    assert target.stat().st_size > 10_000
