@@ -18,6 +18,7 @@ from slopekit.analysis import closed_form, prepare
 from slopekit.design.reading import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import forces_only_limit, limit_analysis, passes_limit
+from slopekit.preie.model import Model
 from tests.support import random_wedge
 
 PAPER = {"dips": ("45/115", "45/245")}
@@ -84,9 +85,7 @@ def speed_against_error() -> None:
         model = prepare(wedge_design(PAPER), refine).model
         found = limit_analysis(model).governing
         ms = median_ms(lambda model=model: limit_analysis(model), 31)
-        print(
-            f"exact limit state      {len(model.control_area):10d} {found.passes:8d} {ms:10.3f}  {abs(found.factor - exact):.1e}"
-        )
+        _row("exact limit state", model, found.passes, ms, found.factor - exact)
     for refine in (0, 2):
         model = prepare(wedge_design(PAPER), refine).model
         for most in (1, 2, 3):
@@ -97,9 +96,11 @@ def speed_against_error() -> None:
             )
     held = prepare(wedge_design(PAPER), 0).model
     ms = median_ms(lambda: forces_only_limit(held))
-    print(
-        f"forces alone           {len(held.control_area):10d} {0:8d} {ms:10.3f}  {abs(forces_only_limit(held).factor - exact):.1e}"
-    )
+    _row("forces alone", held, 0, ms, forces_only_limit(held).factor - exact)
+
+
+def _row(solver: str, model: Model, passes: int, ms: float, error: float) -> None:
+    print(f"{solver:20s} {len(model.control_area):12d} {passes:8d} {ms:10.3f}   {abs(error):.1e}")
 
 
 def random_wedges(count: int = 2000, seed: int = 2000) -> None:
@@ -116,9 +117,8 @@ def random_wedges(count: int = 2000, seed: int = 2000) -> None:
         if result.status == "not_converged":
             outcomes["not converged"] += 1
         elif result.moments_govern:
-            outcomes[
-                "moments govern: no number (topples)" if limit is None else "moments govern: below the closed form"
-            ] += 1
+            topples = "moments govern: no number (topples)"
+            outcomes[topples if limit is None else "moments govern: below the closed form"] += 1
             above += limit is not None and limit >= closed
             worst_alone = max(worst_alone, abs(result.forces_only / closed - 1.0))
         elif closed is None:

@@ -37,7 +37,7 @@ from slopekit.result import (
 )  # fmt: skip
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
-_MOST_REFINED = 4
+_MOST_REFINED = 3
 _TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
 

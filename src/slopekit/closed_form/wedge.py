@@ -7,7 +7,7 @@ Plain floats on purpose: one wedge takes some tens of microseconds, and no line 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from slopekit.errors import Fault, GeometryError
@@ -15,7 +15,10 @@ from slopekit.orientation import Plane
 
 Vector = tuple[float, float, float]
 _SMALL = 1e-12
-_SQUARE = 1e-9  # cosine of the angle below which a bolt counts as square to the movement
+_SQUARE = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
+_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
+_STRIDE = 1.05  # steps of λ on the way to the first loss
+_ROUNDS = 40  # over several bolts, one after the other
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +81,8 @@ def hoek_bray_wedge(
     crack_distance : m from the crest along the trace of J1
     seismic : coefficient and trend (degrees; None: the trend of the line of intersection)
     forces : (east, north, up) kN; active bolts count among them
-    passive : (east, north, up) kN at full capacity; a passive bolt counts with capacity / F where it is drawn out
+    passive : (east, north, up) kN at full capacity; a passive bolt pulls with capacity / F where it is drawn out, with
+        less where that would already stop the movement along it
 
     Raises
     ------
@@ -107,25 +111,17 @@ def hoek_bray_wedge(
     bonds = (cohesion[0] * shape.areas[0], cohesion[1] * shape.areas[1])
     size = weight + sum(abs(push) for push in pushes) + sum(_length(force) for force in forces)
 
-    slide = _slide(load, shape.inward[0], shape.inward[1], size)
-    status = slide.status
-    drawn = [bolt for bolt in passive if slide.direction is not None and _is_drawn(bolt, slide.direction)]
     strength = bonds, (tangents[0], tangents[1])
-    reduction = 0.0
-    if drawn and slide.direction is not None:
-        reduction = _passive_reduction(load, drawn, shape, strength, size, slide.direction)
-        held = _slide(_pulled(load, drawn, reduction), shape.inward[0], shape.inward[1], size)
-        if held.direction is not None:
-            slide, status = held, held.status
-    resisting = _resisting(slide, strength)
+    bolts = [(bolt[0], bolt[1], bolt[2]) for bolt in passive]
+    slide = _slide(load, shape.inward[0], shape.inward[1], size)
     factor: float | None = None
-    if reduction:
-        factor = 1.0 / reduction
-    elif slide.direction is not None:
-        factor = resisting / slide.driving
+    if bolts and slide.status != "no_driving_force":
+        slide, factor = _with_passive_bolts(load, bolts, shape, strength, size)
+    elif slide.direction is not None and slide.touches != (False, False):
+        factor = _resisting(slide, strength) / slide.driving
     return ClosedFormWedge(
-        status, factor, slide.normal, slide.driving, resisting, slide.direction, shape.areas, shape.volume,
-        weight, shape.total_height, (pushes[0], pushes[1], pushes[2]),
+        slide.status, factor, slide.normal, slide.driving, _resisting(slide, strength), slide.direction, shape.areas,
+        shape.volume, weight, shape.total_height, (pushes[0], pushes[1], pushes[2]),
     )  # fmt: skip
 
 
@@ -189,6 +185,7 @@ class _Slide:
     driving: float
     normal: tuple[float, float]
     touches: tuple[bool, bool]
+    load: Vector
 
 
 def _slide(load: Vector, n1: Vector, n2: Vector, size: float) -> _Slide:
@@ -196,30 +193,28 @@ def _slide(load: Vector, n1: Vector, n2: Vector, size: float) -> _Slide:
     on1, on2, between = _dot(load, n1), _dot(load, n2), _dot(n1, n2)
     if on1 >= 0.0 and on2 >= 0.0:
         if _length(load) <= _SMALL * size:
-            return _Slide("no_driving_force", None, 0.0, (0.0, 0.0), (False, False))
-        return _Slide("falls" if max(n1[2], n2[2]) <= 0.0 else "lifted", None, 0.0, (0.0, 0.0), (False, False))
-    for k, (own, other, n, m) in enumerate(((on1, on2, n1, n2), (on2, on1, n2, n1))):
+            return _Slide("no_driving_force", None, 0.0, (0.0, 0.0), (False, False), load)
+        return _Slide("falls" if max(n1[2], n2[2]) <= 0.0 else "lifted", None, 0.0, (0.0, 0.0), (False, False), load)
+    for k, (own, other, n) in enumerate(((on1, on2, n1), (on2, on1, n2))):
         if own < 0.0 and other - own * between >= 0.0:
             along = _add(load, n, -own)
             driving = _length(along)
             normal = (-own, 0.0) if k == 0 else (0.0, -own)
             if driving <= _SMALL * size:
-                return _Slide("no_driving_force", None, 0.0, normal, (k == 0, k == 1))
+                return _Slide("no_driving_force", None, 0.0, normal, (k == 0, k == 1), load)
             direction = _scaled(along, 1.0 / driving)
-            # leaving the other plane means moving off it: a resultant along it rests on both
-            assert _dot(direction, m) >= -1e-9
             status = "slides_up" if direction[2] > 0.0 else f"slides_on_J{k + 1}"
-            return _Slide(status, direction, driving, normal, (k == 0, k == 1))
+            return _Slide(status, direction, driving, normal, (k == 0, k == 1), load)
     line = _cross(n1, n2)
     line = _scaled(line, 1.0 / _length(line))
     driving = _dot(load, line)
     share = 1.0 - between * between
     normal = ((on2 * between - on1) / share, (on1 * between - on2) / share)
     if abs(driving) <= _SMALL * size:
-        return _Slide("no_driving_force", None, 0.0, normal, (True, True))
+        return _Slide("no_driving_force", None, 0.0, normal, (True, True), load)
     direction = line if driving > 0.0 else _scaled(line, -1.0)
     status = "slides_up" if direction[2] > 0.0 else "slides_on_both"
-    return _Slide(status, direction, abs(driving), normal, (True, True))
+    return _Slide(status, direction, abs(driving), normal, (True, True), load)
 
 
 def _resisting(slide: _Slide, strength: tuple[tuple[float, float], tuple[float, float]]) -> float:
@@ -231,39 +226,90 @@ def _resisting(slide: _Slide, strength: tuple[tuple[float, float], tuple[float, 
     )
 
 
-def _is_drawn(bolt: Sequence[float], direction: Vector) -> bool:
-    """Whether a movement draws a passive bolt out; one square to it does not, whatever rounding says."""
-    return _dot(bolt, direction) < -_SQUARE * _length(bolt)
-
-
-def _pulled(load: Vector, bolts: Sequence[Sequence[float]], reduction: float) -> Vector:
-    for bolt in bolts:
-        load = _add(load, bolt, reduction)
+def _pulled(load: Vector, bolts: Sequence[Vector], pulls: Sequence[float]) -> Vector:
+    for bolt, pull in zip(bolts, pulls, strict=True):
+        load = _add(load, bolt, pull)
     return load
 
 
-def _passive_reduction(
-    load: Vector, bolts: Sequence[Sequence[float]], shape: _Shape,
-    strength: tuple[tuple[float, float], tuple[float, float]], size: float, way: Vector,
-) -> float:  # fmt: skip
-    """λ = 1/F with passive bolts: the root of λ resisting(λ) - driving(λ), bracketed and bisected to rounding."""
+def _with_passive_bolts(
+    load: Vector, bolts: Sequence[Vector], shape: _Shape, strength: tuple[tuple[float, float], tuple[float, float]],
+    size: float,
+) -> tuple[_Slide, float | None]:  # fmt: skip
+    """The slide and the factor with passive bolts: λ = 1/F falls from where all stands to the first loss.
 
-    def enough(reduction: float) -> bool:
-        slide = _slide(_pulled(load, bolts, reduction), shape.inward[0], shape.inward[1], size)
-        if slide.direction is None or _dot(slide.direction, way) <= 0.0:
-            return True  # the bolts alone hold it: less than all their capacity is needed
-        return reduction * _resisting(slide, strength) >= slide.driving
+    At each λ a bolt pulls with all of λ times its capacity where the movement draws it out, with nothing where it is
+    pushed in, and with what stops the movement along it in between.
+    """
 
-    low, high = 0.0, 1.0
-    while not enough(high):
-        low, high = high, 2.0 * high
-        if high > 1e15:
-            return high
+    def at(reduction: float) -> tuple[_Slide, bool]:
+        slide = _resting(load, bolts, shape, size, reduction)
+        stands = slide.direction is None and slide.status == "no_driving_force"
+        return slide, stands or (
+            slide.touches != (False, False) and reduction * _resisting(slide, strength) >= slide.driving
+        )
+
+    high = _STRONGEST * size / sum(_length(bolt) for bolt in bolts)
+    low = high
+    slide, stands = at(high)
+    if not stands:
+        return slide, None if slide.touches == (False, False) else 0.0
+    bare = _slide(load, *shape.inward[:2], size)
+    guess = bare.driving / max(_resisting(bare, strength), _SMALL * size)
+    while stands:
+        high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)
+        slide, stands = at(low)
+        if low < 1.0 / _STRONGEST:
+            return slide, None
     while True:
         middle = 0.5 * (low + high)
         if middle in (low, high):
-            return high
-        low, high = (low, middle) if enough(middle) else (middle, high)
+            break
+        below, stands = at(middle)
+        low, high, slide = (low, middle, slide) if stands else (middle, high, below)
+    return slide, 1.0 / high
+
+
+def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, reduction: float) -> _Slide:
+    """The slide that the bolts leave, each pulling between 0 and λ times its capacity so as to leave the least."""
+    pulls = [0.0] * len(bolts)
+    for _ in range(_ROUNDS):
+        before = list(pulls)
+        for k, bolt in enumerate(bolts):
+
+            def along(pull: float, k: int = k, bolt: Vector = bolt) -> float:
+                slide = _slide(_pulled(load, bolts, [*pulls[:k], pull, *pulls[k + 1 :]]), *shape.inward[:2], size)
+                if slide.direction is None:
+                    return 0.0 if slide.status == "no_driving_force" else _dot(slide.load, bolt)
+                return _dot(slide.direction, bolt) * slide.driving
+
+            low, high = 0.0, reduction
+            if along(low) >= -_SQUARE * _length(bolt) * size:
+                pulls[k] = low
+            elif along(high) <= 0.0:
+                pulls[k] = high
+            else:
+                pulls[k] = _crossing(along, low, high)
+        if len(bolts) == 1 or all(abs(a - b) <= 1e-14 * reduction for a, b in zip(pulls, before, strict=True)):
+            break
+    return _slide(_pulled(load, bolts, pulls), *shape.inward[:2], size)
+
+
+def _crossing(slope: Callable[[float], float], low: float, high: float) -> float:
+    """Where a rising, piecewise linear function crosses zero, by the Illinois rule (Dowell & Jarratt 1971)."""
+    at_low, at_high = slope(low), slope(high)
+    for _ in range(60):
+        middle = high - at_high * (high - low) / (at_high - at_low)
+        here = slope(middle)
+        if here == 0.0 or not low < middle < high:
+            return middle
+        if here > 0.0:
+            high, at_high, at_low = middle, here, 0.5 * at_low
+        else:
+            low, at_low, at_high = middle, here, 0.5 * at_high
+        if high - low <= 1e-15 * high:
+            break
+    return high
 
 
 def _pressures(water: WedgeWater, shape: _Shape, has_crack: bool) -> tuple[float, float, float]:

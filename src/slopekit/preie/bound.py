@@ -14,23 +14,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.linear import nonnegative_least_squares
-from slopekit.preie.mechanism import cheapest_mechanism
+from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 
 _MOST_STEPS = 40
-_MOST_SLICES = 15
+_CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
+_BALANCED = 1e-9  # a shortfall this small, in parts of the load, is none
 _PROVED = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class StaticBound:
-    """The bound (None: not found), whether a mechanism and forces prove it, the work done, and the mechanism (u,)."""
+    """The bound (None: not found), whether a mechanism and forces prove it, the work done.
+
+    `velocity` (u,) is its mechanism and `normal_force` (n,) what the pairs carry in it.
+    """
 
     factor: float | None
     proved: bool
     steps: int
     velocity: Floats
+    normal_force: Floats
 
 
 def static_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
@@ -44,7 +48,7 @@ def static_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
         translating = _two_joint_bound(model, velocity, limit)
         if translating is not None:
             return translating
-    return _general_bound(model, velocity, limit)
+    return _conic_bound(model, velocity, limit)
 
 
 def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
@@ -87,59 +91,114 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
         return None
     if not 0.0 < reduction <= (1.0 + _PROVED) / limit:
         return None
-    if not _balances(model, v, reduction):
+    normal_force = _balancing(model, v, reduction)
+    if normal_force is None:
         return None
-    return StaticBound(1.0 / reduction, True, steps, np.concatenate([v, np.zeros(model.unknowns - 3)]))
+    return StaticBound(1.0 / reduction, True, steps, np.concatenate([v, np.zeros(model.unknowns - 3)]), normal_force)
 
 
-def _balances(model: Model, v: Floats, reduction: float) -> bool:
-    """Whether forces on the edges of the friction cones, against v, balance the loads with their moments."""
+def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
+    """Normal forces that balance the loads with their moments, shear on the edge of every friction cone against v."""
     motion = np.einsum("ntu,u->nt", model.rows[:, 1:, :3], v)
     direction = motion / np.sqrt((motion * motion).sum(axis=1))[:, None]
     against = np.einsum("nt,ntu->nu", direction, model.rows[:, 1:, :])
     columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
     target = -model.load + (reduction * model.cohesion) @ against
-    _, rest = nonnegative_least_squares(columns.T, target)
-    return float(np.abs(rest).max()) < _PROVED
+    normal_force, rest = bounded_least_squares(columns.T, target, np.full(len(columns), np.inf))
+    return normal_force if float(np.abs(rest).max()) < _PROVED else None
 
 
-def _general_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
-    """The root of φ(λ), the least energy of dilating mechanisms on the slice q·v = 1, by Newton's method.
+def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
+    """The least λ at which second-order cones of forces balance the loads: bracketed and bisected with Clarabel.
 
-    The penalty of the convex program shifts the root by a part proportional to 1/κ: two penalties and Richardson's
-    extrapolation take that away.
+    Each trial asks for the least t >= -1 such that N >= 0, |f_t| <= λ (c A + N tan φ) + t a and Bᵀ f + P = 0 (bolts
+    pull with 0 to λ times their capacity); t <= 0 means they balance. The limit's own forces do: λ <= 1/limit.
     """
-    v, reduction, steps = velocity, 1.0 / limit, 0
-    found = []
-    for stages in (((1e2, 1e-2, 1e-2),), ((1e4, 1e-4, 1e-3),), ((1e5, 1e-6, 1e-8),), ((1e6, 1e-7, 1e-8),)):
-        v = v / math.sqrt(float(v @ v))
-        slice_ = v + 0.1 * model.load  # through the best mechanism yet, so that penalties keep their scale
-        for _ in range(_MOST_SLICES):
-            here = cheapest_mechanism(
-                model, reduction * model.cohesion, reduction * model.tan_friction, v, model.load, slice_,
-                reduction * model.bolt_capacity, _relative(stages, model, reduction),
-            )  # fmt: skip
-            v, steps = here.velocity, steps + here.steps
-            slope = float((model.cohesion + model.tan_friction * here.normal_force) @ here.slip)
-            if len(model.bolt_capacity):
-                slope += float(model.bolt_capacity @ np.maximum(-model.bolt_rows @ v, 0.0))
-            if not slope > 0.0:
-                return StaticBound(None, False, steps, v)
-            renewed = min(max(reduction - here.energy / slope, 0.3 * reduction), 3.0 * reduction)
-            done = abs(renewed - reduction) <= stages[0][2] * 0.1 * reduction
-            reduction = renewed
-            if done:
-                break
-        found.append(reduction)
-    reduction = found[-1] + (found[-1] - found[-2]) / 9.0
-    if not here.settled:
-        return StaticBound(None, False, steps, v)
-    return StaticBound(max(1.0 / reduction, limit), False, steps, v)
+    program = _ConicProgram(model)
+    low, high = 0.0, 1.0 / limit
+    best, steps, mechanism = program.solve(high), 1, velocity
+    if best is None or best.shortfall > 1e-6:
+        return StaticBound(None, False, steps, velocity, np.zeros(len(model.control_area)))
+    step = 0.9
+    while high - low > _CONIC_WIDTH * high and steps < _MOST_STEPS + 40:
+        middle = 0.5 * (low + high) if low > 0.0 else high * step
+        step *= step
+        trial = program.solve(middle)
+        steps += 1
+        if trial is None:
+            break
+        if trial.shortfall <= _BALANCED:
+            high, best = middle, trial
+        else:
+            low, mechanism = middle, trial.velocity
+    if high - low > 10.0 * _CONIC_WIDTH * high:
+        return StaticBound(None, False, steps, mechanism, best.normal_force)
+    return StaticBound(max(1.0 / high, limit), True, steps, mechanism, best.normal_force)
 
 
-def _relative(
-    stages: tuple[tuple[float, float, float], ...], model: Model, reduction: float
-) -> tuple[tuple[float, float, float], ...]:
-    """The stages with their penalty in parts of the load, not of the (reduced) cohesion."""
-    scale = max(reduction * float(model.cohesion.sum() + model.bolt_capacity.sum()), 1e-12)
-    return tuple((penalty / scale, rounding, residual) for penalty, rounding, residual in stages)
+@dataclass(frozen=True, slots=True)
+class _Trial:
+    shortfall: float
+    velocity: Floats
+    normal_force: Floats
+
+
+class _ConicProgram:
+    """The program of `_conic_bound`; only its right-hand side and one column entry a pair depend on λ."""
+
+    def __init__(self, model: Model) -> None:
+        from scipy import sparse  # only a bound that moments govern pays for SciPy and Clarabel
+
+        self.model = model
+        count, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
+        width = 3 * count + bolts + 1
+        balance = sparse.hstack(
+            [
+                sparse.csc_matrix(model.flat_rows.T),
+                sparse.csc_matrix(model.bolt_rows.T),
+                sparse.csc_matrix((unknowns, 1)),
+            ]
+        )
+        pairs = np.arange(count)
+        signs = sparse.csc_matrix(
+            (np.full(count + 2 * bolts + 1, -1.0) * np.concatenate([np.ones(count + bolts), -np.ones(bolts), [1.0]]),
+             (np.arange(count + 2 * bolts + 1),
+              np.concatenate([3 * pairs, 3 * count + np.arange(bolts), 3 * count + np.arange(bolts), [width - 1]]))),
+            shape=(count + 2 * bolts + 1, width),
+        )  # fmt: skip
+        rows = np.concatenate([3 * pairs, 3 * pairs, 3 * pairs + 1, 3 * pairs + 2])
+        columns = np.concatenate([3 * pairs, np.full(count, width - 1), 3 * pairs + 1, 3 * pairs + 2])
+        self.cone_shape = (rows, columns, (3 * count, width))
+        self.top = sparse.vstack([balance, signs])
+        self.cost = np.zeros(width)
+        self.cost[-1] = 1.0
+        self.none = sparse.csc_matrix((width, width))
+
+    def solve(self, reduction: float) -> _Trial | None:
+        """Least shortfall at a λ, or None where Clarabel gives up."""
+        import clarabel
+        from scipy import sparse
+
+        model = self.model
+        count, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
+        rows, columns, shape = self.cone_shape
+        values = np.concatenate(
+            [-reduction * model.tan_friction, -model.control_area, np.full(count, -1.0), np.full(count, -1.0)]
+        )
+        cone_right = np.zeros(3 * count)
+        cone_right[::3] = reduction * model.cohesion
+        matrix = sparse.vstack([self.top, sparse.csc_matrix((values, (rows, columns)), shape=shape)]).tocsc()
+        right = np.concatenate(
+            [-model.load, np.zeros(count + bolts), reduction * model.bolt_capacity, [1.0], cone_right]
+        )
+        cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(count + 2 * bolts + 1)]
+        cones += [clarabel.SecondOrderConeT(3)] * count
+        settings = clarabel.DefaultSettings()
+        settings.verbose = False
+        found = clarabel.DefaultSolver(self.none, self.cost, matrix, right, cones, settings).solve()
+        if not str(found.status).endswith("olved"):
+            return None
+        forces, duals = np.array(found.x), np.array(found.z)
+        velocity = duals[:unknowns]
+        velocity = velocity if float(velocity @ model.load) > 0.0 else -velocity
+        return _Trial(float(found.obj_val), velocity, np.maximum(forces[: 3 * count : 3], 0.0))

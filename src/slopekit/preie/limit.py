@@ -14,6 +14,7 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -22,7 +23,7 @@ import numpy as np
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import LimitState, elastic_displacement, intact_limit_state, settled_limit_state
-from slopekit.preie.linear import nonnegative_least_squares
+from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
 from slopekit.preie.model import Model
 
@@ -31,6 +32,9 @@ _MOST_PASSES = 400
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
 _MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
+_NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
+_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
+_STRIDE = 1.05  # steps of λ on the way to the first loss
 _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
@@ -97,7 +101,8 @@ def limit_analysis(model: Model) -> LimitAnalysis:
     if model.dilates and (associated := _associated_limit(model)) is not None:
         return LimitAnalysis(associated, associated, associated, False)
     start = np.concatenate([alone.velocity, np.zeros(model.unknowns - 3)])
-    turning = _passes(model, start, alone.normal_force, alone.bond, alone.bond > 0.0)
+    may_bond: Bools = np.ones(len(alone.bond), dtype=bool)
+    turning = _passes(model, start, alone.normal_force, alone.bond, may_bond)
     if turning.outcome is Outcome.NO_STRENGTH:
         return LimitAnalysis(turning, alone, turning, True)
     if turning.outcome is Outcome.NOT_CONVERGED:
@@ -137,32 +142,87 @@ def _associated_limit(model: Model) -> Limit | None:
     if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
         return None
     bond = np.ones(len(model.control_area))
-    return Limit(Outcome.SLIDES, bound.factor, _unit(bound.velocity), without.normal_force, bond, 0, bound.steps, 0.0)
+    return Limit(Outcome.SLIDES, bound.factor, _unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class _Push:
+    """The load split at one reduction λ: velocity (3,) with the driving force as its length, pushes, bolt pulls."""
+
+    pull: Floats
+    driving: float
+    resisting: float
+    normal_force: Floats
+    touching: Bools
 
 
 def forces_only_limit(model: Model) -> Limit:
-    """The limit of a block that may move but not turn: `model` with three unknowns or its full form."""
+    """The limit of a block that may move but not turn: `model` with three unknowns or its full form.
+
+    At a reduction λ the joints push with N >= 0 and the passive bolts pull with 0 <= T <= λ capacity so as to leave
+    the least of the load: that is the driving force, and its direction the velocity. The block stands where
+    λ (c A + N tan φ) is more. Falling λ (rising F) is followed to the first loss.
+    """
     held = model if model.unknowns == 3 else model.without_rotation()
-    load = held.load
     normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
     which = which.ravel()
-    pushes, rest = nonnegative_least_squares(normals.T, -load)
-    pull = -rest
-    speed = math.sqrt(float(pull @ pull))
-    touching = (pushes > 0.0)[which]
     share = held.control_area / np.bincount(which, held.control_area)[which]
-    normal_force, bond = pushes[which] * share, touching.astype(np.float64)
-    if speed < 1e-12:
-        return Limit(Outcome.NO_DRIVING_FORCE, None, np.zeros(3), normal_force, bond, 0, 0, 0.0)
-    velocity = pull / speed
-    if not touching.any():
-        return Limit(Outcome.LIFTED, None, velocity, normal_force, bond, 0, 0, 0.0)
-    strength = bond * held.cohesion + held.tan_friction * normal_force
-    resisting = float(strength @ held.slip(velocity))
-    if len(held.bolt_capacity) or held.dilates:
-        may_bond: Bools = np.ones(len(bond), dtype=bool)
-        return _passes(held, velocity, normal_force, np.ones(len(bond)) if len(held.bolt_capacity) else bond, may_bond)
-    return Limit(Outcome.SLIDES, resisting / speed, velocity, normal_force, bond, 0, 0, 0.0)
+    columns = np.concatenate([normals, held.bolt_rows]).T
+
+    def at(reduction: float) -> _Push:
+        upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
+        pushes, rest = bounded_least_squares(columns, -held.load, upper)
+        pushes = pushes[: len(normals)]
+        driving = math.sqrt(float(rest @ rest))
+        touching: Bools = (pushes > 0.0)[which]
+        normal = pushes[which] * share
+        strength = touching * held.cohesion + held.tan_friction * normal
+        slip = held.slip(rest) / driving if driving > _NO_FORCE else np.ones(len(share))
+        return _Push(-rest, driving, float(strength @ slip), normal, touching)
+
+    def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
+        bond = push.touching.astype(np.float64)
+        velocity = push.pull / push.driving if push.driving > _NO_FORCE else np.zeros(3)
+        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0)
+
+    alone = at(0.0)
+    if alone.driving < _NO_FORCE:
+        return limit(Outcome.NO_DRIVING_FORCE, None, alone)
+    if not len(held.bolt_capacity):
+        if not alone.touching.any():
+            return limit(Outcome.LIFTED, None, alone)
+        if held.dilates:
+            may_bond: Bools = np.ones(len(share), dtype=bool)
+            velocity = alone.pull / alone.driving
+            return _passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64), may_bond)
+        return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
+    guess = alone.driving / max(alone.resisting, _NO_FORCE)
+    return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)
+
+
+def _first_loss(
+    at: Callable[[float], _Push], limit: Callable[[Outcome, float | None, _Push], Limit], capacity: float, bare: float
+) -> Limit:
+    """With passive bolts (`bare`: λ without them): walk λ down from where all stands to the first λ at which it does not, then bisect."""
+
+    def stands(push: _Push, reduction: float) -> bool:
+        return push.driving < _NO_FORCE or reduction * push.resisting >= push.driving
+
+    low = high = _STRONGEST / capacity
+    push = at(high)
+    if not stands(push, high):
+        outcome = Outcome.LIFTED if not push.touching.any() else Outcome.SLIDES
+        return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, push)
+    while stands(at(low), low):
+        high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
+        if low < 1.0 / _STRONGEST:
+            return limit(Outcome.NO_DRIVING_FORCE, None, at(low))
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        low, high = (low, middle) if stands(at(middle), middle) else (middle, high)
+    return limit(Outcome.SLIDES, 1.0 / high, at(low))
 
 
 def _turned(limit: Limit, model: Model) -> Limit:
@@ -178,7 +238,8 @@ def _exact(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limi
 
 def _stands_without_strength(model: Model) -> bool:
     """Whether pushes on the joints alone balance the forces and the moments."""
-    _, rest = nonnegative_least_squares(model.normal_rows.T, -model.load)
+    count = len(model.control_area)
+    _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))
     return float(np.abs(rest).max()) < 1e-12
 
 

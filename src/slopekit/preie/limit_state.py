@@ -7,9 +7,11 @@ and λ: as many as the block has, and one.
 
     Bᵀ f + P + λ P_bolts = 0,    f_n = N,    f_t = -λ (χ c A + N tan φ) v_t / |v_t|,    |v| = 1
 
-χ is 0 for pairs that have lost their cohesion. Hinges (closed pairs that do not slip) are springs in all directions.
+χ is 0 for pairs that have lost their cohesion. Hinges (closed pairs that do not slip) are springs in all
+directions, within their strength.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +23,7 @@ from slopekit.preie.model import Model
 _EYE2 = np.eye(2)
 _MOST_STEPS = 30
 _MOST_CHANGES = 12
-_SQUARE = 1e-9  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
+_SQUARE = 1e-5  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
 _LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 
 
@@ -131,7 +133,12 @@ def limit_state(
     if len(sliding) == 0:
         return None
     normal_rows = model.normal_rows
-    free, rest = split_space(np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2))]))
+    drawn = -model.bolt_rows @ velocity
+    square = np.abs(drawn) <= _SQUARE * math.sqrt(float(velocity @ velocity))
+    held_bolts, full = model.bolt_rows[square], (drawn > 0.0) & ~square
+    free, rest = split_space(
+        np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), held_bolts])
+    )
     count = free.shape[1]
     if count == 0:
         return None
@@ -146,8 +153,9 @@ def limit_state(
     hinge_rows = model.rows[hinges].reshape(-1, unknowns)
     hinge_springs = -np.repeat(model.control_area[hinges], 3)[:, None] * (hinge_rows @ rest)
     tan_friction, cohesion = model.tan_friction[sliding], (model.cohesion * bond)[sliding]
-    drawn = -model.bolt_rows @ (free @ along) > _SQUARE * length
-    bolts = (model.bolt_capacity * drawn) @ model.bolt_rows
+    bolts = (model.bolt_capacity * full) @ model.bolt_rows
+    # bolts square to the movement: springs that carry what they must, checked against their capacity at the end
+    bolt_springs = -(held_bolts @ rest)
 
     along = along / length
     matrix = np.zeros((unknowns + 1, unknowns + 1))
@@ -166,6 +174,7 @@ def limit_state(
         forces[:, 1:] = (-reduction * strength)[:, None] * direction
         hinge_forces = hinge_springs @ elastic
         out = forces.ravel() @ rows + hinge_forces @ hinge_rows + model.load + reduction * bolts
+        out = out + (bolt_springs @ elastic) @ held_bolts
         norm = (float(along @ along) - 1.0) / 2.0
         scale = 1.0 + abs(reduction) * float(np.abs(strength).sum())
         residual = float(np.abs(out).max())
@@ -184,6 +193,7 @@ def limit_state(
         slope[:, 1:, unknowns] = -strength[:, None] * direction
         matrix[:unknowns] = rows.T @ slope.reshape(-1, unknowns + 1)
         matrix[:unknowns, count:unknowns] += hinge_rows.T @ hinge_springs
+        matrix[:unknowns, count:unknowns] += held_bolts.T @ bolt_springs
         matrix[:unknowns, unknowns] += bolts
         matrix[unknowns, :count] = along
         unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
@@ -199,7 +209,18 @@ def limit_state(
     else:
         if residual > 1e-9 * scale:
             return None
+    carried, speed = bolt_springs @ elastic, -model.bolt_rows @ (free @ along)
+    spare = 1e-9 * (1.0 + reduction * model.bolt_capacity[square])
+    if (carried < -spare).any() or (carried > reduction * model.bolt_capacity[square] + spare).any():
+        return None
+    if (speed[full] < -_SQUARE).any() or (speed[~full & ~square] > _SQUARE).any():
+        return None
+    at_hinges = hinge_forces.reshape(-1, 3)
+    shear = np.sqrt((at_hinges[:, 1:] ** 2).sum(axis=1))
+    most = (model.cohesion * bond)[hinges] + model.tan_friction[hinges] * np.maximum(at_hinges[:, 0], 0.0)
+    if (shear > reduction * most + 1e-9).any():
+        return None  # a hinge that would slip is none
     all_forces = np.zeros((len(closed), 3))
     all_forces[sliding] = forces
-    all_forces[hinges] = hinge_forces.reshape(-1, 3)
+    all_forces[hinges] = at_hinges
     return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, residual, steps)

@@ -29,42 +29,52 @@ def split_space(rows: Floats, relative: float = 1e-9) -> tuple[Floats, Floats]:
     return basis[rank:].T, basis[:rank].T
 
 
-def nonnegative_least_squares(matrix: Floats, target: Floats, most: int = 400) -> tuple[Floats, Floats]:
-    """The x >= 0 that brings A x nearest to b, and what is left of b.
+def bounded_least_squares(matrix: Floats, target: Floats, upper: Floats, most: int = 400) -> tuple[Floats, Floats]:
+    """The x with 0 <= x <= upper that brings A x nearest to b, and what is left of b.
 
-    Lawson & Hanson (1974), ch. 23. SciPy has the same, at the price of importing scipy.optimize for a 6-row system.
+    Stark & Parker (1995), after Lawson & Hanson (1974), ch. 23. SciPy has the same, at the price of importing
+    scipy.optimize for a system of three or six rows.
 
     Parameters
     ----------
-    matrix : (m, n); target : (m,)
+    matrix : (m, n); target : (m,); upper : (n,), infinite where there is no bound
 
     Returns
     -------
     x : (n,), residual : (m,) b - A x
 
-    >>> x, left = nonnegative_least_squares(np.eye(2), np.array([3.0, -1.0]))
+    >>> x, left = bounded_least_squares(np.eye(3), np.array([3.0, -1.0, 2.0]), np.array([np.inf, np.inf, 0.5]))
     >>> x.tolist(), left.tolist()
-    ([3.0, 0.0], [0.0, -1.0])
+    ([3.0, 0.0, 0.5], [0.0, -1.0, 1.5])
     """
     count = matrix.shape[1]
     solution = np.zeros(count)
-    passive: Bools = np.zeros(count, dtype=bool)
-    scale = np.sqrt((matrix * matrix).sum(axis=0)) * max(float(np.sqrt(target @ target)), 1e-300)
+    free: Bools = np.zeros(count, dtype=bool)
+    scale = np.maximum(np.sqrt((matrix * matrix).sum(axis=0) * float(target @ target)), 1e-300)
     for _ in range(most):
-        gain = np.where(passive, -np.inf, (matrix.T @ (target - matrix @ solution)) / np.maximum(scale, 1e-300))
+        gain = (matrix.T @ (target - matrix @ solution)) / scale
+        gain = np.where(free, -np.inf, np.where(solution >= upper, -gain, gain))
+        gain[upper <= 0.0] = -np.inf
         best = int(np.argmax(gain))
         if not gain[best] > 1e-13:
             break
-        passive[best] = True
-        while passive.any():
-            trial = np.zeros(count)
-            trial[passive] = np.linalg.lstsq(matrix[:, passive], target, rcond=None)[0]
-            if trial[passive].min() > 0.0:
+        free[best] = True
+        while free.any():
+            trial = solution.copy()
+            fixed = target - matrix[:, ~free] @ solution[~free]
+            trial[free] = np.linalg.lstsq(matrix[:, free], fixed, rcond=None)[0]
+            below, above = free & (trial <= 0.0), free & (trial >= upper)
+            if not below.any() and not above.any():
                 solution = trial
                 break
-            wrong = passive & (trial <= 0.0)
-            step = float((solution[wrong] / (solution[wrong] - trial[wrong])).min())
-            solution = solution + step * (trial - solution)
-            passive &= solution > 1e-14 * max(float(solution.max()), 1e-300)
-            solution[~passive] = 0.0
+            step = 1.0
+            if below.any():
+                step = min(step, float((solution[below] / (solution[below] - trial[below])).min()))
+            if above.any():
+                step = min(step, float(((upper - solution)[above] / (trial - solution)[above]).min()))
+            solution = solution + max(step, 0.0) * (trial - solution)
+            size = max(float(solution.max()), 1e-300)
+            at_floor, at_top = solution <= 1e-14 * size, solution >= upper * (1.0 - 1e-14)
+            solution = np.where(at_floor, 0.0, np.where(at_top, upper, solution))
+            free &= ~at_floor & ~at_top
     return solution, target - matrix @ solution
