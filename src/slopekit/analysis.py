@@ -79,13 +79,16 @@ def analyse_wedge(design: WedgeDesign) -> WedgeResult:
         if design.criterion == "all-pairs" and limit.factor:
             pairs = all_pairs_failed(model, stiffness)
 
+    searched = pairs.factor if pairs else None
+    if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
+        searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
     status = _status(limit, analysis, scene)
     alone = analysis.forces_only.factor
     compared = alone if analysis.moments_govern or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
     difference, agree = _compare(compared, status, closed, design)
-    factors = FactorsOfSafety(limit.factor, closed.factor, bound, pairs.factor if pairs else None)
+    factors = FactorsOfSafety(limit.factor, closed.factor, bound, searched)
     warnings = tuple(
-        notices(design, status, analysis, scene.pairs, scene.model, proved or bound is None, change,
+        notices(design, status, analysis, scene.pairs, scene.model, proved or not limit.factor, change,
                 at_rest is not None and not at_rest.stands)
     )  # fmt: skip
     return WedgeResult(
@@ -291,7 +294,7 @@ def _compare(
     if status == "not_converged":
         return None, False
     if factor is None or closed.factor is None:
-        return None, factor is None and closed.factor is None
+        return None, factor is None and closed.factor is None and (status == closed.status or status == "topples")
     if closed.factor == 0.0:
         return abs(factor), factor == 0.0
     difference = abs(factor / closed.factor - 1.0)

@@ -82,7 +82,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "W307": "A joint that opens loses its cohesion at once: the factor of safety jumps there. A little less water or "
     "a little more bolt force may close it again.",
     "W308": "Joints without cohesion and friction hold nothing: the factor of safety is 0 as soon as anything drives.",
-    "W309": "The static bound is proved where a mechanism and balancing forces meet; here only the former was.",
+    "W309": "The solver for the static bound gave up, so the bound is not printed. The limit does not depend on it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
     "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "

@@ -63,7 +63,7 @@ def notices(
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
     if not bound_is_proved:
-        yield Notice("W309", "the static bound is a numerical optimum, not proved by balancing forces")
+        yield Notice("W309", "the static bound was not found")
     if mesh_change is not None and mesh_change > MESH_CHANGE:
         yield Notice(
             "W312", f"the last refinement of the node pairs still moved the limit by {mesh_change * 100:.1f} %"

@@ -80,7 +80,7 @@ NO_BLOCK = [
     ("E207", {"crack": "80/180@300m"}, "the wedge ends at 209.373 m"),
     ("E207", {"crack": "10/180@30m"}, "parallel to the upper slope"),
     ("E207", {"crack": "22.909807125143665/180@30m"}, "parallel to the line of intersection"),
-    ("E207", {"crack": "30/000@30m"}, "does not cross the line of intersection"),
+    ("E207", {"crack": "15/180@30m"}, "does not cross the line of intersection"),
     ("E209", {"face": "60/180", "upper": "60/180"}, "there is no crest"),
     ("E211", {"bolts": {"force": 200, "toward": "000/10", "head": (500, 0, 0)}}, "bolt 1 misses the block"),
     ("E211", {"bolts": {"force": 200, "toward": "180/10", "head": HEAD}}, "through a free face"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, tractions
+from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, breaks, tractions
 
 STIFF = JointStiffness(tangential=1e6)
 
@@ -14,21 +14,20 @@ def law(
     c=50.0,
     phi=20.0,
     psi=0.0,
-    tension=0.0,
     factor=1.0,
     debonded=False,
 ):
     rows = np.atleast_2d(np.asarray(relative, dtype=float))
     full = np.full(len(rows), 1.0)
     return tractions(
-        rows, stiffness, c * full, np.tan(np.radians(phi)) * full, np.tan(np.radians(psi)) * full, tension * full,
+        rows, stiffness, c * full, np.tan(np.radians(phi)) * full, np.tan(np.radians(psi)) * full,
         factor, np.full(len(rows), debonded),
     )  # fmt: skip
 
 
 def test_modes_of_table_1() -> None:
-    modes = law([[-1e-5, 1e-6, 0.0], [-1e-5, 1e-3, 0.0], [1e-5, 1e-3, 0.0]]).modes
-    assert modes.tolist() == [ContactMode.STICK, ContactMode.SLIP, ContactMode.DEBOND]
+    assert law([[-1e-5, 1e-6, 0.0], [-1e-5, 1e-3, 0.0]]).modes.tolist() == [ContactMode.STICK, ContactMode.SLIP]
+    assert law([1e-5, 1e-3, 0.0], debonded=True).modes.tolist() == [ContactMode.DEBOND]
 
 
 def test_slip_carries_the_reduced_mohr_coulomb_strength_against_the_slip() -> None:
@@ -38,16 +37,18 @@ def test_slip_carries_the_reduced_mohr_coulomb_strength_against_the_slip() -> No
     assert out == pytest.approx([100.0, -0.6 * strength, -0.8 * strength], rel=1e-12)
 
 
-def test_debonded_pair_carries_almost_nothing() -> None:
-    """k_zz = 10 kN/m³ once debonded (paper, §2.4), no shear."""
-    assert law([1e-3, 1e-3, 0.0]).tractions[0] == pytest.approx([-1e-2, 0.0, 0.0])
+def test_debonded_pair_carries_almost_nothing_until_it_closes() -> None:
+    """k_zz = 10 kN/m³ once debonded (paper, §2.4), no shear; closed again it has friction, no cohesion."""
+    assert law([1e-3, 1e-3, 0.0], debonded=True).tractions[0] == pytest.approx([-1e-2, 0.0, 0.0])
+    closed = law([-1e-5, 1e-2, 0.0], debonded=True).tractions[0]
+    assert closed == pytest.approx([100.0, -100.0 * np.tan(np.radians(20.0)), 0.0])
 
 
-def test_tension_holds_until_it_is_reached_and_is_gone_afterwards() -> None:
-    assert law([1e-6, 0.0, 0.0], tension=20.0).modes[0] == ContactMode.STICK
-    assert law([3e-6, 0.0, 0.0], tension=20.0).modes[0] == ContactMode.DEBOND
-    assert law([1e-6, 0.0, 0.0], tension=20.0, factor=4.0).modes[0] == ContactMode.DEBOND
-    assert law([1e-6, 0.0, 0.0], tension=20.0, debonded=True).modes[0] == ContactMode.DEBOND
+@pytest.mark.parametrize(("opening", "factor", "parts"), [(1e-6, 1.0, False), (3e-6, 1.0, True), (1e-6, 4.0, True)])
+def test_tension_holds_until_its_reduced_strength(opening, factor, parts) -> None:
+    """σ_t = 20 kPa against k_zz x opening = 10 or 30 kPa."""
+    bonded = law([opening, 0.0, 0.0], factor=factor)
+    assert breaks(bonded, np.array([20.0]), factor, 0.0).tolist() == [parts]
 
 
 def test_clough_duncan_starts_at_eq_31_and_bends_to_its_ceiling() -> None:
@@ -71,13 +72,14 @@ def test_slopes_are_the_derivatives(tangential, psi) -> None:
     reach = 2e-4 if isinstance(tangential, float) else 4e-3
     relative = rng.normal(size=(400, 3)) * [3e-5, reach, reach]
     stiffness = JointStiffness(tangential=tangential)
-    at = law(relative, stiffness, psi=psi)
+    debonded = relative[:, 0] > 0.0
+    at = law(relative, stiffness, psi=psi, debonded=debonded)
     slopes = np.empty((400, 3, 3))
     keeps_mode = np.ones(400, dtype=bool)
     for k in range(3):
         step = np.zeros(3)
         step[k] = 1e-10
-        before, after = law(relative - step, stiffness, psi=psi), law(relative + step, stiffness, psi=psi)
+        before, after = (law(relative + sign * step, stiffness, psi=psi, debonded=debonded) for sign in (-1.0, 1.0))
         slopes[:, :, k] = (after.tractions - before.tractions) / 2e-10
         keeps_mode &= (before.modes == at.modes) & (after.modes == at.modes)
     assert set(at.modes[keeps_mode].tolist()) == {0, 1, 2}

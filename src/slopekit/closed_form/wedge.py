@@ -290,7 +290,7 @@ def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, 
                 pulls[k] = high
             else:
                 pulls[k] = _crossing(along, low, high)
-        if len(bolts) == 1 or all(abs(a - b) <= 1e-14 * reduction for a, b in zip(pulls, before, strict=True)):
+        if len(bolts) == 1 or all(abs(a - b) <= 1e-12 * reduction for a, b in zip(pulls, before, strict=True)):
             break
     return _slide(_pulled(load, bolts, pulls), *shape.inward[:2], size)
 

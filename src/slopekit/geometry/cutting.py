@@ -24,6 +24,7 @@ _BOX_TRIANGLES = np.array(
      [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]], dtype=np.uint64,
 )  # fmt: skip
 _SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,14 +85,12 @@ def cut_wedge(rock: RockMass) -> Block:
             wedges.append(mesh)
     if len(wedges) != 1:
         message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
-        raise GeometryError([Fault("E208", message, "", "The planes enclose no wedge of any volume.")])
+        advice = "The crack cuts the wedge in two below its crest." if len(wedges) else "They enclose no wedge."
+        raise GeometryError([Fault("E208", message, "", advice)])
     block = _block(wedges[0], rock, centre, half)
     if len(rock.normals) > CRACK and CRACK not in block.faces:
         raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
     return block
-
-
-_SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
 
 
 def _tagged(vertices: Floats, face_ids: Ints) -> Manifold:

@@ -62,7 +62,6 @@ def tractions(
     cohesion: Floats,
     tan_friction: Floats,
     tan_dilation: Floats,
-    tension: Floats,
     reduction: float,
     debonded: Bools,
 ) -> Tractions:
@@ -71,9 +70,10 @@ def tractions(
     Parameters
     ----------
     relative : (n, 3) m; opening, and two tangents
-    cohesion, tension : (n,) kPa; tan_friction, tan_dilation : (n,); all at full strength
-    reduction : strength reduction factor F; c, tan φ and σ_t are divided by it (eqs. 32, 33)
-    debonded : (n,) pairs that have debonded before: they have no tension until they close again
+    cohesion : (n,) kPa; tan_friction, tan_dilation : (n,); all at full strength
+    reduction : strength reduction factor F; c and tan φ are divided by it (eqs. 32, 33)
+    debonded : (n,) pairs that have lost their bond: no cohesion and no tension, contact only where they close.
+        A bonded pair carries whatever tension Newton's method meets on its way; `breaks` says afterwards what broke.
 
     Joints that dilate take a constant k_t (k₁ γ_w where Clough-Duncan was asked for): on the hyperbola more normal
     traction would mean less elastic slip, so more dilation, so more normal traction, without end.
@@ -83,13 +83,13 @@ def tractions(
     slip = np.sqrt((tangential * tangential).sum(axis=1))
     away = np.where(slip > 0.0, slip, 1.0)
     direction = tangential / away[:, None]
-    mu, c = tan_friction / reduction, cohesion / reduction
+    mu, c = tan_friction / reduction, np.where(debonded, 0.0, cohesion / reduction)
     psi = np.minimum(tan_dilation, mu)
     law = stiffness.tangential
     give = law.modulus_number * law.water_unit_weight if isinstance(law, CloughDuncan) else law
 
     normal = -k_n * opening
-    open_: Bools = normal < -np.where(debonded, 0.0, tension / reduction)
+    open_: Bools = debonded & (normal < 0.0)
     shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), give if psi.any() else law)
     strength = np.maximum(c + mu * normal, 0.0)
     yields: Bools = (shear > strength) & ~open_
@@ -118,6 +118,11 @@ def tractions(
     slopes[:, 1:, 1:] = -secant[:, None, None] * (np.eye(2) - across) - slope_slip[:, None, None] * across
     modes = np.where(open_, ContactMode.DEBOND, np.where(yields, ContactMode.SLIP, ContactMode.STICK))
     return Tractions(out, slopes, modes.astype(np.int64))
+
+
+def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -> Bools:
+    """Which pairs the tension parts (Table 1): σ < -σ_t / F, beyond `rounding` kPa."""
+    return law.tractions[:, 0] < -tension / reduction - rounding
 
 
 def _hyperbola(normal: Floats, law: CloughDuncan) -> tuple[Floats, Floats, Floats, Bools]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, tractions
+from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
 
 _TOLERANCE = 1e-9
@@ -126,18 +126,16 @@ def _with_steps(state: Equilibrium, steps: int, factor: float) -> Equilibrium:
 def _settle(
     model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools
 ) -> Equilibrium:
-    """Newton until the forces balance, again while pairs debond or close again (Table 2)."""
+    """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
     scaled, steps = start, 0
-    toggles = np.zeros(len(debonded), dtype=np.int64)
+    rounding = _TOLERANCE * model.force_scale / model.area_scale
     for _ in range(_MOST_RELEASES):
         scaled, law, residual, used = _newton(model, physical, factor, stiffness, scaled, debonded)
         steps += used
-        now: Bools = law.modes == ContactMode.DEBOND
-        settled = now | (debonded & (toggles > 2))
-        if residual > _TOLERANCE or (settled == debonded).all() or not (model.tension.any() or model.cohesion.any()):
+        broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
+        if residual > _TOLERANCE or not broken.any():
             break
-        toggles += settled != debonded
-        debonded = settled
+        debonded = debonded | broken
     forces = law.tractions * physical.area[:, None]
     to_metres = np.concatenate([np.full(3, model.length_scale), np.ones(model.unknowns - 3)])
     return Equilibrium(
@@ -155,9 +153,8 @@ def _newton(
     def unbalanced(at: Floats) -> tuple[Floats, Tractions]:
         relative = model.relative(at) * model.length_scale
         law = tractions(
-            relative, stiffness, np.where(debonded, 0.0, physical.cohesion), model.tan_friction, model.tan_dilation,
-            physical.tension, factor, debonded,
-        )  # fmt: skip
+            relative, stiffness, physical.cohesion, model.tan_friction, model.tan_dilation, factor, debonded
+        )
         out = (law.tractions * weight[:, None]).ravel() @ model.flat_rows + model.load
         if len(bolts):
             out = out + np.minimum(np.maximum(-stretch * (model.bolt_rows @ at), 0.0), bolts) @ model.bolt_rows

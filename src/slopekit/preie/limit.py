@@ -201,9 +201,15 @@ def forces_only_limit(model: Model) -> Limit:
 
 
 def _first_loss(
-    at: Callable[[float], _Push], limit: Callable[[Outcome, float | None, _Push], Limit], capacity: float, bare: float
+    at: Callable[[float], _Push],
+    limit: Callable[[Outcome, float | None, _Push], Limit],
+    capacity: float,
+    bare: float,
 ) -> Limit:
-    """With passive bolts (`bare`: λ without them): walk λ down from where all stands to the first λ at which it does not, then bisect."""
+    """With passive bolts: walk λ down from where all stands to the first λ at which it does not, then bisect.
+
+    `bare` is λ without bolts, 0 where there is none; far above it the walk takes longer steps.
+    """
 
     def stands(push: _Push, reduction: float) -> bool:
         return push.driving < _NO_FORCE or reduction * push.resisting >= push.driving
@@ -250,8 +256,8 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
     """
     releases = np.where(may_bond, 0, _MOST_RELEASES)
     friction = bond * model.cohesion + model.tan_friction * normal_force
-    if not float(velocity @ model.load) > 0.0:
-        velocity = model.load.copy()
+    if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
+        velocity = model.load
     stages, weight = COLD, 1.0
     last: Floats | None = None
     factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
@@ -260,7 +266,7 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
         total = float(friction.sum() + model.bolt_capacity.sum())
         if total < _NOTHING * _NOTHING:
             return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
-        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / factor if factor < math.inf else 0.0)
+        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, _NO_FORCE))
         found = cheapest_mechanism(
             model, friction, tan_dilation, velocity, nothing, model.load, model.bolt_capacity, stages
         )

@@ -97,7 +97,7 @@ def cheapest_mechanism(
         for _ in range(_MOST_STEPS):
             curvature = _curvature(model, at, tan_dilation, kappa)
             diagonal = np.diag(curvature)
-            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(diagonal.sum()) or 1.0))
+            unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(np.abs(diagonal).sum()) or 1.0))
             bordered[:unknowns, :unknowns] = curvature * unit[:, None] * unit
             bordered[np.arange(unknowns), np.arange(unknowns)] += 1e-13
             bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -normalise * unit

@@ -50,7 +50,7 @@ class Model:
     interface : (n,) the interface of each pair
     load : (u,) P; generalised forces of the loads that do not depend on the strength
     bolt_rows : (b, u) shortening of each passive bolt per unknown; bolt_capacity : (b,) at full strength
-    length_scale : m; force_scale : kN; area_scale : m²; origin : (3,) m
+    length_scale : m; force_scale : kN; area_scale : m²
     """
 
     rows: Floats
@@ -66,7 +66,6 @@ class Model:
     length_scale: float
     force_scale: float
     area_scale: float
-    origin: Floats
 
     @property
     def unknowns(self) -> int:
@@ -151,7 +150,6 @@ def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: Join
         length_scale=length,
         force_scale=force_scale,
         area_scale=area,
-        origin=centroid,
     )
 
 

@@ -1,0 +1,142 @@
+"""The closed form against hand formulas, and PRE-IE against it under every load it knows."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
+from slopekit.orientation import Plane
+from tests.support import random_wedge
+
+DIPS = ("45/115", "45/245")
+
+
+@pytest.mark.parametrize(("dip", "half"), [(45.0, 65.0), (60.0, 50.0), (30.0, 80.0)])
+def test_symmetric_wedge_of_friction_alone(dip, half) -> None:
+    """F = (sin β / sin(ξ/2)) tan φ / tan ψ (Hoek & Bray 1981, eq. 8.1; β, ξ, ψ from the planes themselves)."""
+    one, two = Plane(dip, 180.0 - half), Plane(dip, 180.0 + half)
+    n1, n2 = one.normal(), two.normal()
+    line = np.cross(n1, n2) / np.linalg.norm(np.cross(n1, n2))
+    plunge = math.asin(abs(line[2]))
+    half_angle = math.acos(-(n1 @ n2)) / 2.0  # half the angle between the planes, measured through the wedge
+    # β = 90°: by symmetry the bisector of the wedge is square to the horizontal across the line
+    exact = math.tan(math.radians(30.0)) / (math.sin(half_angle) * math.tan(plunge))
+    wedge = hoek_bray_wedge((one, two), Plane(85, 180), Plane(0, 180), 10.0, (0, 0), (30, 30), 26.0)
+    assert wedge.factor == pytest.approx(exact, rel=1e-12)
+
+
+def test_full_water_is_the_classic_pyramid() -> None:
+    """Mean pressure γ_w H/6 with H the total height (Hoek & Bray 1981, eq. 8.6)."""
+    wedge = sk.wedge(dips=DIPS, water="full")
+    mean = 9.81 * wedge.geometry.total_height_m / 6.0
+    assert wedge.forces.water["J1"] == pytest.approx(mean * wedge.geometry.areas_m2["J1"], rel=1e-12)
+    assert wedge.fos.limit == pytest.approx(sk.wedge(dips=DIPS, water=(mean, mean)).fos.limit, rel=1e-12)
+    half = sk.wedge(dips=DIPS, water="50%")
+    assert half.forces.water["J1"] == pytest.approx(wedge.forces.water["J1"] / 2, rel=1e-12)
+
+
+def test_water_in_a_crack_has_mean_pressure_a_third_of_its_depth() -> None:
+    """u = γ_w h₅/3 on the joints and the crack (Hoek & Bray 1981, appendix 2)."""
+    wedge = sk.wedge(dips=DIPS, crack="80/180@30m", water="full")
+    areas, water = wedge.geometry.areas_m2, wedge.forces.water
+    means = [water[name] / areas[name] for name in ("J1", "J2", "crack")]
+    bottom = np.array(wedge.geometry.corners_m["back"])
+    crest = np.array(wedge.geometry.corners_m["crest_J1"])
+    upper = Plane(10, 180).normal()
+    depth = (upper @ crest - upper @ bottom) / upper[2]
+    assert means == pytest.approx([9.81 * depth / 3.0] * 3, rel=1e-12)
+
+
+def test_seismic_is_a_horizontal_force_of_k_times_the_weight() -> None:
+    weight = sk.wedge(dips=DIPS).forces.weight
+    pushed = sk.wedge(dips=DIPS, forces=f"{0.1 * weight}@180/0").fos
+    assert sk.wedge(dips=DIPS, seismic="0.1@180").fos.limit == pytest.approx(pushed.limit, rel=1e-12)
+    assert sk.wedge(dips=DIPS, seismic=0.1).fos.limit == pytest.approx(pushed.limit, rel=1e-12)  # the line trends 180
+
+
+def test_active_bolt_is_a_load_and_passive_bolt_is_strength() -> None:
+    """Passive: F = (R + tan φ ΔN/F + T_s/F ...) solved by hand for a bolt along the line of intersection.
+
+    Along the line nothing presses on the joints: active F = R/(D - T), passive F = (R + T)/D.
+    """
+    bare = sk.wedge(dips=DIPS).forces
+    line = sk.wedge(dips=DIPS).geometry.line_plunge_deg
+    tension = 3e5
+    active = sk.wedge(dips=DIPS, bolts=f"{tension}@000/{-line}")
+    passive = sk.wedge(dips=DIPS, bolts=f"{tension}@000/{-line},passive")
+    assert active.fos.limit == pytest.approx(bare.resisting / (bare.driving - tension), rel=1e-9)
+    assert passive.fos.limit == pytest.approx((bare.resisting + tension) / bare.driving, rel=1e-9)
+    assert passive.fos.closed_form == pytest.approx(passive.fos.limit, rel=1e-9)
+
+
+def test_bolt_so_strong_that_the_wedge_slides_up() -> None:
+    wedge = sk.wedge(dips=DIPS, bolts="5e6@000/-10")
+    assert wedge.status == "slides_up"
+    assert wedge.fos.limit == pytest.approx(wedge.fos.closed_form, rel=1e-9)
+
+
+def test_a_passive_bolt_that_is_pushed_in_adds_nothing() -> None:
+    wedge = sk.wedge(dips=DIPS, bolts="1e5@180/22,passive")
+    assert wedge.fos.limit == pytest.approx(1.5573963, abs=1e-6)
+    assert "W315" in [notice.code for notice in wedge.warnings]
+
+
+def loaded(rng: np.random.Generator) -> dict:
+    """A random wedge with a crack, water, an earthquake, a force and bolts that may pull any way."""
+    wedge = {**random_wedge(rng), "bolts": None}
+    wedge["water"] = f"{rng.uniform(0, 100):.3f}%"
+    wedge["seismic"] = f"{rng.uniform(0, 0.2):.4f}@{rng.uniform(0, 360):.2f}"
+    weight = sk.wedge(**wedge).forces.weight
+    wedge["forces"] = [(rng.normal(size=3) * 0.05 * weight).tolist()]
+    wedge["bolts"] = [
+        {
+            "force": float(rng.uniform(0.01, 0.5) * weight),
+            "toward": (float(rng.uniform(0, 360)), float(rng.uniform(-60, 60))),
+            "acts": "passive" if rng.random() < 0.7 else "active",
+        }
+        for _ in range(int(rng.integers(0, 3)))
+    ]
+    plane = ((wedge["face"][1] + rng.uniform(-20, 20)) % 360.0, rng.uniform(60, 90))
+    cracked = {**wedge, "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]}}
+    try:
+        sk.wedge(**cracked)
+    except sk.GeometryError:
+        return wedge
+    return cracked
+
+
+def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
+    """Two codes without a line in common; to 1e-6 over 60 random wedges, most with a crack, some with two bolts."""
+    rng = np.random.default_rng(77)
+    cracks = numbers = 0
+    for _ in range(60):
+        wedge = loaded(rng)
+        result = sk.wedge(**wedge)
+        cracks += "crack" in wedge
+        if result.fos.closed_form is None:
+            assert result.forces_only is None
+        else:
+            numbers += 1
+            assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-6)
+            assert result.fos.limit is None or result.fos.limit <= result.fos.closed_form * (1 + 1e-6)
+    assert cracks > 10
+    assert numbers > 40
+
+
+def test_no_strength_is_a_factor_of_zero() -> None:
+    wedge = hoek_bray_wedge(
+        (Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 10.0, (0, 0), (0, 0), 26.0
+    )
+    assert wedge.factor == 0.0
+    assert sk.wedge(dips=DIPS, c=0, phi=0).fos.limit == 0.0
+
+
+def test_pressures_may_be_given_for_each_plane() -> None:
+    crack = {"crack": Plane(80, 180), "crack_distance": 30.0}
+    wedge = hoek_bray_wedge(
+        (Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 64.89, (50, 50), (20, 20), 25.506,
+        water=WedgeWater(pressures=(10.0, 20.0, 30.0)), **crack,
+    )  # fmt: skip
+    assert [push / area for push, area in zip(wedge.water, wedge.areas, strict=True)] == pytest.approx([10, 20, 30])
