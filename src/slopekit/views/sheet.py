@@ -187,7 +187,13 @@ def _all_pairs(result: WedgeResult) -> list[str]:
     law = result.design.stiffness
     shear = "Clough-Duncan" if law.shear_kn_m3 is None else f"{law.shear_kn_m3:.4g} kN/m³"
     entries = [f"bracket {low:.5f} to {high:.5f} ({how}); k_n {law.normal_kn_m3:.4g} kN/m³, k_t {shear}"]
-    shown = [f"{factor:.4f}: {count}" for factor, count in sorted(pairs.history)]
+    trials = sorted(pairs.history)
+    counts = [count for _, count in trials]
+    shown = [
+        f"{factor:.5f}: {count}"
+        for k, (factor, count) in enumerate(trials)
+        if k in (0, len(trials) - 1) or counts[k - 1] != count or counts[k + 1] != count
+    ]
     entries.append(f"failed pairs of {result.model.node_pairs} by factor  " + "  ".join(shown))
     return entries
 
@@ -205,11 +211,15 @@ def _accept(result: WedgeResult) -> list[str]:
 
 def _model(result: WedgeResult) -> list[str]:
     model = result.model
-    refined = f" (triangles split {model.refined} times)" if model.refined else ""
+    refined = f", triangles split {_times(model.refined)}" if model.refined else ""
     return [
         f"{model.moving_blocks} moving block, {model.unknowns} unknowns, {model.node_pairs} node pairs{refined}; "
         f"left out: {', '.join(model.left_out)}"
     ]
+
+
+def _times(count: int) -> str:
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
 def _moves(result: WedgeResult) -> list[str]:
