@@ -171,20 +171,25 @@ def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> Scen
 def _refine_where_needed(
     design: WedgeDesign, block: Block, loads: Loads, scene: Scene, analysis: LimitAnalysis, clock: "_Clock"
 ) -> tuple[Scene, LimitAnalysis, int, float | None]:
-    """Split the triangles while moments govern and the limit still moves; a plain wedge never comes here."""
+    """Split the triangles while moments govern and the limit still moves, or where the passes did not settle.
+
+    A plain wedge never comes here.
+    """
     refined, change = design.refine, None
-    while analysis.moments_govern and (factor := analysis.governing.factor) and refined < _MOST_REFINED:
+    while refined < _MOST_REFINED:
+        before = analysis.governing
+        if before.outcome is not Outcome.NOT_CONVERGED and not (analysis.moments_govern and before.factor):
+            break
         with clock("mesh"):
             finer = _scene(design, block, loads, refined + 1)
         with clock("solve"):
             again = limit_analysis(finer.model)
-        if again.governing.factor is None:
-            if again.governing.outcome is Outcome.NO_STRENGTH:
-                scene, analysis, refined, change = finer, again, refined + 1, None
+        after = again.governing
+        if after.outcome is Outcome.NOT_CONVERGED and before.outcome is not Outcome.NOT_CONVERGED:
             break
-        change = abs(again.governing.factor / factor - 1.0)
+        change = abs(after.factor / before.factor - 1.0) if after.factor and before.factor else None
         scene, analysis, refined = finer, again, refined + 1
-        if change < MESH_CHANGE:
+        if change is not None and change < MESH_CHANGE:
             break
     return scene, analysis, refined, change
 

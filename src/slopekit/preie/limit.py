@@ -31,6 +31,9 @@ _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's,
 _MOST_PASSES = 400
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
+_AITKEN_PASSES = 30
+_WINDOW = 20  # passes over which the factor must keep still ...
+_STEADY = 1e-5  # ... to this part, where the normal forces do not settle
 _MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
@@ -261,6 +264,7 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
     stages, weight = COLD, 1.0
     last: Floats | None = None
     factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
+    recent: list[float] = []
     nothing = np.zeros(model.unknowns)
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
@@ -284,6 +288,10 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
         quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
         state: LimitState | None = None
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
+        recent = [*recent[1 - _WINDOW :], factor]
+        if calm > 2 * _WINDOW and change < 3e-3 and max(recent) - min(recent) < _STEADY * factor:
+            # averaging creeps: the normal forces still trade places, the factor no longer moves
+            settled, moved = True, (max(recent) - min(recent)) / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
             state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
             if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
@@ -306,11 +314,12 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            turn = excess - last
-            weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
-            weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
-            if calm > 30:  # averaging: slow, but it ends oscillations
-                weight = max(2.0 / (calm - 28), 0.03)
+            if calm <= _AITKEN_PASSES:
+                turn = excess - last
+                weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
+                weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
+            else:  # feel the way: longer steps while they agree, shorter where they turn about
+                weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     return Limit(Outcome.NOT_CONVERGED, None, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
