@@ -90,6 +90,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "W313": "The limit is above 1, yet on an elastic bed no equilibrium was found at full strength: pairs that open "
     "there lose their cohesion one after the other, or Newton's method lost its way. Displacements are not given.",
     "W315": "A passive bolt acts only when the wedge draws it out. These are square to the movement or pushed in.",
+    "W317": "What opens and what holds kept trading places between the passes (mostly in a wedge on its edges). "
+    "The lowest factor they came to is printed, with the range; the answer is no surer than that.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
 }  # fmt: skip
 

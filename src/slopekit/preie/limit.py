@@ -28,10 +28,11 @@ from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
 from slopekit.preie.model import Model
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 400
+_MOST_PASSES = 300
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
 _AITKEN_PASSES = 30
+_PATIENT_STEP = 0.1
 _WINDOW = 20  # passes over which the factor must keep still ...
 _STEADY = 1e-5  # ... to this part, where the normal forces do not settle
 _MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
@@ -253,6 +254,17 @@ def _stands_without_strength(model: Model) -> bool:
 
 
 def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
+    """Passes steered by Aitken's rule, and where those do not settle, patient ones."""
+    swift = _steered(model, velocity, normal_force, bond, may_bond, patient=False)
+    if swift.outcome is not Outcome.NOT_CONVERGED:
+        return swift
+    slow = _steered(model, velocity, normal_force, bond, may_bond, patient=True)
+    return replace(slow, passes=swift.passes + slow.passes, steps=swift.steps + slow.steps)
+
+
+def _steered(
+    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools, patient: bool
+) -> Limit:  # fmt: skip
     """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all.
 
     Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
@@ -288,10 +300,10 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
         quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
         state: LimitState | None = None
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
-        recent = [*recent[1 - _WINDOW :], factor]
-        if calm > 2 * _WINDOW and change < 3e-3 and max(recent) - min(recent) < _STEADY * factor:
+        recent = [*recent[1 - (5 * _WINDOW if patient else _WINDOW) :], factor]
+        if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
             # averaging creeps: the normal forces still trade places, the factor no longer moves
-            settled, moved = True, (max(recent) - min(recent)) / factor
+            settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
             state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
             if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
@@ -314,7 +326,9 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            if calm <= _AITKEN_PASSES:
+            if patient:
+                weight = _PATIENT_STEP
+            elif calm <= _AITKEN_PASSES:
                 turn = excess - last
                 weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
                 weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
@@ -322,6 +336,12 @@ def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, 
                 weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
+    lowest, highest = min(recent), max(recent)
+    if patient and lowest > _NOTHING and (bond == 0.0).any():
+        # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
+        return Limit(
+            Outcome.SLIDES, lowest, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest
+        )
     return Limit(Outcome.NOT_CONVERGED, None, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
 
 
