@@ -10,6 +10,7 @@ from slopekit.analysis import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.loads import Loads
+from slopekit.orientation import Plane
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import Outcome, limit_analysis
 from slopekit.preie.model import JointStrength, Model, build_model
@@ -83,6 +84,35 @@ def test_full_dilation_gives_the_static_bound(c) -> None:
     bound = static_bound(model, limit_analysis(model).governing.velocity, limit_analysis(model).governing.factor)
     assert bound.proved
     assert full == pytest.approx(bound.factor, rel=2e-6)
+
+
+def dilatant_slide(c: float, phi: float, psi: float) -> float:
+    """F of the paper's wedge by hand: v leaves both joints at ψ; three force equations in N₁, N₂ and λ, by SciPy."""
+    from scipy.optimize import fsolve
+
+    wedge = sk.wedge(dips=("45/115", "45/245"), c=c)
+    normals = [Plane(45, direction).normal() for direction in (115, 245)]
+    areas, weight = list(wedge.geometry.areas_m2.values()), wedge.forces.weight
+
+    def out(x):
+        v, pushes, reduction = np.array([0.0, x[0], x[1]]), x[2:4], x[4]
+        slips = [v - (v @ n) * n for n in normals]
+        sizes = [math.sqrt(slip @ slip) for slip in slips]
+        force = np.array([0.0, 0.0, -1.0])
+        for n, slip, size, push, area in zip(normals, slips, sizes, pushes, areas, strict=True):
+            strength = c * area / weight + push * math.tan(math.radians(phi))
+            force = force + push * n - reduction * strength * slip / size
+        opens = normals[0] @ v - math.tan(math.radians(psi)) * sizes[0]
+        return [opens, v @ v - 1.0, force[1], force[2], pushes[0] - pushes[1]]
+
+    return 1.0 / fsolve(out, [-0.92, -0.38, 0.6, 0.6, 0.64], xtol=1e-13)[4]
+
+
+@pytest.mark.parametrize("psi", [2.0, 5.0, 8.0])
+@pytest.mark.parametrize("c", [50.0, 10.0, 0.0])
+def test_dilation_against_the_forces_by_hand(c, psi) -> None:
+    found = limit_analysis(paper_model((c, c), dilation=psi)).governing.factor
+    assert found == pytest.approx(dilatant_slide(c, 20.0, psi), rel=1e-8)
 
 
 def test_dilation_raises_the_limit_steadily() -> None:

@@ -22,7 +22,13 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.bound import static_bound
-from slopekit.preie.limit_state import LimitState, elastic_displacement, intact_limit_state, settled_limit_state
+from slopekit.preie.limit_state import (
+    LimitState,
+    dilating_limit_state,
+    elastic_displacement,
+    intact_limit_state,
+    settled_limit_state,
+)
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
 from slopekit.preie.model import Model
@@ -90,11 +96,12 @@ class LimitAnalysis:
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
-    if not model.dilates:
-        state = intact_limit_state(model)
-        if state is not None:
-            limit = _exact(state, np.ones(len(model.control_area)), 0)
-            return LimitAnalysis(limit, limit, limit, False)
+    state = intact_limit_state(model)
+    if state is not None and model.dilates:
+        state = dilating_limit_state(model, state)
+    if state is not None:
+        limit = _exact(state, np.ones(len(model.control_area)), 0)
+        return LimitAnalysis(limit, limit, limit, False)
     alone = forces_only_limit(model)
     if alone.outcome is Outcome.LIFTED:
         return LimitAnalysis(alone, alone, alone, False)
@@ -107,6 +114,8 @@ def limit_analysis(model: Model) -> LimitAnalysis:
     start = np.concatenate([alone.velocity, np.zeros(model.unknowns - 3)])
     may_bond: Bools = np.ones(len(alone.bond), dtype=bool)
     turning = _passes(model, start, alone.normal_force, alone.bond, may_bond)
+    if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
+        turning = replace(turning, outcome=Outcome.NOT_CONVERGED)  # dilation itself resists: the passes lost their way
     if turning.outcome is Outcome.NO_STRENGTH:
         return LimitAnalysis(turning, alone, turning, True)
     if turning.outcome is Outcome.NOT_CONVERGED:

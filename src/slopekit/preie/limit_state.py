@@ -23,6 +23,7 @@ from slopekit.preie.model import Model
 _EYE2 = np.eye(2)
 _MOST_STEPS = 30
 _MOST_CHANGES = 12
+_MOST_TURNS = 200
 _SQUARE = 1e-5  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
 _LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 
@@ -79,6 +80,42 @@ def intact_limit_state(model: Model) -> LimitState | None:
     return state
 
 
+def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
+    """The limit state of joints that dilate as they slip, no bond lost, or None.
+
+    A closed pair then keeps v_n = tan ψ |v_t|: its gap grows by (n - tan ψ e)·v, e the direction of its slip. Those
+    rows take the normals' place, and are renewed with v (and with λ where ψ is capped by the reduced friction angle).
+
+    Parameters
+    ----------
+    start : the limit state without dilation
+    """
+    closed: Bools = np.ones(len(model.control_area), dtype=bool)
+    hinged: Bools = np.zeros(len(closed), dtype=bool)
+    velocity, state = start.velocity, start
+    for _ in range(_MOST_TURNS):
+        motion = model.relative(velocity)[:, 1:]
+        size = np.sqrt((motion * motion).sum(axis=1))
+        if size.min() <= 1e-12:
+            return None
+        tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
+        along_slip = np.einsum("nt,ntu->nu", motion / size[:, None], model.rows[:, 1:, :])
+        gap_rows = model.normal_rows - tan_dilation[:, None] * along_slip
+        found = limit_state(
+            model, velocity, state.reduction, closed, hinged, np.ones(len(closed)), state.displacement, gap_rows
+        )
+        if found is None or found.reduction <= 0.0:
+            return None
+        moved = float(np.abs(found.velocity - velocity).max()) + abs(found.reduction / state.reduction - 1.0)
+        velocity, state = found.velocity, found
+        if moved < 1e-13:
+            pulled = closed & (state.normal_force < 0.0)
+            if not pulled.any():
+                return state
+            closed = closed & ~pulled
+    return None
+
+
 def settled_limit_state(
     model: Model, velocity: Floats, reduction: float, normal_force: Floats, bond: Floats
 ) -> LimitState | None:
@@ -117,7 +154,7 @@ def settled_limit_state(
 
 def limit_state(
     model: Model, velocity: Floats, reduction: float, closed: Bools, hinged: Bools, bond: Floats,
-    displacement: Floats | None = None,
+    displacement: Floats | None = None, gap_rows: Floats | None = None,
 ) -> LimitState | None:  # fmt: skip
     """Newton's method for given contact modes; None where it does not converge.
 
@@ -126,13 +163,14 @@ def limit_state(
     velocity, reduction : where to start
     closed : (n,) pairs that carry normal force; hinged : (n,) those of them that do not slip
     bond : (n,) χ
+    gap_rows : (n, u) what keeps a closed pair closed, where that is not its normal (dilation)
     """
     unknowns = model.unknowns
     sliding = np.flatnonzero((closed | (bond > 0.0)) & ~hinged)
     hinges = np.flatnonzero(hinged)
     if len(sliding) == 0:
         return None
-    normal_rows = model.normal_rows
+    normal_rows = model.normal_rows if gap_rows is None else gap_rows
     drawn = -model.bolt_rows @ velocity
     square = np.abs(drawn) <= _SQUARE * math.sqrt(float(velocity @ velocity))
     held_bolts, full = model.bolt_rows[square], (drawn > 0.0) & ~square
