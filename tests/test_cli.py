@@ -66,6 +66,9 @@ def test_the_same_command_gives_the_same_numbers() -> None:
         (("--accept", "1.5", "--water", "full"), 1),
         (("--phi", "0.35"), 2),
         (("--nonsense", "1"), 2),
+        (("--c", "5", "--c", "6"), 2),
+        (("--picture", "no/such/folder.png"), 2),
+        (("--picture", "wedge.jpg"), 2),
         (("--face", "20/180"), 3),
         (("--c", "0", "--phi", "5"), 0),
     ],
@@ -96,7 +99,7 @@ def test_faults_go_to_stderr_and_into_the_json() -> None:
 
 def test_quiet_and_output_folder(tmp_path) -> None:
     run = slopekit(*PAPER, "--quiet", "-o", str(tmp_path / "new"))
-    assert run.stdout == "slides_on_both 1.5574\n"
+    assert run.stdout == "slides_on_both  1.5574  agree\n"
     assert json.loads((tmp_path / "new/result.json").read_text())["status"] == "slides_on_both"
     assert (tmp_path / "new/sheet.txt").read_text().startswith("slopekit ")
 
@@ -127,7 +130,7 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert run.stdout.splitlines() == ["slides_on_both 1.5574", "[]"]
+    assert run.stdout.splitlines() == ["slides_on_both  1.5574  agree", "[]"]
 
 
 def test_picture(tmp_path) -> None:

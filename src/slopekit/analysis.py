@@ -86,7 +86,7 @@ def analyse_wedge(design: WedgeDesign) -> WedgeResult:
     alone = analysis.forces_only.factor
     compared = alone if analysis.moments_govern or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
     difference, agree = _compare(compared, status, closed, design)
-    factors = FactorsOfSafety(limit.factor, closed.factor, bound, searched)
+    factors = FactorsOfSafety(limit.factor or None, closed.factor or None, bound, searched)
     warnings = tuple(
         notices(design, status, analysis, scene.pairs, scene.model, proved or not limit.factor, change,
                 at_rest is not None and not at_rest.stands)
@@ -264,7 +264,7 @@ def closed_form(design: WedgeDesign) -> ClosedFormWedge:
 def _governs(design: WedgeDesign, closed: ClosedFormWedge) -> tuple[tuple[str, float | None, str], ...]:
     """What a few changes of the input do to the closed form: (change, factor of safety, status)."""
     changes: list[tuple[str, WedgeDesign]] = []
-    if design.water.mode != "full" or design.water.fill < 1.0:
+    if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         changes.append(
             ("full water", replace(design, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
@@ -298,10 +298,12 @@ def _compare(
         return None, None
     if status == "not_converged":
         return None, False
+    if not factor and not closed.factor:
+        factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
     if factor is None or closed.factor is None:
-        return None, factor is None and closed.factor is None and (status == closed.status or status == "topples")
+        return None, factor is None and not closed.factor and (status == closed.status or status == "topples")
     if closed.factor == 0.0:
-        return abs(factor), factor == 0.0
+        return None, False
     difference = abs(factor / closed.factor - 1.0)
     return difference, difference <= design.agree_within
 
@@ -379,7 +381,7 @@ def _forces(analysis: LimitAnalysis, scene: Scene, block: Block, loads: Loads, r
             push = loads.parts.get(f"water {face}", np.zeros(3))
             water[name] = math.sqrt(float(push @ push))
     driving = resisting = None
-    if alone.factor is not None:
+    if alone.factor is not None and not model.dilates:  # a dilating joint works on the load as it opens
         along = alone.velocity[:3]
         driving = float(model.load[:3] @ along) / math.sqrt(float(along @ along)) * model.force_scale
         resisting = driving * alone.factor

@@ -5,12 +5,15 @@ import os
 import sys
 import tempfile
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, SlopekitError
+
+if TYPE_CHECKING:
+    from slopekit.result import WedgeResult
 
 app = typer.Typer(
     add_completion=False,
@@ -46,7 +49,7 @@ def wedge(
     unit_weight: Annotated[str | None, typer.Option(help="Unit weight, kN/m3, instead of a density.")] = None,
     dilation: Annotated[str | None, typer.Option(help="Dilation angle of the joints, 0 to phi [0].")] = None,
     tension: Annotated[str | None, typer.Option(help="Tensile strength of the joints [0 kPa].")] = None,
-    water: Annotated[str | None, typer.Option(help="dry, full, 50%, u=9.8kPa or u=5kPa,8kPa [dry].")] = None,
+    water: Annotated[str | None, typer.Option(help="dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,crack] [dry].")] = None,
     crack: Annotated[str | None, typer.Option(help="Tension crack, D/DD@DIST from the crest along J1's trace.")] = None,
     seismic: Annotated[str | None, typer.Option(help="Pseudo-static coefficient, K or K@TREND.")] = None,
     force: Annotated[list[str] | None, typer.Option(help="F@TREND/PLUNGE, kN; repeat for more.")] = None,
@@ -64,7 +67,7 @@ def wedge(
     origin: Annotated[str | None, typer.Option(help="Map coordinates of the toe, E,N,Z.")] = None,
     picture: Annotated[str | None, typer.Option(help="Draw the wedge to a PNG file (extra: plot).")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout, nothing else.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="Print the factor line only.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="One line: status, factor, check.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
@@ -95,8 +98,7 @@ def wedge(
     if as_json:
         typer.echo(document)
     elif quiet:
-        fos = result.criterion_fos
-        typer.echo(f"{result.status} {'none' if fos is None else f'{fos:.4f}'}")
+        typer.echo(_one_line(result))
     else:
         typer.echo(sheet)
     raise typer.Exit(result.exit_code)
@@ -108,6 +110,24 @@ def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -
     from slopekit.explanations import explanation
 
     typer.echo(explanation(code))
+
+
+def _one_line(result: "WedgeResult") -> str:
+    """Status, factor, what governs and the check: never a bare factor of safety."""
+    fos = result.criterion_fos
+    agree = {True: "agree", False: "disagree", None: "not compared"}[result.agree]
+    parts = [result.status, "none" if fos is None else f"{fos:.4f}", agree]
+    parts += ["moments_govern"] if result.moments_govern else []
+    parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
+    return "  ".join(parts)
+
+
+def _refuse_repeats(arguments: list[str]) -> None:
+    """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
+    names = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
+    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt"})
+    if twice:
+        raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
 
 
 def _option(key: str) -> str:
@@ -130,6 +150,8 @@ def _folder(folder: Path) -> Path:
 def _image(path: Path) -> Path:
     if path.suffix.lower() != ".png":
         raise DesignError([Fault("E141", f"the picture {path} is not a .png file", str(path))])
+    if not path.parent.is_dir():
+        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
     _folder(path.parent)
     return path
 
@@ -145,6 +167,7 @@ def _print_faults(error: SlopekitError) -> None:
 def main() -> None:
     """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
     try:
+        _refuse_repeats(sys.argv[1:])
         code = app(standalone_mode=False)
     except SlopekitError as error:
         _print_faults(error)

@@ -54,6 +54,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "E131": "refine is how often each triangle of the joints is split in four, a whole number. Flat joints need none: "
     "slopekit refines by itself where moments open part of a joint.",
     "E132": "A stiffness is more than 0, in kN/m³ (kPa per metre); the shear stiffness may be clough-duncan.",
+    "E133": "An option that takes one value was given twice. --force and --bolt may be repeated, the others may not.",
     "E140": "Drawing needs the extra `plot`: pip install 'slopekit[plot]'.",
     "E141": "Pictures are written as PNG: give a file name that ends in .png.",
     "E201": "Parallel joints never meet in a line, so they form no wedge. If they are one set, look at plane failure.",
@@ -81,7 +82,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "there, so its cohesion is counted, as Hoek & Bray count it. If that part may be open, leave it out of c.",
     "W307": "A joint that opens loses its cohesion at once: the factor of safety jumps there. A little less water or "
     "a little more bolt force may close it again.",
-    "W308": "Joints without cohesion and friction hold nothing: the factor of safety is 0 as soon as anything drives.",
+    "W308": "Joints without cohesion and friction hold nothing. A factor of 0 says nothing: the status stands.",
     "W309": "The solver for the static bound gave up, so the bound is not printed. The limit does not depend on it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
@@ -90,6 +91,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "W313": "The limit is above 1, yet on an elastic bed no equilibrium was found at full strength: pairs that open "
     "there lose their cohesion one after the other, or Newton's method lost its way. Displacements are not given.",
     "W315": "A passive bolt acts only when the wedge draws it out. These are square to the movement or pushed in.",
+    "W318": "Bolts or forces are stronger than what drives the wedge down. The factor says how far it is from being "
+    "pushed up the slope; more of the same force makes it smaller.",
+    "W319": "With mean pressures each surface has its own: u=5kPa,8kPa,20kPa gives J1, J2 and the crack.",
     "W317": "What opens and what holds kept trading places between the passes (mostly in a wedge on its edges). "
     "The lowest factor they came to is printed, with the range; the answer is no surer than that.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",

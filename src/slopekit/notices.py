@@ -53,6 +53,10 @@ def notices(
                 "W307",
                 f"{name} has lost contact and with it its cohesion: the factor of safety jumps where that happens",
             )
+    if status == "slides_up":
+        yield Notice("W318", "the loads drive the wedge upward: the factor is against sliding up, not down")
+    if design.crack and design.water.mode == "pressures" and len(design.water.pressures_kpa) < 3:
+        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -model.bolt_rows @ limit.velocity_of(model)
         if not (drawn > _SQUARE).any():
@@ -62,7 +66,7 @@ def notices(
             "W316", f"a cohesion of {max(design.cohesion_kpa):.6g} kPa is that of intact rock: was it typed in Pa?"
         )
     if not any(design.cohesion_kpa) and not any(design.friction_angle_deg) and not len(model.bolt_capacity):
-        yield Notice("W308", "the joints have no strength: the factor of safety is 0")
+        yield Notice("W308", "the joints have no strength: nothing holds the wedge, there is no factor of safety")
     if any(design.dilation_deg):
         yield Notice("W310", "the closed form knows no dilation: it is printed, not compared")
     if any(bolt.head_m is None for bolt in design.bolts):

@@ -14,7 +14,7 @@ STATUSES: Mapping[str, str] = {
     "slides_on_both": "slides on both planes",
     "slides_on_J1": "slides on J1, J2 has lost contact",
     "slides_on_J2": "slides on J2, J1 has lost contact",
-    "slides_up": "is pushed up the slope",
+    "slides_up": "slides up the slope: the loads drive it upward",
     "rotates": "turns while it slides",
     "topples": "topples: where its joints open, nothing is left to hold it",
     "lifted": "is pushed off both planes",

@@ -125,12 +125,17 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
     assert numbers > 40
 
 
-def test_no_strength_is_a_factor_of_zero() -> None:
+def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
+    """UX.md rule 2: a status instead of a factor of safety of 0."""
     wedge = hoek_bray_wedge(
         (Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 10.0, (0, 0), (0, 0), 26.0
     )
     assert wedge.factor == 0.0
-    assert sk.wedge(dips=DIPS, c=0, phi=0).fos.limit == 0.0
+    result = sk.wedge(dips=DIPS, c=0, phi=0)
+    assert result.status == "slides_on_both"
+    assert (result.fos.limit, result.fos.closed_form) == (None, None)
+    assert result.agree
+    assert "W308" in [notice.code for notice in result.warnings]
 
 
 def test_pressures_may_be_given_for_each_plane() -> None:

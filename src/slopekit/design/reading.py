@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from slopekit.design import words
-from slopekit.design.wedge import DEFAULT_NAMES, PAPER_WEDGE, Criterion, Seismic, Stiffness, Water, WedgeDesign
+from slopekit.design.wedge import PAPER_WEDGE, Criterion, Seismic, Stiffness, Water, WedgeDesign
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Plane, number, parse_plane
 from slopekit.units import is_unit_of, quantity, unit_of
@@ -71,7 +71,7 @@ class _Reader:
         water = self.read("water", lambda value, where: words.water(value, where, crack is not None)) or Water()
         seismic = self.read("seismic", words.seismic) or Seismic()
         if seismic.coefficient and seismic.trend_deg is None:
-            self.defaults.append(DEFAULT_NAMES["seismic.trend"])
+            self.defaults.append("seismic.trend")
         forces = self.many("forces", words.force)
         bolts = self.many("bolts", words.bolt)
         stiffness = self.stiffness()
@@ -126,7 +126,7 @@ class _Reader:
         return tuple(found)
 
     def default(self, key: str) -> Any:
-        self.defaults.append(DEFAULT_NAMES[key])
+        self.defaults.append(key)
         return PAPER_WEDGE[key]
 
     # -- orientations and sizes -------------------------------------------------------------------

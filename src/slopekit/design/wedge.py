@@ -18,7 +18,7 @@ PAPER_WEDGE: dict[str, Any] = {
     "phi": (20.0, 20.0),
     "density": 2600.0,
 }
-#: The names of those values as the sheet prints them.
+#: The names of those values as the sheet prints them, and of what else may be taken.
 DEFAULT_NAMES = {
     "face": "face", "upper": "upper", "height": "height", "c": "c", "phi": "φ", "density": "density",
     "seismic.trend": "seismic trend",
@@ -130,7 +130,8 @@ class WedgeDesign:
         document["joints"] = {f"J{k}": str(plane) for k, plane in enumerate(self.joints, 1)}
         if self.crack:
             document["crack"] = {"plane": str(self.crack.plane), "distance_m": self.crack.distance_m}
-        return document
+        plain: dict[str, Any] = json.loads(json.dumps(document))
+        return plain
 
     def input_hash(self) -> str:
         """SHA-256 of the inputs: equal designs give equal hashes."""

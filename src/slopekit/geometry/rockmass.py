@@ -127,7 +127,14 @@ def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats
             f"(the face dips toward {of_face.trend_deg:05.1f}): it does not daylight"
         )
         raise GeometryError(
-            [Fault("E204", message, "", f"It trends {math.degrees(apart) % 360:.1f}° from the face.{near}")]
+            [
+                Fault(
+                    "E204",
+                    message,
+                    "",
+                    f"It trends {math.degrees(math.acos(math.cos(apart))):.1f}° from the face's dip direction.{near}",
+                )
+            ]
         )
     apparent_face = math.degrees(math.atan(math.tan(math.radians(of_face.plunge_deg)) * math.cos(apart)))
     if down.plunge_deg >= apparent_face - 1e-9:

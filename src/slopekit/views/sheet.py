@@ -3,6 +3,7 @@
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.design.wedge import DEFAULT_NAMES
 from slopekit.orientation import Line, line_of
 from slopekit.result import STATUSES, WedgeResult
 
@@ -114,8 +115,9 @@ def _forces(result: WedgeResult) -> list[str]:
     wet = [f"{name} {_size_number(push)} kN" for name, push in forces.water.items() if push]
     parts.append("water " + (", ".join(wet) if wet else "0"))
     if forces.driving is not None and forces.resisting is not None:
+        alone = " (forces alone)" if result.moments_govern else ""
         parts.append(f"driving {_size_number(forces.driving)} kN")
-        parts.append(f"resisting {_size_number(forces.resisting)} kN")
+        parts.append(f"resisting {_size_number(forces.resisting)} kN{alone}")
     return ["  ".join(parts)]
 
 
@@ -173,7 +175,7 @@ def _rotation(result: WedgeResult) -> str:
         return "not asked: " + (
             "nothing drives the wedge" if result.status == "no_driving_force" else STATUSES[result.status]
         )
-    return "not first (checked: forces and moments balance, or turning would raise the limit)"
+    return "not first: with moments the wedge slides at the same factor, or only at a higher one"
 
 
 def _all_pairs(result: WedgeResult) -> list[str]:
@@ -227,10 +229,18 @@ def _moves(result: WedgeResult) -> list[str]:
     if one is None:
         return []
     size = float(one.movement.displacement @ one.movement.displacement) ** 0.5
+    law = result.design.stiffness
+    shear = "Clough-Duncan" if law.shear_kn_m3 is None else f"{law.shear_kn_m3:.4g} kN/m³"
+    large = "; too much for small displacements: not to be relied on"
     return [
-        f"at full strength the centroid comes to rest after {size * 1e3:.3g} mm; "
-        f"{one.failed_pairs} of {result.model.node_pairs} node pairs have failed"
+        f"at full strength the centroid settles by {_size_number(float(f'{size * 1e3:.3g}'))} mm, "
+        f"{one.failed_pairs} of {result.model.node_pairs} node pairs have failed "
+        f"(elastic bed: k_n {law.normal_kn_m3:.4g} kN/m³, k_t {shear})" + (large if _moves_far(result, size) else "")
     ]
+
+
+def _moves_far(result: WedgeResult, size: float) -> bool:
+    return size > 0.01 * result.design.height_m
 
 
 def _time(result: WedgeResult) -> str:
@@ -249,7 +259,7 @@ def _governs(result: WedgeResult) -> list[str]:
         if factor is None:
             parts.append(f"{name}: {STATUSES.get(status, status)}")
         elif base is None or name == "full water":
-            parts.append(f"{name} {factor:.2f}")
+            parts.append(f"{name}: {factor:.2f}")
         else:
             parts.append(f"{name} {factor - base:+.2f}")
     return [" | ".join(parts) + "   (closed form)"] if parts else []
@@ -259,9 +269,9 @@ def _defaults(result: WedgeResult) -> list[str]:
     names = result.design.defaults
     if not names:
         return ["none: every value was given"]
-    ours = [name for name in names if name != "seismic trend"]
+    ours = [DEFAULT_NAMES[name] for name in names if name != "seismic.trend"]
     parts = [", ".join(ours) + " (the paper's wedge)"] if ours else []
-    if "seismic trend" in names:
+    if "seismic.trend" in names:
         parts.append("seismic trend (the line of intersection's)")
     return ["; ".join(parts)]
 
