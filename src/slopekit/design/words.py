@@ -27,7 +27,7 @@ def point(value: object, name: str, where: str) -> tuple[float, float, float]:
     return east, north, up
 
 
-def water(value: object, where: str, has_crack: bool) -> Water:
+def water(value: Any, where: str, has_crack: bool) -> Water:
     if isinstance(value, Water):
         return value
     if isinstance(value, dict):  # as a design file has it
@@ -37,7 +37,7 @@ def water(value: object, where: str, has_crack: bool) -> Water:
     if text in ("dry", "full"):
         return Water() if text == "dry" else Water("full", 1.0)
     if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
-        parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value  # type: ignore[assignment]
+        parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value
         return pressures(parts, where, has_crack)
     if text and not text.endswith("%") and not _BARE_NUMBER.match(text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
@@ -120,7 +120,7 @@ def line_of_words(value: object, name: str, code: str, where: str) -> Line:
     return Line(toward, plunge)
 
 
-def force(value: object, where: str) -> Force:
+def force(value: Any, where: str) -> Force:
     if isinstance(value, Force):
         return value
     at = None
@@ -135,7 +135,7 @@ def force(value: object, where: str) -> Force:
         amount = quantity(size, "force", "force", where)
         east, north, up = (amount * line_of_words(toward, "force", "E123", where).vector()).tolist()
     elif is_point(value):
-        east, north, up = (quantity(part, "force", "force", where) for part in value)  # type: ignore[attr-defined]
+        east, north, up = (quantity(part, "force", "force", where) for part in value)
     else:
         message = f"force is {shown(value)}, it is written 500kN@180/10 or (east, north, up)"
         raise DesignError([Fault("E123", message, where)])
@@ -173,11 +173,11 @@ def bolt(value: object, where: str) -> Bolt:
     return Bolt(force, line_of_words(toward, "bolt", "E124", where), acts, head, length)
 
 
-def is_point(value: object) -> bool:
+def is_point(value: Any) -> bool:
     """Three bare numbers: one force, not a list of forces."""
     if isinstance(value, str | dict) or not hasattr(value, "__len__") or len(value) != 3:
         return False
-    return all(isinstance(part, int | float) or hasattr(part, "dtype") for part in value)  # type: ignore[attr-defined]
+    return all(isinstance(part, int | float) or hasattr(part, "dtype") for part in value)
 
 
 def shown(value: object) -> str:
