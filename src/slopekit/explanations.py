@@ -55,7 +55,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "slopekit refines by itself where moments open part of a joint.",
     "E132": "A stiffness is more than 0, in kN/m³ (kPa per metre); the shear stiffness may be clough-duncan.",
     "E133": "An option that takes one value was given twice. --force and --bolt may be repeated, the others may not.",
-    "E140": "Drawing needs the extra `plot`: pip install 'slopekit[plot]'.",
+    "E140": "Drawing needs the extra `plot`: in slopekit's folder, pip install '.[plot]'.",
     "E141": "Pictures are written as PNG: give a file name that ends in .png.",
     "E201": "Parallel joints never meet in a line, so they form no wedge. If they are one set, look at plane failure.",
     "E203": "The line of intersection must come out of the face above the toe: it has to plunge less than the face "

@@ -23,7 +23,7 @@ def wedge_picture(result: WedgeResult, path: Path) -> None:
     try:
         import pyvista
     except ImportError:
-        advice = "pip install 'slopekit[plot]'"
+        advice = "In slopekit's folder: pip install '.[plot]'"
         raise DesignError([Fault("E140", "drawing needs the extra plot (pyvista)", str(path), advice)]) from None
     pyvista.vtk_verbosity("off")
     draw: Any = pyvista.Plotter(off_screen=True, window_size=list(_SIZE))
