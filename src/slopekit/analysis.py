@@ -178,16 +178,16 @@ def _refine_where_needed(
     refined, change = design.refine, None
     while refined < _MOST_REFINED:
         before = analysis.governing
-        if before.outcome is not Outcome.NOT_CONVERGED and not (analysis.moments_govern and before.factor):
+        if before.settled and not (analysis.moments_govern and before.factor):
             break
         with clock("mesh"):
             finer = _scene(design, block, loads, refined + 1)
         with clock("solve"):
             again = limit_analysis(finer.model)
         after = again.governing
-        if after.outcome is Outcome.NOT_CONVERGED and before.outcome is not Outcome.NOT_CONVERGED:
-            break
         change = abs(after.factor / before.factor - 1.0) if after.factor and before.factor else None
+        if before.settled and not after.settled:
+            break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
         if change is not None and change < MESH_CHANGE:
             break

@@ -14,7 +14,6 @@ from slopekit.preie.model import Model
 
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 _NEARLY_PARALLEL_DEG = 5.0
-_UNSETTLED = 1e-4  # a factor that still moved by more than this part is given with its range
 _SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -37,7 +36,7 @@ def notices(
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
-    if limit.factor and limit.change > _UNSETTLED:
+    if limit.factor and not limit.settled:
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")

@@ -37,6 +37,7 @@ _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's,
 _MOST_PASSES = 300
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
+UNSETTLED = 1e-4  # a factor that still moved by more than this part is given with its range
 _AITKEN_PASSES = 30
 _PATIENT_STEP = 0.1
 _WINDOW = 20  # passes over which the factor must keep still ...
@@ -78,6 +79,11 @@ class Limit:
     passes: int
     steps: int
     change: float
+
+    @property
+    def settled(self) -> bool:
+        """Whether the factor is one number: not a range that the passes swung through, nor none at all."""
+        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= UNSETTLED
 
     def velocity_of(self, model: Model) -> Floats:
         """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
