@@ -72,6 +72,10 @@ def notices(
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
     if not bound_is_proved:
         yield Notice("W309", "the static bound was not found")
+    if analysis.moments_govern and limit.factor and mesh_change is None:
+        yield Notice(
+            "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
+        )
     if mesh_change is not None and mesh_change > MESH_CHANGE:
         yield Notice(
             "W312", f"the last refinement of the node pairs still moved the limit by {mesh_change * 100:.1f} %"

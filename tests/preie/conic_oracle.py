@@ -9,32 +9,39 @@ import scipy.sparse as sp
 from slopekit.preie.model import Model
 
 
-def shortfall(model: Model, reduction: float) -> float:
-    """Least t such that forces within t of the reduced friction cones balance the loads (0 or less: they balance)."""
+def solve(model: Model, elastic: float, top: np.ndarray, right: np.ndarray, fixed: np.ndarray):
+    """Minimise x_last + elastic energy over pair forces in cones |f_t| <= right + (top, fixed)·(N, x_last), in balance.
+
+    Parameters
+    ----------
+    top, right, fixed : (n,) cone of pair k: right_k + top_k N_k + fixed_k x_last
+    """
     count, unknowns = len(model.control_area), model.unknowns
     width = 3 * count + 1
     balance = np.hstack([model.flat_rows.T, np.zeros((unknowns, 1))])
-    push = np.zeros((count, width))
-    push[np.arange(count), 3 * np.arange(count)] = -1.0
-    floor = np.zeros((1, width))
-    floor[0, -1] = -1.0
-    rows, right, cones = [balance, floor, push], [-model.load, [1.0], np.zeros(count)], []
-    cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(1), clarabel.NonnegativeConeT(count)]
+    push = np.zeros((count + 1, width))
+    push[np.arange(count), 3 * np.arange(count)] = push[count, -1] = -1.0  # N >= 0, x_last >= -1
+    rows, bounds = [balance, push], [-model.load, np.append(np.zeros(count), 1.0)]
+    cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(count + 1)]
     for k in range(count):
         cone = np.zeros((3, width))
-        cone[0, 3 * k], cone[0, -1] = -reduction * model.tan_friction[k], -model.control_area[k]
+        cone[0, 3 * k], cone[0, -1] = -top[k], -fixed[k]
         cone[1, 3 * k + 1] = cone[2, 3 * k + 2] = -1.0
         rows.append(cone)
-        right.append([reduction * model.cohesion[k], 0.0, 0.0])
+        bounds.append(np.array([right[k], 0.0, 0.0]))
         cones.append(clarabel.SecondOrderConeT(3))
-    cost = np.zeros(width)
-    cost[-1] = 1.0
+    cost = np.append(np.zeros(width - 1), 1.0)
+    energy = sp.diags(np.append(np.repeat(elastic / model.control_area, 3), 0.0)).tocsc()
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    solver = clarabel.DefaultSolver(
-        sp.csc_matrix((width, width)), cost, sp.csc_matrix(np.vstack(rows)), np.concatenate(right), cones, settings
-    )
-    return float(solver.solve().obj_val)
+    matrix = sp.csc_matrix(np.vstack(rows))
+    return clarabel.DefaultSolver(energy, cost, matrix, np.concatenate(bounds), cones, settings).solve()
+
+
+def shortfall(model: Model, reduction: float) -> float:
+    """Least t such that forces within t of the reduced friction cones balance the loads (0 or less: they balance)."""
+    cohesion, tan_friction = reduction * model.cohesion, reduction * model.tan_friction
+    return float(solve(model, 0.0, tan_friction, cohesion, model.control_area).obj_val)
 
 
 def static_bound(model: Model) -> float:
@@ -48,34 +55,12 @@ def static_bound(model: Model) -> float:
 
 def frozen_friction_limit(model: Model, passes: int = 60) -> float:
     """METHOD.md §4, conic sequence with every bond whole: friction frozen at the normal forces of the last pass."""
-    count, unknowns = len(model.control_area), model.unknowns
-    width = 3 * count + 1
-    normal = model.control_area.copy()
-    balance = np.hstack([model.flat_rows.T, np.zeros((unknowns, 1))])
-    push = np.zeros((count, width))
-    push[np.arange(count), 3 * np.arange(count)] = -1.0
-    elastic = sp.diags(np.append(np.repeat(1e-6 / model.control_area, 3), 0.0)).tocsc()
-    factor = 0.0
+    normal, factor = model.control_area, 0.0
+    nothing = np.zeros(len(normal))
     for _ in range(passes):
-        rows, right = [balance, push], [-model.load, np.zeros(count)]
-        cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(count)]
-        for k, strength in enumerate(model.cohesion + model.tan_friction * normal):
-            cone = np.zeros((3, width))
-            cone[0, -1] = -strength
-            cone[1, 3 * k + 1] = cone[2, 3 * k + 2] = -1.0
-            rows.append(cone)
-            right.append(np.zeros(3))
-            cones.append(clarabel.SecondOrderConeT(3))
-        cost = np.zeros(width)
-        cost[-1] = 1.0
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        solver = clarabel.DefaultSolver(
-            elastic, cost, sp.csc_matrix(np.vstack(rows)), np.concatenate(right), cones, settings
-        )
-        found = np.array(solver.solve().x)
-        renewed = np.maximum(found[:-1:3], 0.0)
+        strength = model.cohesion + model.tan_friction * normal
+        found = np.array(solve(model, 1e-6, nothing, nothing, strength).x)
         if abs(1.0 / found[-1] - factor) < 1e-9 * factor:
             break
-        factor, normal = 1.0 / found[-1], renewed
+        factor, normal = 1.0 / found[-1], np.maximum(found[:-1:3], 0.0)
     return factor
