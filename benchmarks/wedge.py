@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis import closed_form, prepare
+from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.design.reading import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import forces_only_limit, limit_analysis, passes_limit

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis import _rock_mass
+from slopekit.analysis.wedge import _rock_mass
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs

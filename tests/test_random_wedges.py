@@ -40,7 +40,7 @@ def test_limit_equals_the_closed_form_or_moments_lower_it(results) -> None:
 
 
 def test_status_is_the_closed_forms_where_forces_govern(results) -> None:
-    from slopekit.analysis import closed_form
+    from slopekit.analysis.wedge import closed_form
 
     for result in results:
         if not result.moments_govern:

@@ -12,10 +12,15 @@ from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
-    from slopekit.result import WedgeResult
+    import os
+    from collections.abc import Mapping
+
+    from slopekit.design.common import Design
+    from slopekit.result import Result
 
 __all__ = [
-    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "wedge",
+    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "load", "run",
+    "wedge",
 ]  # fmt: skip
 
 
@@ -46,7 +51,7 @@ def wedge(
     refine: int | None = None,
     origin: Any = None,
     **unknown: Any,
-) -> "WedgeResult":
+) -> "Result":
     """Analyse one wedge; what is left out takes the paper's wedge (Sheng et al. 2023, §4.1).
 
     Parameters
@@ -73,8 +78,58 @@ def wedge(
     DesignError
         With every fault of the input. GeometryError where the planes cut no wedge.
     """
-    from slopekit.analysis import analyse_wedge
+    from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
 
     given = {key: value for key, value in locals().items() if key not in ("unknown", "analyse_wedge", "wedge_design")}
     return analyse_wedge(wedge_design(given | unknown))
+
+
+def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str, Any] | None" = None) -> "Design":
+    """Read and check a design file, or the same as a dict.
+
+    Parameters
+    ----------
+    set : dotted paths and values that replace those of the file: {"strength.weak.phi": 25}
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    from slopekit.design.files import load as load_design
+
+    return load_design(source, tuple((set or {}).items()))
+
+
+def analyse(design: "Design") -> "Result":
+    """Analyse a loaded design of any kind. Raises GeometryError where no block can be formed."""
+    from slopekit.analysis import analyse as analyse_design
+
+    return analyse_design(design)
+
+
+def run(
+    source: "str | os.PathLike[str] | Mapping[str, Any] | Design", set: "Mapping[str, Any] | None" = None
+) -> "Result":
+    """Read, check and analyse a design file (or a dict, or a design that `load` has read).
+
+    Raises
+    ------
+    DesignError
+        With every fault of the input. GeometryError where no block can be formed.
+
+    >>> import slopekit as sk
+    >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> round(sk.run(design, set={"water": "full"}).fos.limit, 3)
+    1.039
+    """
+    from slopekit.design.common import Design
+
+    if not isinstance(source, Design):
+        source = load(source, set)
+    elif set:
+        raise DesignError(
+            [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
+        )
+    return analyse(source)

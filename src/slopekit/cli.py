@@ -13,7 +13,8 @@ from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, SlopekitError
 
 if TYPE_CHECKING:
-    from slopekit.result import WedgeResult
+    from slopekit.design.common import Design
+    from slopekit.result import Result
 
 app = typer.Typer(
     add_completion=False,
@@ -71,7 +72,7 @@ def wedge(
     output: Annotated[str | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
-    from slopekit.analysis import analyse_wedge
+    from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
 
     folder = None if output is None else _folder(Path(output))
@@ -83,24 +84,139 @@ def wedge(
         "shear_stiffness": shear_stiffness, "criterion": criterion, "accept": accept, "agree_within": agree_within,
         "gravity": gravity, "water_unit_weight": water_unit_weight, "refine": refine, "origin": origin,
     }  # fmt: skip
-    result = analyse_wedge(wedge_design(given, _option))
-    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1)
-    from slopekit.views.sheet import wedge_sheet
+    _finish(analyse_wedge(wedge_design(given, _option)), folder, image, as_json, quiet)
 
-    sheet = wedge_sheet(result)
-    if folder is not None:
-        (folder / "result.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
+
+_JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
+_QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
+_FOLDER = typer.Option("-o", help="Folder for result.json and sheet.txt.")
+_SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
+_FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
+
+
+@app.command()
+def run(
+    design: Annotated[str, _FILE],
+    sets: Annotated[list[str] | None, _SET] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw a wedge to a PNG file (extra: plot).")] = None,
+    as_json: Annotated[bool, _JSON] = False,
+    quiet: Annotated[bool, _QUIET] = False,
+    output: Annotated[str | None, _FOLDER] = None,
+) -> None:
+    """Any design file: wedge, plane, footing, surface."""
+    from slopekit.analysis import analyse
+
+    folder = None if output is None else _folder(Path(output))
+    image = None if picture is None else _image(Path(picture))
+    _finish(analyse(_load(design, sets)), folder, image, as_json, quiet)
+
+
+@app.command()
+def lint(
+    design: Annotated[str, _FILE],
+    sets: Annotated[list[str] | None, _SET] = None,
+    as_json: Annotated[bool, _JSON] = False,
+) -> None:
+    """Read and test a design file, run nothing."""
+    read = _load(design, sets)
+    if as_json:
+        document = {
+            "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
+            "assumed": dict(read.assumed), "defaults": list(read.defaults), "errors": [],
+        }  # fmt: skip
+        typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
+        return
+    typer.echo(f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}")
+    for name, value in read.assumed:
+        typer.echo(f"     {name} is a distribution: run takes {value}")
+    if read.defaults:
+        typer.echo(f"     left out, taken by default: {', '.join(read.defaults)}")
+
+
+templates = typer.Typer(help="Starter design files.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(templates, name="templates")
+
+
+@templates.command("list")
+def list_templates() -> None:
+    """The templates there are."""
+    from slopekit.design.templates import names, summary
+
+    for name in names():
+        typer.echo(f"{name:<20}{summary(name)}")
+
+
+@templates.command("show")
+def show_template(name: Annotated[str, typer.Argument(help="A template, see list.")]) -> None:
+    """Print a template."""
+    from slopekit.design.templates import path_of
+
+    typer.echo(path_of(name).read_text(encoding="utf-8"), nl=False)
+
+
+@templates.command("new")
+def new_template(
+    name: Annotated[str, typer.Argument(help="A template, see list.")],
+    target: Annotated[str | None, typer.Argument(help="The file to write [NAME.yaml].")] = None,
+) -> None:
+    """Write a template to a file of your own; nothing is written over."""
+    from slopekit.design.templates import path_of
+
+    source = path_of(name)
+    path = Path(target or source.name)
+    if not path.parent.is_dir():
+        raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(source.read_text(encoding="utf-8"))
+    except FileExistsError:
+        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")]) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    typer.echo(f"wrote {path}; try: slopekit run {path}")
+
+
+@app.command()
+def doctor() -> None:
+    """Versions, drawing, a self test of a few seconds."""
+    from slopekit.views.doctor import examination
+
+    lines, sound = examination()
+    typer.echo("\n".join(lines))
+    raise typer.Exit(0 if sound else 5)
+
+
+def _load(design: str, sets: list[str] | None) -> "Design":
+    from slopekit.design.document import parse_override
+    from slopekit.design.files import load
+
+    faults: list[Fault] = []
+    overrides: list[tuple[str, object]] = []
+    for text in sets or []:
+        try:
+            overrides.append(parse_override(text))
+        except DesignError as error:
+            faults += error.faults
+    if faults:
+        raise DesignError(faults)
+    return load(design, overrides)
+
+
+def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
+    """Write and print a result, and leave with its exit code."""
+    from slopekit.views.sheet import sheet as make_sheet
+
+    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1)
+    sheet = make_sheet(result)
     if image is not None:
         from slopekit.views.scene import wedge_picture
 
         wedge_picture(result, image)
-    if as_json:
-        typer.echo(document)
-    elif quiet:
-        typer.echo(_one_line(result))
-    else:
-        typer.echo(sheet)
+    if folder is not None:
+        (folder / "result.json").write_text(document + "\n", encoding="utf-8")
+        (folder / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
+    typer.echo(document if as_json else _one_line(result) if quiet else sheet)
     raise typer.Exit(result.exit_code)
 
 
@@ -112,7 +228,7 @@ def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -
     typer.echo(explanation(code))
 
 
-def _one_line(result: "WedgeResult") -> str:
+def _one_line(result: "Result") -> str:
     """Status, factor, what governs and the check: never a bare factor of safety."""
     fos = result.criterion_fos
     agree = {True: "agree", False: "disagree", None: "not compared"}[result.agree]
@@ -125,7 +241,7 @@ def _one_line(result: "WedgeResult") -> str:
 def _refuse_repeats(arguments: list[str]) -> None:
     """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
     names = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
-    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt"})
+    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set"})
     if twice:
         raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
 

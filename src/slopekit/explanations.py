@@ -57,6 +57,69 @@ EXPLANATIONS: Mapping[str, str] = {
     "E133": "An option that takes one value was given twice. --force and --bolt may be repeated, the others may not.",
     "E140": "Drawing needs the extra `plot`: in slopekit's folder, pip install '.[plot]'.",
     "E141": "Pictures are written as PNG: give a file name that ends in .png.",
+    "E142": "A design of this kind has no such key here. The message names the nearest one, or the place where the key "
+    "belongs. Keys are written in lower case; a colon needs a space behind it: phi: 20.",
+    "E143": "A key that this kind of design needs is not there. `slopekit templates show wedge` prints a whole design.",
+    "E144": "The value has the wrong shape: keys of its own where one value is needed, one value where keys are, or no "
+    "list where a list is. Any number may be a distribution: {dist: normal, mean: 20, sd: 2}.",
+    "E145": "The key is there and nothing behind it. Give it a value, or leave the key out.",
+    "E146": "Strengths, joints and blocks have names of your choice, without dots and slashes: those join names "
+    "elsewhere, as in J1.phi/J2.phi.",
+    "E147": "There is no such file. The message names the nearest one in that folder.",
+    "E148": "The path is a folder, or the system does not let slopekit read the file.",
+    "E149": "Design files and joint lists have at most 5 MB, 100 000 values and 100 levels. Meshes stand in files of "
+    "their own. A design that is nested this deep usually has a bracket left open.",
+    "E150": "The file is not YAML 1.2. Line and column say where reading stopped; the slip is there or just above it: "
+    "a bracket or quote left open, a tab, keys of one level indented differently, a ': ' inside text without quotes.",
+    "E151": "A key may stand once in its group, and --set may set a path once: of two values one would be dropped.",
+    "E152": "The merge key << belongs to YAML 1.1. An alias (*name) for one whole value is taken; several keys are "
+    "written out.",
+    "E153": "Tags (!name) make YAML build objects of programs. A design has only texts, numbers, lists and keys. Text "
+    "that starts with ! goes in quotes.",
+    "E154": "An alias (*name) stands inside what it names, or aliases of aliases write out more than 50 000 values. In "
+    "Python: a dict or list contains itself.",
+    "E155": "A file holds one design. A line --- starts a second one.",
+    "E156": "The file holds nothing but blanks and comments.",
+    "E157": "A design is a group of keys with values: slopekit: 1, kind: wedge, and so on.",
+    "E158": "A key is a name. Here it is empty, a list, or has keys of its own: often a ? or a colon too many.",
+    "E159": "The file is not UTF-8 text, or holds a control character. In an editor: save as UTF-8. Joint lists may "
+    "also be UTF-16 or Windows text.",
+    "E160": "--set takes a dotted path, an equals sign and a value: --set strength.weak.phi=25. Lists and groups are "
+    "written in brackets, in quotes for the shell: --set 'slope.profile=[[0, 0], [10, 5]]'.",
+    "E161": "The path goes on behind a single value. Set that value as a whole: slope.face=65/180.",
+    "E162": "Items of a list are named by their number, from 0: support.bolts.0.force. --set changes items that are "
+    "there; to add or remove one, set the whole list.",
+    "E163": "From Python a design takes what a file could hold: numbers, texts, lists, dicts, arrays, Plane, Line "
+    "and paths.",
+    "E164": "The list or group has too few or too many entries: a point of a profile "
+    "has two coordinates, a wedge two joints.",
+    "E165": "Known distributions are normal, lognormal, uniform, triangular, and fisher for orientations. min and max "
+    "truncate the first two.",
+    "E166": "Orientations scatter by fisher: {dist: fisher, mean: 45/115, k: 100}, k above 0, larger is tighter. "
+    "Numbers take one of the others.",
+    "E167": "Correlation is given by pairs of names with a slash: J1.phi/J2.phi: 0.8.",
+    "E168": "Only values that are distributions can be correlated. The message names the nearest, or lists them.",
+    "E180": "A correlation coefficient lies between -1 and 1.",
+    "E181": "A/B and B/A are the same pair.",
+    "E182": "Every value has the correlation 1 with itself.",
+    "E183": "Not every set of coefficients is possible: if A goes with B and B with C, A cannot go against C. The "
+    "correlation matrix must have no negative eigenvalue. The message gives the largest factor that makes it possible.",
+    "E184": "The distribution lacks a parameter: normal and lognormal have mean and sd, uniform min and max, "
+    "triangular min, mode and max, fisher mean and k.",
+    "E185": "This distribution has no such parameter. Only normal and lognormal have a mean with min and max.",
+    "E186": "A standard deviation is 0 or more, in the unit of the value. 0 makes the value certain.",
+    "E187": "The lower bound must lie below the upper one.",
+    "E188": "The mean or mode lies outside min and max. The mean is that of the distribution before it is truncated.",
+    "E189": "Lognormal values are more than 0, and so is their mean. Give mean and sd of the value itself, not of its "
+    "logarithm.",
+    "E190": "The list has no row with a joint. The first line names the columns, each further line is one joint.",
+    "E191": "A joint list needs the columns dip and dip_direction (also dd, dipdir, azimuth), each once, in degrees, "
+    "separated by comma, semicolon or tab. Two columns of numbers without a header are dip and dip direction.",
+    "E192": "A strike says which way a plane dips only by a convention. right-hand-rule: dip direction = strike + 90; "
+    "left-hand-rule: strike - 90.",
+    "E193": "The row has more values than there are columns, or lacks one. Decimal commas need semicolons or tabs "
+    "between the columns.",
+    "E194": "Each joint has a name of its own. A column `id` or `name` is taken before a column `set`.",
     "E201": "Parallel joints never meet in a line, so they form no wedge. If they are one set, look at plane failure.",
     "E203": "The line of intersection must come out of the face above the toe: it has to plunge less than the face "
     "does in the same direction. A steeper line stays inside the rock: no wedge can slide out.",
@@ -97,6 +160,42 @@ EXPLANATIONS: Mapping[str, str] = {
     "W317": "What opens and what holds kept trading places between the passes (mostly in a wedge on its edges). "
     "The lowest factor they came to is printed, with the range; the answer is no surer than that.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
+    "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound or fos.all_pairs_failed "
+    "with a number: fos >= 1.5.",
+    "E170": "A slip surface is an ellipsoid (centre, radii), a sphere (centre, radius), a horizontal cylinder along y "
+    "(centre, radius, length) or a mesh. Its normals are true (analytic), smoothed (meshes) or facet (a study).",
+    "E171": "A radius, a length and an edge are more than 0.",
+    "E172": "A mesh is an STL, OBJ, PLY, OFF or GLB file beside the design, of at most 400 000 triangles.",
+    "E173": "Pictures are drawn of wedges; the other kinds follow.",
+    "E174": "The first key of a design file says which version of the language it is written in: slopekit: 1.",
+    "E175": "kind says what the design is: wedge, plane, footing or surface.",
+    "E176": "Each interface has one of the strengths under strength. With one strength it need not be named.",
+    "E177": "`slopekit templates list` shows the templates there are.",
+    "E178": "The file of a new design is there already; slopekit does not write over it.",
+    "E195": "A strength that no interface uses is mostly a slip in a name.",
+    "E196": "The displacements and the all-pairs criterion take one stiffness for all joints. The limit factor and "
+    "the closed forms do not depend on it.",
+    "E197": "The name is not among those of the design or of the joint list.",
+    "E198": "The water is said twice. Give mode, fill or pressures; in a crack either its own word or that of water.",
+    "E199": "Node pairs along a line follow Simpson's rule: an odd number from 3 to 2001.",
+    "E213": "Plane failure is a section: the plane has to strike within 20 degrees of the face. Otherwise look at a "
+    "wedge with another joint.",
+    "E214": "The slip surface has to cut a piece off the ground and to come out at the ground surface.",
+    "E215": "A slip surface that ends within the ground would leave the mass hanging on walls that are not modelled.",
+    "E216": "A body to cut has to be closed, without holes, its triangles turned outward.",
+    "E217": "An open sheet is taken as the floor of the sliding mass: it must lie over its plan once.",
+    "E218": "The profile is the ground surface as x, z in order, from one side to the other.",
+    "E219": "The load of a footing stands on the top of the block, between the face and the end of the weak plane.",
+    "W320": "`run` takes one value of each distribution, its mean. `prob` draws them all.",
+    "W321": "Plane failure is computed in the section square to the face; a plane that strikes a little differently is "
+    "taken by its true dip.",
+    "W322": "Within the slip surface lie several pieces of ground that do not touch; only the largest is analysed.",
+    "W323": "A section carries only what acts in it.",
+    "W324": "Fellenius, Janbu, Bishop and the method of all equilibrium are computed for weight, seismic and water "
+    "pressure; with forces or bolts they are left out.",
+    "W325": "Only spheres, cylinders and surfaces of revolution let a rigid mass slip without opening. For others the "
+    "normals are turned square to the motion that comes nearest, by the angle given; far from it the mass must dilate.",
+    "W326": "With each facet's own normal a mass interlocks with its surface. Use true or smoothed normals.",
 }  # fmt: skip
 
 
@@ -113,7 +212,8 @@ def explanation(code: str) -> str:
     """
     wanted = code.strip().upper()
     if wanted not in EXPLANATIONS:
-        near = get_close_matches(wanted, EXPLANATIONS, n=1)
+        digits = wanted[:1] + wanted[1:].replace("O", "0").replace("I", "1").replace("L", "1")
+        near = [digits] if digits in EXPLANATIONS else get_close_matches(wanted, EXPLANATIONS, n=1)
         advice = f"Did you mean {near[0]}?" if near else ""
         raise DesignError([Fault("E128", f"{code} is not a code of slopekit", "", advice)])
     return f"{wanted}\n{EXPLANATIONS[wanted]}"

@@ -57,6 +57,7 @@ def block_loads(
     forces: Sequence[PointForce] = (),
     active: Sequence[PointForce] = (),
     passive: Sequence[PointForce] = (),
+    pushes: Mapping[str, PointForce] | None = None,
 ) -> Loads:
     """Add up the loads on a block.
 
@@ -66,6 +67,7 @@ def block_loads(
     water : plane id -> pressure on that face of the block
     seismic : (3,) parts of the weight, acting at the centroid
     forces, active, passive : forces, active bolts and passive bolts
+    pushes : further forces by the name they have in `parts`
     """
     weight = unit_weight * block.volume
     parts = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
@@ -74,6 +76,10 @@ def block_loads(
         force, at = _water(block.faces[plane], pressure)
         parts[f"water {plane}"] = force
         moment += np.cross(at - block.centroid, force)
+    for name, push in (pushes or {}).items():
+        parts[name] = push.force
+        if push.at is not None:
+            moment += np.cross(push.at - block.centroid, push.force)
     for name, group in (("forces", forces), ("active bolts", active)):
         parts[name] = np.zeros(3)
         for load in group:

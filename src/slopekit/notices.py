@@ -1,10 +1,12 @@
 """What a reader must know beside the number: notices with stable W-codes."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from slopekit.design.common import Design, Strength
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.geometry.interfaces import NodePairs
@@ -12,31 +14,70 @@ from slopekit.orientation import Plane
 from slopekit.preie.limit import Limit, LimitAnalysis
 from slopekit.preie.model import Model
 
+_BLOCKS = {"wedge": "wedge", "surface": "mass"}
+_FAR_M = 1e4  # coordinates beyond this are a map's
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 _NEARLY_PARALLEL_DEG = 5.0
 _SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
-def notices(
-    design: WedgeDesign, status: str, analysis: LimitAnalysis, pairs: NodePairs, model: Model,
-    bound_is_proved: bool, mesh_change: float | None, unsettled: bool,
-) -> Iterator[Notice]:  # fmt: skip
-    """The notices of one analysed wedge, in the order of their weight for the reader."""
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """An interface by its id in the node pairs, its name, and its strength."""
+
+    key: int
+    name: str
+    strength: Strength
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What the analysis found, for the notices to judge.
+
+    Attributes
+    ----------
+    bound_is_proved : or not asked for; mesh_change : what the last refinement did
+    unsettled : no equilibrium at full strength; why_not : why the closed form is not compared
+    """
+
+    status: str
+    analysis: LimitAnalysis
+    pairs: NodePairs
+    model: Model
+    bound_is_proved: bool
+    mesh_change: float | None
+    unsettled: bool
+    why_not: str
+
+
+def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
+    """What a reader must know of the planes and the water of a wedge."""
     cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
         yield Notice("W301", _parallel_note(design, apart))
-    if not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
+    if design.crack and design.water.mode == "pressures" and len(design.water.pressures_kpa) < 3:
+        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
+    if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
+        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
+
+
+def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """The notices of one analysed block, in the order of their weight for the reader."""
+    analysis, model, block = facts.analysis, facts.model, _BLOCKS.get(design.kind, "block")
+    for name, value in design.assumed:
+        yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+    if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
     alone, limit = analysis.forces_only, analysis.governing
-    if status == "topples":
+    if facts.status == "topples":
         opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
         unused = "" if alone.factor is None else f"; forces alone would give {alone.factor:.4g}: do not use it"
-        yield Notice("W303", f"moments turn the wedge over{opened}, and no strength is called on{unused}")
+        yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
-    if limit.factor and not limit.settled:
+    if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
         yield Notice("W317", f"the passes did not settle: {swings}; the lower is printed")
@@ -45,49 +86,48 @@ def notices(
         if idle > 0.005:
             yield Notice("W306", f"{idle * 100:.0f} % of the joint area in contact carries no normal force at the "
                          "limit on an elastic bed; its cohesion is counted because nothing opens there")  # fmt: skip
-    for k in range(2):
-        name, on = f"J{k + 1}", pairs.interface == k
-        if limit.factor is not None and not limit.bond[on].any() and design.cohesion_kpa[k] > 0.0:
+    for interface in interfaces:
+        on = facts.pairs.interface == interface.key
+        if limit.factor is not None and not limit.bond[on].any() and interface.strength.cohesion_kpa > 0.0:
             yield Notice(
                 "W307",
-                f"{name} has lost contact and with it its cohesion: the factor of safety jumps where that happens",
+                f"{interface.name} has lost contact and with it its cohesion: the factor of safety jumps where that "
+                "happens",
             )
-    if status == "slides_up":
-        yield Notice("W318", "the loads drive the wedge upward: the factor is against sliding up, not down")
-    if design.crack and design.water.mode == "pressures" and len(design.water.pressures_kpa) < 3:
-        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
+    if facts.status == "slides_up":
+        yield Notice("W318", f"the loads drive the {block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -model.bolt_rows @ limit.velocity_of(model)
         if not (drawn > _SQUARE).any():
             yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
-    if max(design.cohesion_kpa) > 5000.0:
-        yield Notice(
-            "W316", f"a cohesion of {max(design.cohesion_kpa):.6g} kPa is that of intact rock: was it typed in Pa?"
-        )
-    if not any(design.cohesion_kpa) and not any(design.friction_angle_deg) and not len(model.bolt_capacity):
-        yield Notice("W308", "the joints have no strength: nothing holds the wedge, there is no factor of safety")
-    if any(design.dilation_deg):
-        yield Notice("W310", "the closed form knows no dilation: it is printed, not compared")
+    strengths = [interface.strength for interface in interfaces]
+    strongest = max(strength.cohesion_kpa for strength in strengths)
+    if strongest > 5000.0:
+        yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+    if not len(model.bolt_capacity) and not any(
+        strength.cohesion_kpa or strength.friction_angle_deg for strength in strengths
+    ):
+        yield Notice("W308", f"the joints have no strength: nothing holds the {block}, there is no factor of safety")
+    if facts.why_not and any(strength.dilation_deg for strength in strengths):
+        yield Notice("W310", facts.why_not)
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
-    if not bound_is_proved:
+    if not facts.bound_is_proved:
         yield Notice("W309", "the static bound was not found")
-    if analysis.moments_govern and limit.factor and mesh_change is None:
+    if analysis.moments_govern and limit.factor and facts.mesh_change is None:
         yield Notice(
             "W312", "how far the node pairs move the limit is not known: no finer ones were tried, or none settled"
         )
-    if mesh_change is not None and mesh_change > MESH_CHANGE:
+    if facts.mesh_change is not None and facts.mesh_change > MESH_CHANGE:
         yield Notice(
-            "W312", f"the last refinement of the node pairs still moved the limit by {mesh_change * 100:.1f} %"
+            "W312", f"the last refinement of the node pairs still moved the limit by {facts.mesh_change * 100:.1f} %"
         )
-    if unsettled:
+    if facts.unsettled:
         yield Notice(
             "W313",
             "on an elastic bed no equilibrium was found at full strength (pairs that open "
             "there lose their cohesion): no displacements",
         )
-    if max(abs(coordinate) for coordinate in design.origin_m) > 1e4:
-        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
 def _idle_share(limit: Limit, model: Model) -> float:

@@ -1,15 +1,15 @@
-"""The result of a wedge analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
+"""The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 from slopekit._version import __version__
-from slopekit.arrays import Floats, Ints
-from slopekit.design.wedge import WedgeDesign
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
 
-#: Every status a wedge can have, as a sentence.
+#: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
     "slides_on_both": "slides on both planes",
     "slides_on_J1": "slides on J1, J2 has lost contact",
@@ -22,20 +22,53 @@ STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: nothing drives it",
     "not_converged": "the analysis did not converge: no number",
 }
+#: Where another kind than the wedge means something else by a status.
+_OF_KIND: Mapping[tuple[str, str], str] = {
+    ("plane", "slides_on_J1"): "slides on its plane",
+    ("plane", "lifted"): "is pushed off its plane",
+    ("footing", "slides_on_J1"): "slides on the weak plane",
+    ("footing", "lifted"): "is pushed off the weak plane",
+    ("surface", "slides_on_J1"): "slides on its slip surface without turning",
+    ("surface", "rotates"): "turns on its slip surface",
+    ("surface", "lifted"): "is pushed off its slip surface",
+}
+
+
+def status_text(kind: str, status: str) -> str:
+    """A status as a sentence, in the words of the kind of design."""
+    return _OF_KIND.get((kind, status), STATUSES[status])
 
 
 @dataclass(frozen=True, slots=True)
 class FactorsOfSafety:
     """The factors of safety; None where one does not apply.
 
-    limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : Hoek & Bray; static_bound : an upper
-    bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for.
+    limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
+    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for.
     """
 
     limit: float | None = None
     closed_form: float | None = None
     static_bound: float | None = None
     all_pairs_failed: float | None = None
+
+
+class Geometry(Protocol):
+    """The size and shape of what was analysed."""
+
+    @property
+    def volume_m3(self) -> float:
+        """Volume of the moving block."""
+        ...
+
+    @property
+    def areas_m2(self) -> Mapping[str, float]:
+        """Area of each interface."""
+        ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """The geometry as JSON values."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,16 +88,97 @@ class WedgeGeometry:
     centroid_m: Floats
     faces_m: Mapping[str, Floats] = field(repr=False)
 
+    def to_dict(self) -> dict[str, Any]:
+        """The geometry as JSON values."""
+        return {
+            "volume_m3": self.volume_m3,
+            "total_height_m": self.total_height_m,
+            "areas_m2": dict(self.areas_m2),
+            "line": {"trend_deg": self.line_trend_deg, "plunge_deg": self.line_plunge_deg},
+            "line_length_m": self.line_length_m,
+            "corners_m": {name: point.tolist() for name, point in self.corners_m.items()},
+            "centroid_m": self.centroid_m.tolist(),
+        }
+
 
 @dataclass(frozen=True, slots=True)
-class WedgeForces:
-    """Forces in kN: effective normal forces by joint, along the sliding direction what drives and what resists."""
+class SectionGeometry:
+    """A block in a vertical section one metre thick: its outline (k, 2) as x (out of the slope) and z, toe at 0, 0."""
+
+    volume_m3: float
+    total_height_m: float
+    areas_m2: Mapping[str, float]
+    outline_m: Floats
+    centroid_m: Floats
+    crack_depth_m: float | None = None
+    crack_distance_m: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The geometry as JSON values."""
+        return {
+            "volume_m3": self.volume_m3,
+            "total_height_m": self.total_height_m,
+            "areas_m2": dict(self.areas_m2),
+            "thickness_m": 1.0,
+            "outline_m": self.outline_m.tolist(),
+            "centroid_m": self.centroid_m.tolist(),
+            "crack": None if self.crack_depth_m is None else {
+                "depth_m": self.crack_depth_m, "distance_m": self.crack_distance_m,
+            },
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceGeometry:
+    """A mass on a curved slip surface: triangles of its whole boundary, and how its normals were taken."""
+
+    volume_m3: float
+    total_height_m: float
+    areas_m2: Mapping[str, float]
+    centroid_m: Floats
+    edge_m: float
+    normals: str
+    motions: int
+    misfit_deg: float
+    pieces_m3: tuple[float, ...]
+    vertices_m: Floats = field(repr=False)
+    triangles: Ints = field(repr=False)
+    on_slip: Bools = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The geometry as JSON values."""
+        return {
+            "volume_m3": self.volume_m3,
+            "total_height_m": self.total_height_m,
+            "areas_m2": dict(self.areas_m2),
+            "centroid_m": self.centroid_m.tolist(),
+            "edge_m": self.edge_m,
+            "normals": self.normals,
+            "slip_motions": self.motions,
+            "normals_turned_deg": self.misfit_deg,
+            "other_pieces_m3": list(self.pieces_m3),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Forces:
+    """Forces in kN: effective normal forces by interface, along the sliding direction what drives and what resists."""
 
     weight: float
     normal: Mapping[str, float | None]
     water: Mapping[str, float]
     driving: float | None
     resisting: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The forces as JSON values."""
+        return {
+            "weight": self.weight,
+            "normal": dict(self.normal),
+            "water": dict(self.water),
+            "driving": self.driving,
+            "resisting": self.resisting,
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +197,7 @@ class ModelSize:
 
 @dataclass(frozen=True, slots=True)
 class Movement:
-    """A movement of the wedge: displacement of its centroid and rotation about it, (3,) each."""
+    """A movement of the block: displacement of its centroid and rotation about it, (3,) each."""
 
     displacement: Floats
     rotation: Floats
@@ -91,7 +205,7 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class AtFactorOne:
-    """The wedge at rest at full strength: movement in m and radians, node pairs by contact mode."""
+    """The block at rest at full strength: movement in m and radians, node pairs by contact mode."""
 
     movement: Movement
     failed_pairs: int
@@ -108,6 +222,19 @@ class AllPairs:
 
 
 @dataclass(frozen=True, slots=True)
+class ReductionStep:
+    """The block at one strength reduction factor (a row of the paper's Table 3).
+
+    `movement` is None where it does not come to rest; then every pair counts as failed.
+    """
+
+    factor: float
+    stands: bool
+    movement: Movement | None
+    failed_pairs: int
+
+
+@dataclass(frozen=True, slots=True)
 class NodePairState:
     """The node pairs at the limit, for pictures: points (n, 3) m, joints (n,), normal forces (n,) kN."""
 
@@ -118,10 +245,13 @@ class NodePairState:
 
 
 @dataclass(frozen=True, slots=True)
-class WedgeResult:
-    """One analysed wedge. `to_dict()` is the JSON of `slopekit wedge --json`."""
+class Result:
+    """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
-    design: WedgeDesign
+    `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
+    """
+
+    design: Design
     status: str
     fos: FactorsOfSafety
     difference: float | None
@@ -129,8 +259,8 @@ class WedgeResult:
     moments_govern: bool
     forces_only: float | None
     static_bound_proved: bool
-    geometry: WedgeGeometry
-    forces: WedgeForces
+    geometry: Geometry
+    forces: Forces
     model: ModelSize
     mechanism: Movement | None
     at_factor_one: AtFactorOne | None
@@ -138,25 +268,40 @@ class WedgeResult:
     governs: tuple[tuple[str, float | None, str], ...]
     warnings: tuple[Notice, ...]
     node_pairs: NodePairState = field(repr=False)
+    methods: Mapping[str, float | None] = field(default_factory=dict)
+    series: tuple[ReductionStep, ...] = ()
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
+    def kind(self) -> str:
+        """The kind of design."""
+        return self.design.kind
+
+    @property
+    def status_text(self) -> str:
+        """The status as a sentence."""
+        return status_text(self.kind, self.status)
+
+    @property
     def criterion_fos(self) -> float | None:
-        """The factor that `--accept` is held against: the limit, or the lower of it and the all-pairs factor."""
+        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
         if self.design.criterion == "limit" or self.fos.limit is None:
             return self.fos.limit
         return None if self.fos.all_pairs_failed is None else min(self.fos.limit, self.fos.all_pairs_failed)
 
-    @property
-    def accepted(self) -> bool | None:
-        """Whether the acceptance criterion is met; None where there is none."""
-        if self.design.accept is None:
-            return None
-        if self.status == "no_driving_force":
+    def judged(self, rule: Rule) -> bool:
+        """Whether the result meets a rule; what stands without strength meets every least factor of safety."""
+        if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
-        return self.criterion_fos is not None and self.criterion_fos >= self.design.accept
+        _, _, name = rule.name.partition(".")
+        return rule.met(getattr(self.fos, name) if name else self.criterion_fos)
+
+    @property
+    def accepted(self) -> bool | None:
+        """Whether every acceptance rule is met; None where there is none."""
+        return all(self.judged(rule) for rule in self.design.rules) if self.design.rules else None
 
     @property
     def exit_code(self) -> int:
@@ -167,14 +312,14 @@ class WedgeResult:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""
-        geometry, forces, model = self.geometry, self.forces, self.model
-        one, pairs = self.at_factor_one, self.all_pairs
+        model, one, pairs = self.model, self.at_factor_one, self.all_pairs
         return {
             "slopekit": __version__,
-            "kind": "wedge",
+            "kind": self.kind,
+            "title": self.design.title,
             "input_sha256": self.design.input_hash(),
             "status": self.status,
-            "status_text": STATUSES[self.status],
+            "status_text": self.status_text,
             "fos": {
                 "limit": self.fos.limit,
                 "closed_form": self.fos.closed_form,
@@ -186,23 +331,11 @@ class WedgeResult:
             "moments_govern": self.moments_govern,
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
+            "methods": dict(self.methods),
             "accepted": self.accepted,
-            "geometry": {
-                "volume_m3": geometry.volume_m3,
-                "total_height_m": geometry.total_height_m,
-                "areas_m2": dict(geometry.areas_m2),
-                "line": {"trend_deg": geometry.line_trend_deg, "plunge_deg": geometry.line_plunge_deg},
-                "line_length_m": geometry.line_length_m,
-                "corners_m": {name: point.tolist() for name, point in geometry.corners_m.items()},
-                "centroid_m": geometry.centroid_m.tolist(),
-            },
-            "forces_kn": {
-                "weight": forces.weight,
-                "normal": dict(forces.normal),
-                "water": dict(forces.water),
-                "driving": forces.driving,
-                "resisting": forces.resisting,
-            },
+            "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],
+            "geometry": self.geometry.to_dict(),
+            "forces_kn": self.forces.to_dict(),
             "model": {
                 "moving_blocks": model.moving_blocks,
                 "unknowns": model.unknowns,
@@ -214,7 +347,7 @@ class WedgeResult:
                 "left_out": list(model.left_out),
             },
             "mechanism": None if self.mechanism is None else {
-                "blocks": ["wedge"],
+                "blocks": [_BLOCKS.get(self.kind, self.kind)],
                 "displacement": self.mechanism.displacement.tolist(),
                 "rotation": self.mechanism.rotation.tolist(),
             },
@@ -231,9 +364,21 @@ class WedgeResult:
                     {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)
                 ],
             },
+            "series": [
+                {
+                    "factor": step.factor, "stands": step.stands, "failed_pairs": step.failed_pairs,
+                    "displacement_m": None if step.movement is None else step.movement.displacement.tolist(),
+                    "rotation_rad": None if step.movement is None else step.movement.rotation.tolist(),
+                }
+                for step in self.series
+            ],
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in self.governs],
             "inputs": self.design.inputs(),
+            "assumed": dict(self.design.assumed),
             "defaults": list(self.design.defaults),
             "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
             "timing_s": dict(self.timing_s),
         }  # fmt: skip
+
+
+_BLOCKS = {"wedge": "wedge", "plane": "block", "footing": "block", "surface": "mass"}

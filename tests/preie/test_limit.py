@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis import prepare
+from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.loads import Loads

@@ -2,13 +2,17 @@
 
 import re
 from collections.abc import Sequence
+from difflib import get_close_matches
 from typing import Any
 
-from slopekit.design.wedge import Bolt, Crack, Force, Seismic, Water
+from slopekit.design.common import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
+from slopekit.design.wedge import Crack
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, number, parse_plane
 from slopekit.units import quantity
 
+RULE_NAMES = ("fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed")
+_RULE = re.compile(r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$")
 _BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)$")
 
 
@@ -171,6 +175,44 @@ def bolt(value: object, where: str) -> Bolt:
         raise DesignError([Fault("E124", "a bolt with a length needs its head", where)])
     force = above_zero(size, "force", "force of the bolt", "E124", where)
     return Bolt(force, line_of_words(toward, "bolt", "E124", where), acts, head, length)
+
+
+def rule(value: object, where: str) -> Rule:
+    """An acceptance rule: `fos >= 1.5`, or the smallest factor of safety alone."""
+    if isinstance(value, Rule):
+        return value
+    if isinstance(value, str) and (match := _RULE.match(value)):
+        name = match.group(1).lower()
+        if name not in RULE_NAMES:
+            near = get_close_matches(name, RULE_NAMES, n=1)
+            advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(RULE_NAMES)}."
+            raise DesignError([Fault("E169", f"{match.group(1)} is nothing that a rule can judge", where, advice)])
+        relation: Any = match.group(2)
+        return Rule(name, relation, above_zero(match.group(3), "ratio", "accept", "E127", where))
+    if isinstance(value, str) and not _BARE_NUMBER.match(value.strip()):
+        advice = "A rule is written fos >= 1.5."
+        raise DesignError([Fault("E169", f"the rule {value!r} is not understood", where, advice)])
+    return Rule("fos", ">=", above_zero(value, "ratio", "accept", "E127", where))
+
+
+def hyperbola(value: Any, where: str) -> HyperbolaParameters:
+    """Clough and Duncan's parameters by name: k1, n, Rf, phi."""
+    names = {
+        "k1": "modulus_number", "n": "exponent", "Rf": "failure_ratio", "phi": "friction_angle_deg",
+    }  # fmt: skip
+    given = {key: part for key, part in value.items() if key != "law"}
+    unknown = [key for key in given if key not in names]
+    if unknown or str(value.get("law", "clough-duncan")).lower() != "clough-duncan":
+        message = f"{unknown[0] if unknown else value['law']} is not of the shear law clough-duncan (k1, n, Rf, phi)"
+        raise DesignError([Fault("E132", message, where)])
+    kinds = {"phi": "angle"}
+    found = {names[key]: quantity(part, kinds.get(key, "ratio"), key, where) for key, part in given.items()}
+    law = HyperbolaParameters(**found)
+    sound = law.modulus_number > 0.0 and 0.0 <= law.exponent <= 2.0 and 0.0 <= law.failure_ratio <= 1.0
+    if not sound or not 0.0 < law.friction_angle_deg < 90.0:
+        message = "Clough and Duncan's parameters are k1 > 0, n from 0 to 2, Rf from 0 to 1, phi between 0 and 90"
+        raise DesignError([Fault("E132", message, where)])
+    return law
 
 
 def is_point(value: Any) -> bool:

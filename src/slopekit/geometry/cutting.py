@@ -87,10 +87,36 @@ def cut_wedge(rock: RockMass) -> Block:
         message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
         advice = "The crack cuts the wedge in two below its crest." if len(wedges) else "They enclose no wedge."
         raise GeometryError([Fault("E208", message, "", advice)])
-    block = _block(wedges[0], rock, centre, half)
+    block = _block(wedges[0], rock.normals, rock.offsets, centre, half)
     if len(rock.normals) > CRACK and CRACK not in block.faces:
         raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
     return block
+
+
+def cut_convex(normals: Floats, offsets: Floats, outline: Floats) -> Block:
+    """The block below all the planes `normal · x <= offset`, its faces by the number of their plane.
+
+    Parameters
+    ----------
+    outline : (n, 3) points between which the block lies
+
+    Raises
+    ------
+    GeometryError
+        E208 nothing lies below all of them.
+    """
+    lowest, highest = outline.min(axis=0), outline.max(axis=0)
+    centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
+    scaled = normals * half
+    lengths = np.sqrt((scaled**2).sum(axis=1))
+    at = (offsets - normals @ centre) / lengths
+    piece = _tagged(_SQUARE_BOX * 1.5, np.repeat(np.arange(_FAR, _FAR + 6), 2))
+    for plane, (normal, offset) in enumerate(zip(scaled / lengths[:, None], at, strict=True)):
+        piece = piece.split(_cutter(normal, float(offset), plane))[1]
+    mesh = piece.to_mesh64()
+    if piece.is_empty() or int(np.asarray(mesh.face_id).max()) >= _FAR:
+        raise GeometryError([Fault("E208", "the planes enclose no block")])
+    return _block(mesh, normals, offsets, centre, half)
 
 
 def _tagged(vertices: Floats, face_ids: Ints) -> Manifold:
@@ -114,7 +140,7 @@ def _cutter(normal: Floats, offset: float, plane: int, size: float = 12.0) -> Ma
     return _tagged(np.concatenate([base, base + size * normal]), ids)
 
 
-def _block(mesh: Mesh64, rock: RockMass, centre: Floats, half: Floats) -> Block:
+def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half: Floats) -> Block:
     triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
     made_by = np.asarray(mesh.face_id, dtype=np.int64)
     rough = np.asarray(mesh.vert_properties) * half + centre
@@ -122,7 +148,12 @@ def _block(mesh: Mesh64, rock: RockMass, centre: Floats, half: Floats) -> Block:
     for corners, plane in zip(triangles.tolist(), made_by.tolist(), strict=True):
         for corner in corners:
             meeting[corner].add(plane)
-    exact = np.array([_corner(sorted(planes), rock, point) for planes, point in zip(meeting, rough, strict=True)])
+    exact = np.array(
+        [
+            _corner(normals[sorted(planes)], offsets[sorted(planes)], point)
+            for planes, point in zip(meeting, rough, strict=True)
+        ]
+    )
     faces = {int(plane): frozen(exact[_outline(triangles[made_by == plane])]) for plane in np.unique(made_by)}
     volume = 0.0
     moment: Floats = np.zeros(3)
@@ -139,14 +170,13 @@ def _block(mesh: Mesh64, rock: RockMass, centre: Floats, half: Floats) -> Block:
             volume += part
             moment = np.asarray(moment + part * (a + b + c) / 4.0, dtype=np.float64)
     if not volume > 0.0:
-        raise GeometryError([Fault("E208", "the wedge has no volume")])
+        raise GeometryError([Fault("E208", "the block has no volume")])
     return Block(faces, areas, volume, frozen(apex + moment / volume))
 
 
-def _corner(planes: list[int], rock: RockMass, rough: Floats) -> Floats:
+def _corner(normals: Floats, offsets: Floats, rough: Floats) -> Floats:
     """The point in which the planes meet, from the planes themselves."""
-    normals, offsets = rock.normals[planes], rock.offsets[planes]
-    if len(planes) == 3:
+    if len(normals) == 3:
         return np.asarray(np.linalg.solve(normals, offsets), dtype=np.float64)
     # more planes than three through one point: the nearest point to all; fewer: a vertex on an edge
     return rough + np.asarray(np.linalg.lstsq(normals, offsets - normals @ rough, rcond=None)[0])

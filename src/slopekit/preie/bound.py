@@ -21,6 +21,7 @@ _MOST_STEPS = 40
 _CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
 _BALANCED = 1e-9  # a shortfall this small, in parts of the load, is none
 _PROVED = 1e-9
+_TANGENT = 1e-9  # opening below this part of the slip is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +45,42 @@ def static_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
     ----------
     velocity : (u,) the limit mechanism; limit : the limit factor, a lower bound of the static bound
     """
+    if not model.tan_friction.any():
+        slip = float(model.slip(velocity).max())
+        if float(np.abs(model.normal_rows @ velocity).max()) <= _TANGENT * slip:
+            # no friction, and nothing opens: the limit's mechanism is the bound's, and its forces balance
+            return StaticBound(limit, True, 0, velocity, np.zeros(len(model.control_area)))
     if not len(model.bolt_capacity):
+        flat = _one_plane_bound(model, velocity, limit)
+        if flat is not None:
+            return flat
         translating = _two_joint_bound(model, velocity, limit)
         if translating is not None:
             return translating
     return _conic_bound(model, velocity, limit)
 
 
+def _one_plane_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
+    """A block that slides on one plane without turning: its normal force is given, and the bound is the limit.
+
+    Dilation does not help there: with v_n = λ tan φ |v_t| the load works N λ tan φ |v_t| less, which is what friction
+    would have taken. The forces are proved to balance, with their moments.
+    """
+    most = model.translations
+    normals = model.normal_rows[:, :most]
+    turning = float(np.abs(velocity[most:]).max(initial=0.0))
+    if np.abs(normals - normals[0]).max() > 1e-12 or turning > 1e-9 or len(np.unique(model.interface)) > 1:
+        return None
+    normal_force = _balancing(model, velocity[:most], 1.0 / limit)
+    if normal_force is None:
+        return None
+    return StaticBound(limit, True, 0, velocity, normal_force)
+
+
 def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
     """Both joints of a wedge opening along their friction cones without turning: three equations, then the proof."""
     normals, which = np.unique(model.normal_rows[:, :3].round(12), axis=0, return_index=True)
-    if len(normals) != 2:
+    if len(normals) != 2 or model.translations != 3:
         return None
     rows = model.rows[which, :, :3]
     tan_friction = model.tan_friction[which]
@@ -99,7 +125,7 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
 
 def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
     """Normal forces that balance the loads with their moments, shear on the edge of every friction cone against v."""
-    motion = np.einsum("ntu,u->nt", model.rows[:, 1:, :3], v)
+    motion = np.einsum("ntu,u->nt", model.rows[:, 1:, : len(v)], v)
     direction = motion / np.sqrt((motion * motion).sum(axis=1))[:, None]
     against = np.einsum("nt,ntu->nu", direction, model.rows[:, 1:, :])
     columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
@@ -109,7 +135,7 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
 
 
 def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
-    """The least λ at which second-order cones of forces balance the loads: bracketed and bisected with Clarabel.
+    """The least λ at which second-order cones of forces balance the loads: Newton in a bracket, with Clarabel.
 
     Each trial asks for the least t >= -1 such that N >= 0, |f_t| <= λ (c A + N tan φ) + t a and Bᵀ f + P = 0 (bolts
     pull with 0 to λ times their capacity); t <= 0 means they balance. The limit's own forces do: λ <= 1/limit.
@@ -119,18 +145,24 @@ def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
     best, steps, mechanism = program.solve(high), 1, velocity
     if best is None or best.shortfall > 1e-6:
         return StaticBound(None, False, steps, velocity, np.zeros(len(model.control_area)))
-    step = 0.9
+    guess, step = best.root(high), 0.9
     while high - low > _CONIC_WIDTH * high and steps < _MOST_STEPS + 40:
-        middle = 0.5 * (low + high) if low > 0.0 else high * step
-        step *= step
-        trial = program.solve(middle)
+        if not low < guess < high:
+            guess = 0.5 * (low + high) if low > 0.0 else high * step
+            step *= step
+        # a guess at an end of the bracket closes in on it from the other side
+        near = 0.3 * _CONIC_WIDTH * guess
+        trial_at = min(guess + near, 0.5 * (guess + high)) if guess - low < near else guess
+        trial_at = max(guess - near, 0.5 * (guess + low)) if high - guess < near else trial_at
+        trial = program.solve(trial_at)
         steps += 1
         if trial is None:
             break
         if trial.shortfall <= _BALANCED:
-            high, best = middle, trial
+            high, best = trial_at, trial
         else:
-            low, mechanism = middle, trial.velocity
+            low, mechanism = trial_at, trial.velocity
+        guess = trial.root(trial_at)
     if high - low > 10.0 * _CONIC_WIDTH * high:
         return StaticBound(None, False, steps, mechanism, best.normal_force)
     return StaticBound(max(1.0 / high, limit), True, steps, mechanism, best.normal_force)
@@ -138,9 +170,16 @@ def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
 
 @dataclass(frozen=True, slots=True)
 class _Trial:
+    """The shortfall t at a λ, its slope dt/dλ from the multipliers, the mechanism (u,) and the normal forces (n,)."""
+
     shortfall: float
+    slope: float
     velocity: Floats
     normal_force: Floats
+
+    def root(self, reduction: float) -> float:
+        """Where Newton expects t = 0; not a number above 0 where the slope says nothing."""
+        return reduction - self.shortfall / self.slope if self.slope < 0.0 else 0.0
 
 
 class _ConicProgram:
@@ -201,4 +240,8 @@ class _ConicProgram:
         forces, duals = np.array(found.x), np.array(found.z)
         velocity = duals[:unknowns]
         velocity = velocity if float(velocity @ model.load) > 0.0 else -velocity
-        return _Trial(float(found.obj_val), velocity, np.maximum(forces[: 3 * count : 3], 0.0))
+        normal = np.maximum(forces[: 3 * count : 3], 0.0)
+        of_cones = duals[unknowns + count + 2 * bolts + 1 :][::3]
+        of_bolts = duals[unknowns + count + bolts : unknowns + count + 2 * bolts]
+        slope = -float(of_cones @ (model.cohesion + model.tan_friction * normal) + of_bolts @ model.bolt_capacity)
+        return _Trial(float(found.obj_val), slope, velocity, normal)

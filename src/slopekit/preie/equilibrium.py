@@ -137,7 +137,7 @@ def _settle(
             break
         debonded = debonded | broken
     forces = law.tractions * physical.area[:, None]
-    to_metres = np.concatenate([np.full(3, model.length_scale), np.ones(model.unknowns - 3)])
+    to_metres = np.where(np.arange(model.unknowns) < model.translations, model.length_scale, 1.0)
     return Equilibrium(
         residual <= _TOLERANCE, factor, scaled * to_metres, forces, law.modes, residual, steps, scaled, debonded
     )

@@ -37,7 +37,6 @@ _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's,
 _MOST_PASSES = 300
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 _MOST_RELEASES = 2
-UNSETTLED = 1e-4  # a factor that still moved by more than this part is given with its range
 _AITKEN_PASSES = 30
 _PATIENT_STEP = 0.1
 _WINDOW = 20  # passes over which the factor must keep still ...
@@ -80,10 +79,9 @@ class Limit:
     steps: int
     change: float
 
-    @property
-    def settled(self) -> bool:
-        """Whether the factor is one number: not a range that the passes swung through, nor none at all."""
-        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= UNSETTLED
+    def settled_to(self, relative: float) -> bool:
+        """Whether the factor is one number to that part: not a range that the passes swung through, nor none."""
+        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
 
     def velocity_of(self, model: Model) -> Floats:
         """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
@@ -117,7 +115,7 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(alone, alone, alone, False)
     if model.dilates and (associated := _associated_limit(model)) is not None:
         return LimitAnalysis(associated, associated, associated, False)
-    start = np.concatenate([alone.velocity, np.zeros(model.unknowns - 3)])
+    start = alone.velocity_of(model)
     may_bond: Bools = np.ones(len(alone.bond), dtype=bool)
     turning = _passes(model, start, alone.normal_force, alone.bond, may_bond)
     if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
@@ -134,6 +132,32 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
     return LimitAnalysis(_turned(alone, model), alone, turning, False)
+
+
+def curved_limit_analysis(model: Model) -> LimitAnalysis:
+    """The limit factor of one block on a curved surface, where a block that may not turn cannot slide either.
+
+    There are no forces alone to compare with: `moments_govern` is false.
+    """
+    every: Bools = np.ones(len(model.control_area), dtype=bool)
+    bond = np.ones(len(every))
+
+    def alike(limit: Limit) -> LimitAnalysis:
+        return LimitAnalysis(limit, limit, limit, False)
+
+    state = intact_limit_state(model)
+    if state is not None and model.dilates:
+        state = dilating_limit_state(model, state)
+    if state is not None:
+        return alike(_exact(state, bond, 0))
+    none = np.zeros(model.unknowns)
+    if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
+        return alike(Limit(Outcome.LIFTED, None, none, np.zeros(len(every)), 0.0 * bond, 0, 0, 0.0))
+    if _stands_without_strength(model):
+        return alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, np.zeros(len(every)), bond, 0, 0, 0.0))
+    start = elastic_displacement(model)
+    normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
+    return alike(_passes(model, start, normal, bond, every))
 
 
 def passes_limit(model: Model, passes: int) -> float:
@@ -176,13 +200,13 @@ class _Push:
 
 
 def forces_only_limit(model: Model) -> Limit:
-    """The limit of a block that may move but not turn: `model` with three unknowns or its full form.
+    """The limit of a block that may move but not turn: `model` without rotations or in its full form.
 
     At a reduction λ the joints push with N >= 0 and the passive bolts pull with 0 <= T <= λ capacity so as to leave
     the least of the load: that is the driving force, and its direction the velocity. The block stands where
     λ (c A + N tan φ) is more. Falling λ (rising F) is followed to the first loss.
     """
-    held = model if model.unknowns == 3 else model.without_rotation()
+    held = model if model.unknowns == model.translations else model.without_rotation()
     normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
     which = which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
@@ -201,7 +225,7 @@ def forces_only_limit(model: Model) -> Limit:
 
     def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
         bond = push.touching.astype(np.float64)
-        velocity = push.pull / push.driving if push.driving > _NO_FORCE else np.zeros(3)
+        velocity = push.pull / push.driving if push.driving > _NO_FORCE else np.zeros(held.unknowns)
         return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0)
 
     alone = at(0.0)

@@ -24,6 +24,8 @@ def split_space(rows: Floats, relative: float = 1e-9) -> tuple[Floats, Floats]:
     unknowns = rows.shape[1]
     if len(rows) == 0:
         return np.eye(unknowns), np.zeros((unknowns, 0))
+    if len(rows) > unknowns:
+        rows = np.asarray(np.linalg.qr(rows, mode="r"))  # the same row space, and no (m, m) factor
     _, sizes, basis = np.linalg.svd(rows, full_matrices=True)
     rank = int((sizes > relative * sizes[0]).sum())
     return basis[rank:].T, basis[:rank].T

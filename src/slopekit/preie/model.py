@@ -22,6 +22,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 
 _RIGID_TOLERANCE = 1e-9
+_SECTION = [0, 2, 4]  # of the six unknowns of a block those that stay in its x-z section
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +52,7 @@ class Model:
     load : (u,) P; generalised forces of the loads that do not depend on the strength
     bolt_rows : (b, u) shortening of each passive bolt per unknown; bolt_capacity : (b,) at full strength
     length_scale : m; force_scale : kN; area_scale : m²
+    translations : how many of the unknowns are translations (they come first): 3, or 2 in a vertical section
     """
 
     rows: Floats
@@ -66,10 +68,11 @@ class Model:
     length_scale: float
     force_scale: float
     area_scale: float
+    translations: int = 3
 
     @property
     def unknowns(self) -> int:
-        """Number of unknowns u: six a block, three where it may only move without turning."""
+        """Number of unknowns u: six a block, three in a vertical section, fewer where it may not turn."""
         return int(self.rows.shape[2])
 
     @property
@@ -99,12 +102,27 @@ class Model:
 
     def without_rotation(self) -> "Model":
         """The same model with its one block held from turning: the forces alone, as closed forms see them."""
+        most = self.translations
         return replace(
-            self, rows=frozen(self.rows[:, :, :3]), load=frozen(self.load[:3]), bolt_rows=frozen(self.bolt_rows[:, :3])
-        )
+            self, rows=frozen(self.rows[:, :, :most]), load=frozen(self.load[:most]),
+            bolt_rows=frozen(self.bolt_rows[:, :most]),
+        )  # fmt: skip
+
+    def moved(self, displacement: Floats) -> tuple[Floats, Floats]:
+        """Displacement (u,) as translation (3,) and rotation (3,), zeros where there is no such unknown."""
+        translation, rotation = np.zeros(3), np.zeros(3)
+        if self.translations == 2:
+            translation[[0, 2]] = displacement[:2]
+            rotation[1] = displacement[2] if len(displacement) > 2 else 0.0
+        else:
+            translation[:] = displacement[:3]
+            rotation[: len(displacement) - 3] = displacement[3:]
+        return translation, rotation
 
 
-def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: JointStrength) -> Model:
+def build_model(
+    pairs: NodePairs, loads: Loads, centroid: Floats, strength: JointStrength, in_section: bool = False
+) -> Model:
     """The model of one block on bedrock.
 
     Parameters
@@ -112,6 +130,7 @@ def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: Join
     pairs : node pairs of block 0 against the bedrock
     loads : force and moment about `centroid`
     strength : indexed by `pairs.interface`
+    in_section : the block moves in its vertical x-z section only: three unknowns (x, z, rotation about y)
 
     Raises
     ------
@@ -133,6 +152,9 @@ def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: Join
     bolt_arms = (loads.passive_points - centroid) / length
     bolt_axes = np.concatenate([loads.passive_forces, np.cross(bolt_arms, loads.passive_forces)], axis=1)
     capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))
+    load = np.concatenate([loads.force, loads.moment / length]) / force_scale
+    if in_section:
+        rows, bolt_axes, load = rows[:, :, _SECTION], bolt_axes[:, _SECTION], load[_SECTION]
     area = float(pairs.control_areas.sum())
     per_force = pairs.control_areas / force_scale
     at = pairs.interface
@@ -144,12 +166,13 @@ def build_model(pairs: NodePairs, loads: Loads, centroid: Floats, strength: Join
         tan_friction=frozen(strength.tan_friction[at]),
         tan_dilation=frozen(strength.tan_dilation[at]),
         interface=at,
-        load=frozen(np.concatenate([loads.force, loads.moment / length]) / force_scale),
+        load=frozen(load),
         bolt_rows=frozen(bolt_axes / capacity[:, None]),
         bolt_capacity=frozen(capacity / force_scale),
         length_scale=length,
         force_scale=force_scale,
         area_scale=area,
+        translations=2 if in_section else 3,
     )
 
 

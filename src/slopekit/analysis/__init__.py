@@ -1,0 +1,34 @@
+"""From a design to a result: the only room that knows the order of the stages."""
+
+from slopekit.design.common import Design
+from slopekit.design.wedge import WedgeDesign
+from slopekit.result import Result
+
+
+def analyse(design: Design) -> Result:
+    """Analyse a design of any kind; each kind's modules load only when it is asked for.
+
+    Raises
+    ------
+    GeometryError
+        Where no block can be formed.
+    """
+    from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
+
+    if isinstance(design, WedgeDesign):
+        from slopekit.analysis.wedge import analyse_wedge
+
+        return analyse_wedge(design)
+    if isinstance(design, PlaneDesign):
+        from slopekit.analysis.plane import analyse_plane
+
+        return analyse_plane(design)
+    if isinstance(design, FootingDesign):
+        from slopekit.analysis.footing import analyse_footing
+
+        return analyse_footing(design)
+    if isinstance(design, SurfaceDesign):
+        from slopekit.analysis.surface import analyse_surface
+
+        return analyse_surface(design)
+    raise TypeError(f"no analysis for {type(design).__name__}")

@@ -1,0 +1,72 @@
+"""The footing on a weak plane (Sheng et al. 2023, §3.3): from its design to its result."""
+
+import numpy as np
+
+from slopekit.analysis.plane import section_geometry
+from slopekit.analysis.stages import (
+    Clock,
+    ClosedForm,
+    Scene,
+    block_status,
+    driving_and_resisting,
+    joint_strength,
+    normal_forces,
+    result,
+    solve,
+)
+from slopekit.closed_form.footing import footing
+from slopekit.design.kinds import FootingDesign
+from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.section import J1, footing_section, line_pairs
+from slopekit.loads import PointForce, block_loads
+from slopekit.notices import Interface
+from slopekit.preie.model import build_model
+from slopekit.result import Forces, Result
+
+NAME = "weak plane"
+
+
+def analyse_footing(design: FootingDesign) -> Result:
+    """Load the block above the weak plane, find its factor of safety twice, and compare.
+
+    Raises
+    ------
+    GeometryError
+        E219 the load stands beside the block.
+    """
+    clock = Clock()
+    with clock("cut"):
+        section = footing_section(design.dip_deg, design.length_m)
+        width = -float(section.bottom[0])
+        at = width / 2.0 if design.load_at_m is None else design.load_at_m
+        if not 0.0 <= at <= width:
+            message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
+            raise GeometryError([Fault("E219", message)])
+        push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
+        loads = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+    with clock("closed_form"):
+        closed = footing(
+            design.load_kn, design.dip_deg, design.length_m, design.strength.cohesion_kpa,
+            design.strength.friction_angle_deg, float(-loads.parts["weight"][2]),
+        )  # fmt: skip
+    strength = joint_strength([design.strength])
+    elements = (design.pairs - 1) // 2
+
+    def scene_at(refine: int) -> Scene:
+        pairs = line_pairs(section, elements * 2**refine)
+        return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
+
+    solved = solve(design, scene_at, 0, clock)
+    status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
+    forces = Forces(
+        float(-loads.parts["weight"][2]), normal_forces(solved, {J1: NAME}), {}, *driving_and_resisting(solved)
+    )
+    left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
+                "(per metre)"]  # fmt: skip
+    left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
+    why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
+    status_of = {"slides": "slides_on_J1"}
+    return result(
+        design, solved, status, ClosedForm(closed.factor, status_of.get(closed.status, closed.status), why_not),
+        section_geometry(section, NAME), forces, [Interface(J1, NAME, design.strength)], left_out, clock,
+    )  # fmt: skip

@@ -1,0 +1,219 @@
+"""Plane failure per metre of slope: from its design to its result."""
+
+import math
+
+import numpy as np
+
+from slopekit.analysis.stages import (
+    Clock,
+    ClosedForm,
+    Scene,
+    block_status,
+    bolt_forces,
+    driving_and_resisting,
+    joint_strength,
+    normal_forces,
+    point_force,
+    result,
+    solve,
+    water_forces,
+)
+from slopekit.arrays import Floats, frozen
+from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
+from slopekit.design.kinds import PlaneDesign
+from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
+from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.notices import Interface
+from slopekit.orientation import Line, Plane, number
+from slopekit.preie.model import build_model
+from slopekit.result import Forces, Result, SectionGeometry
+
+_WIDEST = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
+_STATUSES = {"slides": "slides_on_J1"}
+_OUT = 1e-9
+
+
+def analyse_plane(design: PlaneDesign) -> Result:
+    """Cut the section, load it, find its factor of safety twice, and compare.
+
+    Raises
+    ------
+    GeometryError
+        Where the plane forms no block that can slide out; E213 where it strikes across the slope.
+    """
+    clock = Clock()
+    with clock("cut"):
+        section = _section(design)
+        loads = _loads(design, section)
+    with clock("closed_form"):
+        closed = _closed_form(design, section)
+    strength = joint_strength([design.strength])
+
+    def scene_at(refine: int) -> Scene:
+        pairs = line_pairs(section, 2**refine)
+        return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
+
+    solved = solve(design, scene_at, design.refine, clock)
+    status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
+    name = design.joint_name
+    faces = {J1: name} | ({CRACK: "crack"} if section.crack_depth is not None else {})
+    forces = Forces(
+        float(-loads.parts["weight"][2]), normal_forces(solved, {J1: name}), water_forces(loads, faces),
+        *driving_and_resisting(solved),
+    )  # fmt: skip
+    why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
+    against = ClosedForm(closed.factor, _STATUSES.get(closed.status, closed.status), why_not)
+    left_out = ["bedrock (no unknowns)", "face and upper slope (free)", "the ends of the slope (per metre)",
+                "deformation of the rock"]  # fmt: skip
+    left_out += ["contact across the tension crack"] if section.crack_depth is not None else []
+    if design.strength.tension_kpa:
+        left_out.append("tensile strength at the limit (it is lost where a joint opens)")
+    return result(
+        design, solved, status, against, section_geometry(section, name), forces,
+        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design),
+    )  # fmt: skip
+
+
+def section_geometry(section: Section, name: str) -> SectionGeometry:
+    """The geometry of a block in its section."""
+    areas = {name: section.length}
+    if section.crack_depth is not None:
+        areas["crack"] = section.crack_depth
+    height = float(np.ptp(section.outline[:, 1]))
+    return SectionGeometry(
+        section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
+        section.crack_depth, section.crack_distance,
+    )  # fmt: skip
+
+
+def _signed_dip(plane: Plane, face: Plane) -> float:
+    """Dip, positive where the plane dips the way of the face."""
+    same = math.cos(math.radians(plane.dip_direction_deg - face.dip_direction_deg)) >= 0.0
+    return plane.dip_deg if same else -plane.dip_deg
+
+
+def _section(design: PlaneDesign) -> Section:
+    for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
+        apart = _strikes_apart(plane, design.face)
+        if apart > _WIDEST and plane.dip_deg > 0.0:
+            message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {_WIDEST:.0f}° or less"
+            advice = "With a second joint it may form a wedge: kind: wedge."
+            raise GeometryError([Fault("E213", message, "", advice)])
+    crack = design.crack
+    return plane_section(
+        _signed_dip(design.joint, design.face), design.face.dip_deg, _signed_dip(design.upper, design.face),
+        design.height_m, crack.depth_m if crack else None, crack.distance_m if crack else None,
+    )  # fmt: skip
+
+
+def _strikes_apart(plane: Plane, face: Plane) -> float:
+    apart = abs(plane.dip_direction_deg - face.dip_direction_deg) % 180.0
+    return min(apart, 180.0 - apart)
+
+
+def _axes(face: Plane) -> Floats:
+    """Rows: out of the slope, along it, up, in east, north, up."""
+    out = Line(face.dip_direction_deg, 0.0).vector()
+    up = np.array([0.0, 0.0, 1.0])
+    return np.array([out, np.cross(up, out), up])
+
+
+def _water(design: PlaneDesign, section: Section) -> tuple[dict[str, PointForce], float, float]:
+    """The pushes on the plane and the crack; the water's height in the crack; the peak on a plane without one."""
+    water, depth = design.water, section.crack_depth
+    along = section.bottom / section.length
+    up = np.array([along[2], 0.0, -along[0]])
+    if water.mode == "pressures":
+        pressures = water.pressures_kpa
+        pushes = {f"water {J1}": PointForce(pressures[0] * section.length * up, section.bottom / 2.0)}
+        if depth is not None and len(pressures) > 1:
+            middle = section.bottom + np.array([0.0, 0.0, depth / 2.0])
+            pushes[f"water {CRACK}"] = PointForce(np.array([pressures[1] * depth, 0.0, 0.0]), middle)
+        return pushes, 0.0, 0.0
+    weight = design.water_unit_weight_kn_m3
+    if depth is None:
+        peak = water.fill * weight * float(np.ptp(section.outline[:, 1])) / 2.0
+        push = PointForce(0.5 * peak * section.length * up, section.bottom / 2.0)
+        return ({f"water {J1}": push} if peak else {}), 0.0, peak
+    deep = _water_depth(design, depth)
+    if not deep:
+        return {}, 0.0, 0.0
+    thrust = PointForce(
+        np.array([0.5 * weight * deep * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0])
+    )
+    uplift = PointForce(0.5 * weight * deep * section.length * up, section.bottom * (2.0 / 3.0))
+    return {f"water {J1}": uplift, f"water {CRACK}": thrust}, deep, 0.0
+
+
+def _water_depth(design: PlaneDesign, depth: float) -> float:
+    given = design.crack.water_m if design.crack else None
+    if given is None:
+        return design.water.fill * depth
+    if given > depth * (1.0 + 1e-9):
+        message = f"the water stands {given:.6g} m deep in a crack of {depth:.6g} m"
+        raise GeometryError([Fault("E207", message, "", "Give at most the depth of the crack.")])
+    return given
+
+
+def _seismic(design: PlaneDesign) -> float:
+    """The coefficient out of the slope."""
+    trend = design.seismic.trend_deg
+    turned = 0.0 if trend is None else math.radians(trend - design.face.dip_direction_deg)
+    return design.seismic.coefficient * math.cos(turned)
+
+
+def _loads(design: PlaneDesign, section: Section) -> Loads:
+    axes, origin = _axes(design.face), np.zeros(3)
+    active, passive = bolt_forces(design, section.block, origin, (J1,), axes)
+    return block_loads(
+        section.block, design.unit_weight_kn_m3, {}, np.array([_seismic(design), 0.0, 0.0]),
+        [_in_section(point_force(force, origin, axes)) for force in design.forces],
+        [_in_section(force) for force in active], [_in_section(force) for force in passive],
+        _water(design, section)[0],
+    )  # fmt: skip
+
+
+def _in_section(force: PointForce) -> PointForce:
+    return PointForce(force.force * [1.0, 0.0, 1.0], force.at)
+
+
+def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
+    _, deep, peak = _water(design, section)
+    axes = _axes(design.face)
+
+    def in_plane(vector: Floats) -> tuple[float, float]:
+        local = axes @ vector
+        return float(local[0]), float(local[2])
+
+    pressures = design.water.pressures_kpa if design.water.mode == "pressures" else ()
+    forces = [in_plane(np.array(force.components_kn)) for force in design.forces]
+    if len(pressures) > 1 and section.crack_depth is not None:
+        forces.append((pressures[1] * section.crack_depth, 0.0))
+    forces += [in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "active"]
+    return plane_failure(
+        design.face.dip_deg, _signed_dip(design.upper, design.face), _signed_dip(design.joint, design.face),
+        design.height_m, design.strength.cohesion_kpa, design.strength.friction_angle_deg, design.unit_weight_kn_m3,
+        crack_distance_m=section.crack_distance, water_in_crack_m=deep,
+        water_unit_weight_kn_m3=design.water_unit_weight_kn_m3,
+        mean_pressure_kpa=pressures[0] if pressures else None, plane_water_peak_mid_kpa=peak,
+        seismic=_seismic(design), forces=forces,
+        passive=[in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "passive"],
+    )  # fmt: skip
+
+
+def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
+    found = []
+    apart = _strikes_apart(design.joint, design.face)
+    if apart > _OUT:
+        message = f"{design.joint_name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
+        found.append(Notice("W321", message))
+    along = _axes(design.face)[1]
+    aside = [bolt.toward.vector() @ along for bolt in design.bolts]
+    aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
+              if any(force.components_kn)]  # fmt: skip
+    most = max((abs(float(part)) for part in aside), default=0.0)
+    if most > 1e-6:
+        message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
+        found.append(Notice("W323", message))
+    return tuple(found)

@@ -1,0 +1,371 @@
+"""What the analyses of every kind share: solve, refine where needed, bound, compare, and read the answer."""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats, frozen
+from slopekit.design.common import Design, Force, Strength
+from slopekit.errors import Notice
+from slopekit.geometry.cutting import Block
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.loads import Loads, PointForce, check_bolt
+from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
+from slopekit.preie.bound import static_bound
+from slopekit.preie.contact import CloughDuncan, JointStiffness
+from slopekit.preie.equilibrium import Equilibrium, equilibrium
+from slopekit.preie.limit import Limit, LimitAnalysis, Outcome, limit_analysis
+from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
+from slopekit.result import (
+    AllPairs,
+    AtFactorOne,
+    FactorsOfSafety,
+    Forces,
+    Geometry,
+    ModelSize,
+    Movement,
+    NodePairState,
+    ReductionStep,
+    Result,
+)  # fmt: skip
+
+_MOST_REFINED = 3
+_TURNS = 1e-5  # opening beyond this part of the slip counts as opening
+_NEARLY_NONE = 1e-6
+
+
+class Clock:
+    """Times by stage; wall clock, and nothing else depends on it."""
+
+    def __init__(self) -> None:
+        self.times: dict[str, float] = {}
+        self.began = time.perf_counter()
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        began = time.perf_counter()
+        yield
+        self.times[stage] = self.times.get(stage, 0.0) + time.perf_counter() - began
+
+    def done(self) -> dict[str, float]:
+        """Seconds by stage, and in all."""
+        return self.times | {"total": time.perf_counter() - self.began}
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Node pairs and the model made of them."""
+
+    pairs: NodePairs
+    model: Model
+
+
+@dataclass(frozen=True, slots=True)
+class Solved:
+    """Everything that PRE-IE says of one scene.
+
+    Attributes
+    ----------
+    refined : how often the triangles were split; change : what the last split did to the limit
+    bound, proved : the static bound; at_rest : the equilibrium at full strength
+    """
+
+    scene: Scene
+    analysis: LimitAnalysis
+    refined: int
+    change: float | None
+    bound: float | None
+    proved: bool
+    at_rest: Equilibrium | None
+    pairs: AllPairsFailed | None
+    series: tuple[ReductionStep, ...]
+
+    @property
+    def limit(self) -> Limit:
+        """The limit that governs."""
+        return self.analysis.governing
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedForm:
+    """A closed form to compare with: its factor and status; `why_not` says why it is not compared."""
+
+    factor: float | None
+    status: str
+    why_not: str = ""
+
+
+def solve(
+    design: Design,
+    scene_at: Callable[[int], Scene],
+    refine: int,
+    clock: Clock,
+    analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
+    most_refined: int = _MOST_REFINED,
+) -> Solved:
+    """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
+    with clock("mesh"):
+        scene = scene_at(refine)
+    with clock("solve"):
+        analysis = analyse(scene.model)
+    refined, change = refine, None
+    while refined < most_refined:
+        before = analysis.governing
+        if before.settled_to(design.stop_when) and not (analysis.moments_govern and before.factor):
+            break  # a plain slide ends here
+        with clock("mesh"):
+            finer = scene_at(refined + 1)
+        with clock("solve"):
+            again = analyse(finer.model)
+        after = again.governing
+        change = abs(after.factor / before.factor - 1.0) if after.factor and before.factor else None
+        if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
+            break  # the coarser answer stands, and `change` says what the finer one made of it
+        scene, analysis, refined = finer, again, refined + 1
+        if change is not None and change < MESH_CHANGE:
+            break
+    limit, model = analysis.governing, scene.model
+    with clock("bound"):
+        bound, proved = None, False
+        if limit.factor:
+            found = static_bound(model, limit.velocity_of(model), limit.factor)
+            bound, proved = found.factor, found.proved
+    stiffness = joint_stiffness(design)
+    with clock("displacements"):
+        at_rest = None
+        if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
+            at_rest = equilibrium(model, 1.0, stiffness)
+    pairs = None
+    with clock("all_pairs"):
+        if design.criterion == "all-pairs" and limit.factor:
+            pairs = all_pairs_failed(model, stiffness)
+    with clock("series"):
+        series = _series(model, design.factors, stiffness, bound)
+    return Solved(scene, analysis, refined, change, bound, proved, at_rest, pairs, series)
+
+
+def result(
+    design: Design, solved: Solved, status: str, closed: ClosedForm, geometry: Geometry, forces: Forces,
+    interfaces: Sequence[Interface], left_out: Sequence[str], clock: Clock, *,
+    governs: tuple[tuple[str, float | None, str], ...] = (), methods: Mapping[str, float | None] | None = None,
+    extra: Sequence[Notice] = (), to_map: Floats | None = None,
+) -> Result:  # fmt: skip
+    """Put the evidence together.
+
+    Parameters
+    ----------
+    extra : notices of the kind, before the common ones
+    to_map : (3,) what takes local coordinates back to the user's
+    """
+    analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
+    alone = analysis.forces_only.factor
+    pairs, searched = solved.pairs, solved.pairs.factor if solved.pairs else None
+    if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
+        searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
+    compared = alone if analysis.moments_govern or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
+    difference, agree = compare(compared, status, closed, design.agree_within)
+    rest = solved.at_rest
+    facts = Facts(
+        status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
+        rest is not None and not rest.stands, closed.why_not,
+    )  # fmt: skip
+    origin = np.zeros(3) if to_map is None else to_map
+    size = ModelSize(
+        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, tuple(left_out), limit.passes,
+        limit.change,
+    )  # fmt: skip
+    return Result(
+        design=design, status=status,
+        fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched),
+        difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
+        static_bound_proved=solved.proved, geometry=geometry, forces=forces, model=size,
+        mechanism=_mechanism(limit, model),
+        at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
+            _movement(model, rest.displacement), rest.failed_pairs, rest.residual
+        ),
+        all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
+        governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
+        node_pairs=NodePairState(
+            frozen(solved.scene.pairs.points + origin), solved.scene.pairs.interface,
+            solved.scene.pairs.control_areas, frozen(limit.normal_force * model.force_scale),
+        ),
+        methods=methods or {}, series=solved.series, timing_s=clock.done(),
+    )  # fmt: skip
+
+
+def compare(
+    factor: float | None, status: str, closed: ClosedForm, agree_within: float
+) -> tuple[float | None, bool | None]:
+    """Relative difference of the two methods on the same assumptions, and whether they agree."""
+    if status == "not_converged":
+        return None, False
+    if closed.why_not:
+        return None, None
+    if not factor and not closed.factor:
+        factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
+    if factor is None or closed.factor is None:
+        return None, factor is None and not closed.factor and (status == closed.status or status == "topples")
+    if closed.factor == 0.0:
+        return None, False
+    difference = abs(factor / closed.factor - 1.0)
+    return difference, difference <= agree_within
+
+
+# -- from a design to the arrays of the solver --------------------------------------------------------
+
+
+def joint_stiffness(design: Design) -> JointStiffness:
+    """The contact stiffness of a design."""
+    law = design.stiffness.shear_kn_m3
+    if law is not None:
+        return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=law)
+    given = design.stiffness.hyperbola
+    hyperbola = CloughDuncan(
+        given.modulus_number, given.exponent, given.failure_ratio, given.friction_angle_deg,
+        water_unit_weight=design.water_unit_weight_kn_m3,
+    )  # fmt: skip
+    return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=hyperbola)
+
+
+def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
+    """Strengths of the interfaces 0, 1, ... as arrays."""
+    return JointStrength(
+        np.array([strength.cohesion_kpa for strength in strengths]),
+        np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
+        np.tan(np.radians([strength.dilation_deg for strength in strengths])),
+        np.array([strength.tension_kpa for strength in strengths]),
+    )
+
+
+def bolt_forces(
+    design: Design, block: Block, origin: Floats, anchored_behind: Sequence[int], turn: Floats | None = None
+) -> tuple[list[PointForce], list[PointForce]]:
+    """Active and passive bolts as forces, each checked against the block where its head is known.
+
+    Parameters
+    ----------
+    turn : (3, 3) from the user's axes to the local ones
+    """
+    axes = np.eye(3) if turn is None else turn
+    active: list[PointForce] = []
+    passive: list[PointForce] = []
+    for k, bolt in enumerate(design.bolts, 1):
+        direction = axes @ bolt.toward.vector()
+        head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
+        if head is not None and block.faces:
+            check_bolt(block, f"bolt {k}", head, direction, bolt.length_m, anchored_behind)
+        (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
+    return active, passive
+
+
+def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:
+    """A force of the design in local axes."""
+    axes = np.eye(3) if turn is None else turn
+    at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
+    return PointForce(axes @ np.array(force.components_kn), at)
+
+
+# -- reading the answer -------------------------------------------------------------------------------
+
+
+def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces: Sequence[int]) -> str:
+    """The status from the mechanism: which joints stay closed, which way the block moves.
+
+    Parameters
+    ----------
+    interfaces : the ids of J1 and, where there is one, J2
+    """
+    model = scene.model
+    if limit.outcome is Outcome.NOT_CONVERGED:
+        return "not_converged"
+    if limit.outcome is Outcome.NO_DRIVING_FORCE:
+        return "no_driving_force"
+    if limit.outcome is Outcome.LIFTED:
+        return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
+    if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
+        return "topples"
+    velocity = limit.velocity_of(model)
+    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    if model.dilates and limit.factor:  # beyond what dilation opens
+        opening = opening - np.minimum(model.tan_dilation, model.tan_friction / limit.factor) * slip
+    opens = opening > _TURNS * max(float(slip.max()), float(opening.max()))
+    opens = opens | (limit.bond == 0.0)
+    partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
+    wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
+    moving, turning = velocity[: model.translations], velocity[model.translations :]
+    if any(p and not w for p, w in zip(partly, wholly, strict=True)) or float(turning @ turning) > float(
+        moving @ moving
+    ):
+        return "rotates"
+    if moving[-1] > _NEARLY_NONE:
+        return "slides_up"
+    if len(interfaces) == 1:
+        return "slides_on_J1"
+    if any(wholly):
+        return "slides_on_J2" if wholly[0] else "slides_on_J1"
+    return "slides_on_both"
+
+
+def normal_forces(solved: Solved, names: Mapping[int, str]) -> dict[str, float | None]:
+    """Normal force (kN) on each interface at the limit."""
+    out: dict[str, float | None] = {}
+    for key, name in names.items():
+        on = solved.scene.pairs.interface == key
+        carried = float(solved.limit.normal_force[on].sum() * solved.scene.model.force_scale)
+        out[name] = None if solved.limit.outcome is Outcome.NOT_CONVERGED else carried
+    return out
+
+
+def driving_and_resisting(solved: Solved) -> tuple[float | None, float | None]:
+    """What drives along the movement of the forces alone and what resists it (kN)."""
+    model, alone = solved.scene.model, solved.analysis.forces_only
+    if alone.factor is None or model.dilates:  # a dilating joint works on the load as it opens
+        return None, None
+    along = alone.velocity[: model.translations]
+    driving = float(model.load[: model.translations] @ along) / math.sqrt(float(along @ along)) * model.force_scale
+    return driving, driving * alone.factor
+
+
+def water_forces(loads: Loads, names: Mapping[int, str]) -> dict[str, float]:
+    """Size (kN) of the water's push on each face."""
+    pushes = {name: loads.parts.get(f"water {face}", np.zeros(3)) for face, name in names.items()}
+    return {name: math.sqrt(float(push @ push)) for name, push in pushes.items()}
+
+
+def _series(
+    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
+) -> tuple[ReductionStep, ...]:
+    """Rest at each factor, from one to the next; above the static bound there is none to look for."""
+    steps: list[ReductionStep] = []
+    standing: Equilibrium | None = None
+    count = len(model.control_area)
+    for factor in factors:
+        if bound is not None and factor > bound * (1.0 + 1e-7):
+            steps.append(ReductionStep(factor, False, None, count))
+            continue
+        state = equilibrium(model, factor, stiffness, standing)
+        if state.stands:
+            standing = state
+        movement = _movement(model, state.displacement) if state.stands else None
+        steps.append(ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count))
+    return tuple(steps)
+
+
+def _movement(model: Model, displacement: Floats) -> Movement:
+    translation, rotation = model.moved(displacement)
+    return Movement(frozen(translation), frozen(rotation))
+
+
+def _mechanism(limit: Limit, model: Model) -> Movement | None:
+    """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
+    if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
+        return None
+    displacement, rotation = model.moved(limit.velocity_of(model))
+    rotation = rotation / model.length_scale
+    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
+    return Movement(frozen(displacement / size), frozen(rotation / size))

@@ -1,0 +1,284 @@
+"""A mass on a curved slip surface: from its design to its result."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from slopekit.analysis.stages import (
+    Clock,
+    ClosedForm,
+    Scene,
+    block_status,
+    bolt_forces,
+    driving_and_resisting,
+    joint_strength,
+    normal_forces,
+    point_force,
+    result,
+    solve,
+)
+from slopekit.arrays import Floats, frozen
+from slopekit.closed_form import columns as lem
+from slopekit.closed_form.rotation import rotational_failure
+from slopekit.design.kinds import SurfaceDesign
+from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.geometry.cutting import Block
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.geometry.meshes import read_mesh
+from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
+from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs
+from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.notices import Interface
+from slopekit.orientation import Line
+from slopekit.preie.limit import curved_limit_analysis
+from slopekit.preie.model import build_model
+from slopekit.preie.slippage import slippable
+from slopekit.result import Forces, Result, SurfaceGeometry
+
+NAME = "slip surface"
+_FAR_M = 1e4
+_LEVEL_OF_FACETS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class _Cut:
+    """The mass with its node pairs, in coordinates about `origin`; how its normals were taken."""
+
+    mass: SlidingMass
+    pairs: NodePairs
+    origin: Floats
+    ground: str
+
+
+def analyse_surface(design: SurfaceDesign) -> Result:
+    """Cut the mass, find its factor of safety by PRE-IE and by the closed forms there are.
+
+    Raises
+    ------
+    GeometryError
+        Where slip surface and ground make no mass that can move.
+    """
+    clock = Clock()
+    with clock("cut"):
+        cut = _cut(design)
+        mass = cut.mass
+        loads = _loads(design, cut)
+    with clock("normals"):
+        slip = slippable(cut.pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
+        pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
+    strength = joint_strength([design.strength])
+    scene = Scene(pairs, build_model(pairs, loads, mass.centroid, strength))
+    with clock("closed_form"):
+        closed, methods, extra = _closed_forms(design, cut)
+    solved = solve(design, lambda refine: scene, 0, clock, curved_limit_analysis, most_refined=0)
+    status = block_status(solved.limit, solved.analysis, scene, (SLIP,))
+    if status in ("slides_on_J1", "slides_up") and _turns(solved.limit.velocity):
+        status = "rotates"
+    water = {NAME: 0.0} if "water" not in loads.parts else {NAME: float(np.linalg.norm(loads.parts["water"]))}
+    forces = Forces(
+        float(-loads.parts["weight"][2]),
+        normal_forces(solved, {SLIP: NAME}),
+        water,
+        *(driving_and_resisting(solved) if status != "rotates" else (None, None)),
+    )
+    misfit = 0.0 if design.slip.normals == "facet" else slip.misfit_deg
+    geometry = SurfaceGeometry(
+        mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + cut.origin),
+        mass.edge, design.slip.normals, slip.motions, misfit, mass.pieces, frozen(mass.vertices + cut.origin),
+        mass.triangles, mass.on == SLIP,
+    )  # fmt: skip
+    left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
+    if design.slip.shape == "cylinder":
+        left_out.append("strength at the two ends of the cylinder")
+    if mass.pieces:
+        left_out.append(f"{len(mass.pieces)} smaller pieces within the slip surface, {sum(mass.pieces):.4g} m³")
+    notes = [*_notices(design, cut, misfit, slip.left_as_it_was), *extra]
+    return result(
+        design, solved, status, closed, geometry, forces, [Interface(SLIP, NAME, design.strength)], left_out, clock,
+        methods=methods, extra=notes, to_map=cut.origin,
+    )  # fmt: skip
+
+
+def _turns(velocity: Floats) -> bool:
+    return float(velocity[3:] @ velocity[3:]) > 1e-6 * float(velocity @ velocity)
+
+
+def _cut(design: SurfaceDesign) -> _Cut:
+    slip = design.slip
+    ground_mesh = slip_mesh = None
+    if design.ground_mesh is not None:
+        ground_mesh = read_mesh(Path(design.ground_mesh.path), design.ground_mesh.name)
+        if not ground_mesh[2]:
+            name = design.ground_mesh.name
+            advice = "Close its holes (every edge belongs to two triangles) and save it again."
+            raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", advice)])
+    if slip.mesh is not None:
+        slip_mesh = read_mesh(Path(slip.mesh.path), slip.mesh.name)
+    if slip_mesh is None:
+        origin = np.array(slip.centre_m)
+        radii = np.array(slip.radii_m)
+        shape = Cylinder(float(radii[0]), 2.0 * float(radii[1])) if slip.shape == "cylinder" else Ellipsoid(radii)
+        body = shape.cutter(_LEVEL_OF_FACETS)
+    else:
+        origin = (slip_mesh[0].min(axis=0) + slip_mesh[0].max(axis=0)) / 2.0
+        body = Cutter(slip_mesh[0] - origin, slip_mesh[1], np.full(len(slip_mesh[1]), SLIP))
+    lowest, highest = body.vertices.min(axis=0), body.vertices.max(axis=0)
+    size = float((highest - lowest).max())
+    if ground_mesh is not None:
+        ground = Cutter(ground_mesh[0] - origin, ground_mesh[1], np.full(len(ground_mesh[1]), GROUND))
+        text = design.ground_mesh.name if design.ground_mesh else ""
+    else:
+        profile = np.array(design.profile_m) - origin[[0, 2]]
+        low = min(float(lowest[2]), float(profile[:, 1].min())) - 0.1 * size
+        half = float(max(-lowest[1], highest[1])) + 0.1 * size
+        reach = (float(lowest[0]) - 0.1 * size, float(highest[0]) + 0.1 * size)
+        ground, text = profile_prism(profile, low, half, reach), "profile"
+    if slip_mesh is not None and not slip_mesh[2]:
+        top = max(float(highest[2]), float(ground.vertices[:, 2].max())) + 0.1 * size
+        body = sheet_solid(body.vertices, body.triangles, top)
+    if slip_mesh is None and slip.normals == "true":
+        mass, pairs = analytic_mass(ground, shape, slip.edge_m)
+    else:
+        if slip_mesh is None and slip.edge_m is not None:
+            level = 1
+            while level < 7 and cut_mass(ground, shape.cutter(level)).edge > slip.edge_m:
+                level += 1
+            body = shape.cutter(level)
+        mass = cut_mass(ground, body)
+        pairs = facet_pairs(mass, body, slip.normals)
+    _refuse_walls(mass, slip_mesh is not None)
+    return _Cut(mass, pairs, origin, text)
+
+
+def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
+    """A sheet that ends within the ground leaves upright walls that hold nothing."""
+    walls = mass.triangles[(mass.on != SLIP) & (mass.on != GROUND)]
+    if not is_sheet or len(walls) == 0:
+        return
+    a, b, c = (mass.vertices[walls[:, k]] for k in range(3))
+    area = float(np.sqrt((np.cross(b - a, c - a) ** 2).sum(axis=1)).sum()) / 2.0
+    if area > 1e-6 * mass.area:
+        message = f"the slip surface ends within the ground: {area:.4g} m² of the mass would hang in the air"
+        raise GeometryError([Fault("E215", message, "", "Extend the sheet until it comes out at the ground surface.")])
+
+
+def _loads(design: SurfaceDesign, cut: _Cut) -> Loads:
+    mass, pairs = cut.mass, cut.pairs
+    block = Block({}, {SLIP: mass.area}, mass.volume, mass.centroid)
+    active, passive = bolt_forces(design, block, cut.origin, (SLIP,))
+    pushes = {}
+    if design.water.mode == "pressures":
+        shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
+        push = shares.sum(axis=0)
+        moment = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
+        # the resultant through the point that gives its moment (what is left of it, about the force, is none)
+        size = float(push @ push)
+        at = mass.centroid + (np.cross(push, moment) / size if size > 0.0 else 0.0)
+        pushes["water"] = PointForce(push, at)
+    return block_loads(
+        block, design.unit_weight_kn_m3, {}, _seismic(design),
+        [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
+    )  # fmt: skip
+
+
+def _seismic(design: SurfaceDesign) -> Floats:
+    """(3,) parts of the weight; without a trend the way the profile falls."""
+    coefficient, trend = design.seismic.coefficient, design.seismic.trend_deg
+    if trend is not None:
+        return coefficient * Line(trend, 0.0).vector()
+    return coefficient * np.array([_falls(design), 0.0, 0.0])
+
+
+def _falls(design: SurfaceDesign) -> float:
+    """1 where the profile falls toward x, -1 where it rises."""
+    if design.profile_m is None:
+        return 1.0
+    line = sorted(design.profile_m)
+    return 1.0 if line[-1][1] <= line[0][1] else -1.0
+
+
+# -- closed forms -------------------------------------------------------------------------------------
+
+
+def _closed_forms(
+    design: SurfaceDesign, cut: _Cut
+) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
+    """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
+    plain = not (design.forces or design.bolts)
+    profile = design.profile_m
+    strength, slip = design.strength, design.slip
+    rest: list[Notice] = []
+    if not plain:
+        rest.append(Notice("W324", "forces and bolts are not in the methods of columns: those are left out"))
+    rotation = None
+    round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
+    sideways = design.seismic.trend_deg is not None and design.seismic.coefficient != 0.0
+    if plain and profile and round_ and strength.friction_angle_deg == 0.0 and not sideways and not cut.mass.pieces:
+        found = rotational_failure(
+            slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,
+            "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
+        )  # fmt: skip
+        rotation = ClosedForm(found.factor, found.status, _why_not(design))
+    methods = _columns(design, cut) if plain and not sideways else {}
+    if rotation is not None:
+        return rotation, methods, rest
+    return ClosedForm(None, "", "there is no closed form of this surface: judge by the static bound"), methods, rest
+
+
+def _why_not(design: SurfaceDesign) -> str:
+    if design.strength.dilation_deg:
+        return "the closed form knows no dilation: it is printed, not compared"
+    return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
+
+
+def _columns(design: SurfaceDesign, cut: _Cut) -> dict[str, float | None]:
+    slip, pressure = design.slip, 0.0
+    if design.water.mode == "pressures":
+        pressure = design.water.pressures_kpa[0]
+    axis = np.array(slip.centre_m)
+    if slip.shape != "mesh" and design.profile_m is not None:
+        if slip.shape == "cylinder":
+            made = lem.cylinder_columns(
+                (slip.centre_m[0], slip.centre_m[2]), slip.radii_m[0], 2.0 * slip.radii_m[1], design.profile_m,
+                design.unit_weight_kn_m3,
+            )  # fmt: skip
+        else:
+            made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, design.profile_m, design.unit_weight_kn_m3)
+    else:
+        return {}
+    made = replace(made, pore_pressure=np.full_like(made.weights, pressure))
+    along = np.array([_falls(design), 0.0])
+    strength = (design.strength.cohesion_kpa, design.strength.friction_angle_deg)
+    methods = {"fellenius": lem.fellenius, "janbu": lem.janbu, "bishop": lem.bishop,
+               "all_equilibrium": lem.all_equilibrium}  # fmt: skip
+    return {
+        name: method(made, *strength, along, axis, seismic=design.seismic.coefficient)
+        for name, method in methods.items()
+    }
+
+
+def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> list[Notice]:
+    found = []
+    if design.slip.normals == "facet":
+        message = "facet normals interlock like a ratchet: a study of the mesh, not an answer"
+        found.append(Notice("W326", message))
+    elif left:
+        message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
+        found.append(Notice("W325", message))
+    elif misfit > 0.5:
+        message = (
+            f"the normals were turned by {misfit:.2g}° (root mean square) to let the mass slip without dilating: the "
+            "surface itself opens by that"
+        )
+        found.append(Notice("W325", message))
+    if cut.mass.pieces:
+        message = (
+            f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
+            f"{sum(cut.mass.pieces):.4g} m³ are left out"
+        )
+        found.append(Notice("W322", message))
+    if float(np.abs(cut.origin).max()) > _FAR_M:
+        found.append(Notice("W305", "map coordinates: computed about the slip surface and put back, no digits lost"))
+    return found

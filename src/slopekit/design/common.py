@@ -1,0 +1,195 @@
+"""What designs of every kind share, in m, kN, kPa, kN/m³ and degrees."""
+
+import hashlib
+import json
+from dataclasses import dataclass, field, fields, is_dataclass
+from typing import Any, Literal
+
+from slopekit.orientation import Line, Plane, number
+
+Criterion = Literal["limit", "all-pairs"]
+
+
+@dataclass(frozen=True, slots=True)
+class Water:
+    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface."""
+
+    mode: Literal["dry", "full", "pressures"] = "dry"
+    fill: float = 0.0
+    pressures_kpa: tuple[float, ...] = ()
+
+    def in_words(self) -> str:
+        """The water as the sheet prints it."""
+        if self.mode == "dry":
+            return "dry"
+        if self.mode == "full":
+            return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
+        return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
+
+
+@dataclass(frozen=True, slots=True)
+class Seismic:
+    """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
+
+    coefficient: float = 0.0
+    trend_deg: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid)."""
+
+    components_kn: tuple[float, float, float]
+    at_m: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Bolt:
+    """A bolt: its force (kN) and direction on the block; its head and length (m) where they are known.
+
+    An active bolt is a load. A passive bolt is strength: its capacity is divided by the strength
+    reduction factor, and it pulls only if the block moves against it.
+    """
+
+    force_kn: float
+    toward: Line
+    acts: Literal["active", "passive"] = "active"
+    head_m: tuple[float, float, float] | None = None
+    length_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class HyperbolaParameters:
+    """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
+
+    modulus_number: float = 4800.0
+    exponent: float = 0.56
+    failure_ratio: float = 0.74
+    friction_angle_deg: float = 36.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stiffness:
+    """Joint stiffness for displacements and the all-pairs criterion (the limit factor does not need it).
+
+    `shear_kn_m3` is a constant, or None for Clough and Duncan's hyperbola with `hyperbola`.
+    """
+
+    normal_kn_m3: float = 1.0e7
+    shear_kn_m3: float | None = None
+    hyperbola: HyperbolaParameters = HyperbolaParameters()
+
+    def in_words(self) -> str:
+        """Both stiffnesses as the sheet prints them."""
+        if self.shear_kn_m3 is not None:
+            shear = f"{self.shear_kn_m3:.4g} kN/m³"
+        else:
+            shear = "Clough-Duncan"
+            if self.hyperbola != HyperbolaParameters():
+                law = self.hyperbola
+                shear += f" (k₁ {law.modulus_number:g}, n {law.exponent:g}, R_f {law.failure_ratio:g})"
+        return f"k_n {self.normal_kn_m3:.4g} kN/m³, k_t {shear}"
+
+
+@dataclass(frozen=True, slots=True)
+class Strength:
+    """Mohr-Coulomb strength of an interface: kPa and degrees, at full strength."""
+
+    cohesion_kpa: float
+    friction_angle_deg: float
+    dilation_deg: float = 0.0
+    tension_kpa: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MeshFile:
+    """A mesh file that a design names; two of the same content are the same, wherever they lie."""
+
+    name: str
+    sha256: str
+    path: str = field(compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """An acceptance rule: what is held against a value, `fos >= 1.5`.
+
+    `fos` is the factor of the design's criterion; `fos.limit`, `fos.closed_form`, `fos.static_bound` and
+    `fos.all_pairs_failed` are the factors by name.
+    """
+
+    name: str
+    relation: Literal[">=", ">", "<=", "<"]
+    value: float
+
+    def met(self, found: float | None) -> bool:
+        """Whether a value meets the rule; no value meets none."""
+        if found is None:
+            return False
+        if self.relation in (">=", ">"):
+            return found > self.value or (self.relation == ">=" and found == self.value)
+        return found < self.value or (self.relation == "<=" and found == self.value)
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.relation} {number(self.value)}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design:
+    """A complete and checked design: what every kind has.
+
+    Attributes
+    ----------
+    stop_when : a factor that still moved by more than this part in the last pass is not settled
+    factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
+    assumed : inputs that were given as distributions, with the value a deterministic run takes
+    defaults : names of the inputs that were left out
+    """
+
+    title: str = ""
+    unit_weight_kn_m3: float
+    density_kg_m3: float | None = None
+    gravity_m_s2: float = 9.81
+    water_unit_weight_kn_m3: float = 9.81
+    water: Water = Water()
+    seismic: Seismic = Seismic()
+    forces: tuple[Force, ...] = ()
+    bolts: tuple[Bolt, ...] = ()
+    stiffness: Stiffness = Stiffness()
+    criterion: Criterion = "limit"
+    rules: tuple[Rule, ...] = ()
+    agree_within: float = 0.01
+    stop_when: float = 1e-4
+    factors: tuple[float, ...] = ()
+    assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
+    defaults: tuple[str, ...] = field(default=(), compare=False)
+
+    @property
+    def kind(self) -> str:
+        """The kind as design files write it."""
+        return type(self).__name__.removesuffix("Design").lower()
+
+    def inputs(self) -> dict[str, Any]:
+        """Every input as plain JSON values, the defaults written out."""
+        document: dict[str, Any] = _plain(self)
+        for key in ("defaults", "assumed"):
+            del document[key]
+        return document
+
+    def input_hash(self) -> str:
+        """SHA-256 of the kind and the inputs: equal designs give equal hashes."""
+        exact = _plain(self, exact=True) | {"defaults": None, "assumed": None, "title": None, "kind": self.kind}
+        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+
+
+def _plain(value: Any, exact: bool = False) -> Any:
+    """Dataclasses and tuples as JSON values, planes in the way they are written unless every digit counts."""
+    if isinstance(value, MeshFile):
+        return {"sha256": value.sha256} if exact else {"file": value.name, "sha256": value.sha256}
+    if isinstance(value, Plane) and not exact:
+        return str(value)
+    if is_dataclass(value):
+        return {part.name: _plain(getattr(value, part.name), exact) for part in fields(value)}
+    if isinstance(value, tuple):
+        return [_plain(item, exact) for item in value]
+    return value

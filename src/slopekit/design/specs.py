@@ -1,0 +1,148 @@
+"""Which keys a design file of each kind may have: the language of UX.md as data."""
+
+from collections.abc import Mapping
+
+from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, Spec
+
+VERSION = 1
+_NUMBER = Leaf(number=True)
+_POINT = ListOf(Leaf(), 3, 3, example="[0, -3, 6]")
+_STRENGTH = Section(
+    {
+        "c": Leaf(number=True, example="50 kPa"),
+        "phi": Leaf(number=True, example="20"),
+        "dilation": _NUMBER,
+        "tension": _NUMBER,
+        "stiffness": Section({
+            "normal": Leaf(number=True, example="1e7"),
+            "shear": AnyOf((
+                Leaf(number=True, example="clough-duncan"),
+                Section(dict.fromkeys(("law", "k1", "n", "Rf", "phi"), _NUMBER)),
+            )),
+        }),
+    },
+    example="{c: 50 kPa, phi: 20}",
+)  # fmt: skip
+_STRENGTHS = Named(_STRENGTH, at_least=1, example="{joint: {c: 50 kPa, phi: 20}}")
+_ROCK = Section(
+    {"density": Leaf(number=True, example="2600 kg/m3"), "unit_weight": _NUMBER, "gravity": _NUMBER},
+    example="{density: 2600 kg/m3}",
+)
+_LOADS = Section({
+    "seismic": AnyOf((Leaf(number=True, example="0.1"), Section({"k": _NUMBER, "toward": Leaf()}, required=("k",)))),
+    "forces": ListOf(AnyOf((
+        Leaf(example="500 kN@180/10"),
+        _POINT,
+        Section({"force": AnyOf((_NUMBER, _POINT)), "toward": Leaf(orientation=True), "at": _POINT},
+                required=("force",)),
+    ))),
+})  # fmt: skip
+_SUPPORT = Section({
+    "bolts": ListOf(AnyOf((
+        Leaf(example="200 kN@000/10,passive"),
+        Section(
+            {"force": _NUMBER, "head": _POINT, "toward": Leaf(orientation=True), "length": _NUMBER, "acts": Leaf()},
+            required=("force", "toward"),
+        ),
+    ))),
+})  # fmt: skip
+_WATER = AnyOf((
+    Leaf(example="dry"),
+    Section({
+        "mode": Leaf(example="dry"),
+        "fill": Leaf(number=True, example="50 %"),
+        "pressures": AnyOf((Leaf(number=True), ListOf(_NUMBER, 1), Named(_NUMBER, 1, example="{J1: 5 kPa}"))),
+        "unit_weight": _NUMBER,
+    }),
+))  # fmt: skip
+_ACCEPTANCE = Section(
+    {"rules": AnyOf((ListOf(Leaf(example='"fos >= 1.5"')), Leaf()))}, example='{rules: ["fos >= 1.5"]}'
+)
+_CORRELATION = Named(Leaf(), pairs=True, example="{J1.phi/J2.phi: 0.8}")
+_JOINT = Section(
+    {"plane": Leaf(orientation=True, example="45/115"), "strength": Leaf()}, required=("plane",),
+    example="{plane: 45/115}",
+)  # fmt: skip
+_FROM_CSV = Section(
+    {"csv": Leaf(example="joints.csv"), "pick": AnyOf((ListOf(Leaf(), 1), Leaf())), "convention": Leaf(),
+     "strength": Leaf()},
+    required=("csv",),
+)  # fmt: skip
+_JOINTS = AnyOf((Named(_JOINT, 1, example="{J1: {plane: 45/115}}"), _FROM_CSV), example="{J1: {plane: 45/115}}")
+_PLANE = Leaf(orientation=True, example="60/180")
+
+
+def _analysis(*more: str) -> Section:
+    keys: dict[str, Spec] = {
+        "criterion": Leaf(example="limit"), "agree_within": _NUMBER, "stop_when": _NUMBER,
+        "factors": ListOf(_NUMBER, example="[1.0, 1.1, 1.2]"),
+    }  # fmt: skip
+    return Section(keys | dict.fromkeys(more, _NUMBER))
+
+
+def _kind(own: Mapping[str, Spec], required: tuple[str, ...], analysis: Section) -> Section:
+    shared: dict[str, Spec] = {
+        "slopekit": Leaf(example=str(VERSION)), "kind": Leaf(example="wedge"), "title": Leaf(),
+        "strength": _STRENGTHS, "rock": _ROCK, "analysis": analysis, "acceptance": _ACCEPTANCE,
+        "correlation": _CORRELATION,
+    }  # fmt: skip
+    return Section(shared | dict(own), required=("slopekit", "kind", *required))
+
+
+SPECS: Mapping[str, Section] = {
+    "wedge": _kind(
+        {
+            "slope": Section({"face": _PLANE, "upper": _PLANE, "height": Leaf(number=True, example="64.89 m"),
+                              "origin": _POINT}),
+            "joints": _JOINTS,
+            "crack": Section(
+                {"plane": Leaf(orientation=True, example="80/180"), "distance": Leaf(number=True, example="5 m"),
+                 "water": Leaf()},
+                required=("plane", "distance"),
+            ),
+            "water": _WATER, "loads": _LOADS, "support": _SUPPORT,
+        },
+        ("joints",), _analysis("refine"),
+    ),
+    "plane": _kind(
+        {
+            "slope": Section(
+                {"face": _PLANE, "upper": _PLANE, "height": Leaf(number=True, example="12 m")},
+                required=("face", "height"), example="{face: 60/180, height: 12 m, upper: 0/180}",
+            ),
+            "joints": _JOINTS,
+            "crack": Section({"depth": Leaf(number=True, example="4.35 m"), "distance": _NUMBER, "water": _NUMBER}),
+            "water": _WATER, "loads": _LOADS, "support": _SUPPORT,
+        },
+        ("slope", "joints", "strength", "rock"), _analysis("refine"),
+    ),
+    "footing": _kind(
+        {
+            "footing": Section(
+                {"load": Leaf(number=True, example="1500 kN"), "at": Leaf(number=True, example="middle")},
+                required=("load",), example="{load: 1500 kN, at: middle}",
+            ),
+            "weak_plane": Section(
+                {"dip": Leaf(number=True, example="45"), "length": Leaf(number=True, example="7.07 m"),
+                 "strength": Leaf(), "pairs": _NUMBER},
+                required=("dip", "length"), example="{dip: 45, length: 7.07 m}",
+            ),
+        },
+        ("footing", "weak_plane", "strength"), _analysis(),
+    ),
+    "surface": _kind(
+        {
+            "slope": Section({
+                "profile": ListOf(ListOf(Leaf(), 2, 2), 2, example="[[60, 0], [40, 0], [0, 40], [-20, 40]]"),
+                "mesh": Leaf(example="slope.stl"),
+            }, example="{profile: [[60, 0], [40, 0], [0, 40], [-20, 40]]}"),
+            "slip": Section({
+                "shape": Leaf(example="ellipsoid"), "centre": ListOf(Leaf(), 2, 3, example="[40, 0, 40]"),
+                "radii": ListOf(Leaf(), 3, 3, example="[40, 28, 40]"), "radius": _NUMBER, "length": _NUMBER,
+                "mesh": Leaf(example="slip.stl"), "edge": _NUMBER, "normals": Leaf(example="true"),
+            }, example="{shape: sphere, centre: [40, 0, 40], radius: 40}"),
+            "water": _WATER, "loads": _LOADS, "support": _SUPPORT,
+        },
+        ("slope", "slip", "strength", "rock"), _analysis(),
+    ),
+}  # fmt: skip

@@ -1,0 +1,242 @@
+"""Slip surfaces as shapes: triangulated to cut with, and lifted back from the triangles to what they really are.
+
+All coordinates are local: about the centre of an analytic shape, about the middle of the mesh of a drawn one.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from slopekit.arrays import Floats, Ints
+from slopekit.errors import Fault, GeometryError
+
+SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on
+_LEVELS = 7
+_UPRIGHT = 1e-6  # a sheet facet whose normal rises by less than this stands upright
+
+
+@dataclass(frozen=True, slots=True)
+class Cutter:
+    """A closed triangulated body to cut with.
+
+    Attributes
+    ----------
+    vertices : (n, 3) m; triangles : (m, 3), outward; on : (m,) SLIP or END
+    """
+
+    vertices: Floats
+    triangles: Ints
+    on: Ints
+
+
+@dataclass(frozen=True, slots=True)
+class Lifted:
+    """Points of flat triangles moved to the surface.
+
+    Attributes
+    ----------
+    points, normals : (n, 3) on the surface, unit normals out of the sliding mass
+    areas : (n,) m² of the surface; volumes, moments : (n,) m³ and (n, 3) m⁴ of the shell between triangle and surface
+    """
+
+    points: Floats
+    normals: Floats
+    areas: Floats
+    volumes: Floats
+    moments: Floats
+
+
+class AnalyticShape(Protocol):
+    """A shape that knows its surface: Σ m x² = 1 about its centre."""
+
+    @property
+    def metric(self) -> Floats:
+        """m, (3,) 1/m²."""
+        ...
+
+    def cutter(self, level: int) -> Cutter:
+        """The shape as triangles with their vertices on it; each level halves the edges."""
+        ...
+
+    def lift(self, points: Floats, vector_areas: Floats) -> Lifted:
+        """Points (n, 3) of flat triangles and their shares of the vector area (n, 3), moved to the surface."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """An ellipsoid about the origin with its axes along x, y and z; a sphere where they are equal. Radii (3,) m."""
+
+    radii: Floats
+
+    @property
+    def metric(self) -> Floats:
+        """1/r², (3,)."""
+        return 1.0 / (self.radii * self.radii)
+
+    def cutter(self, level: int) -> Cutter:
+        """An octahedron, each edge split in 3/2 · 2^level, its vertices on the ellipsoid."""
+        from manifold3d import Manifold
+
+        mesh = Manifold.sphere(1.0, 6 * 2 ** min(level, _LEVELS)).to_mesh64()
+        vertices = np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3]
+        vertices = vertices / np.sqrt((vertices * vertices).sum(axis=1))[:, None]
+        triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
+        return Cutter(vertices * self.radii, triangles, np.full(len(triangles), SLIP))
+
+    def lift(self, points: Floats, vector_areas: Floats) -> Lifted:
+        """Move the points along rays from the centre.
+
+        On the unit sphere u = x / r the solid angle of a flat piece is dω = u·dA' / |u|³; the ellipsoid's area there
+        is abc |u / r| dω, the sector's volume abc dω / 3, and its centroid lies at 3/4 of the ray.
+        """
+        product = float(self.radii.prod())
+        flat = points / self.radii
+        length = np.sqrt((flat * flat).sum(axis=1))
+        unit = flat / length[:, None]
+        angle = np.einsum("ni,ni->n", flat, vector_areas * self.radii) / (product * length**3)
+        gradient = unit / self.radii
+        steep = np.sqrt((gradient * gradient).sum(axis=1))
+        sector, flat_sector = product * angle / 3.0, np.einsum("ni,ni->n", points, vector_areas) / 3.0
+        lifted = unit * self.radii
+        moments = 0.75 * (sector[:, None] * lifted - flat_sector[:, None] * points)
+        return Lifted(lifted, gradient / steep[:, None], product * steep * angle, sector - flat_sector, moments)
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A horizontal circular cylinder about the y axis through the origin, cut off square at both ends; m."""
+
+    radius: float
+    length: float
+
+    @property
+    def metric(self) -> Floats:
+        """1/R² in x and z, nothing along the axis."""
+        return np.array([1.0, 0.0, 1.0]) / self.radius**2
+
+    def cutter(self, level: int) -> Cutter:
+        """A prism of 10 · 2^level sides, its rows of triangles about as long as they are wide."""
+        sides = 10 * 2**level
+        rows = max(1, min(sides, round(self.length / (2.0 * np.pi * self.radius / sides))))
+        angle = 2.0 * np.pi * np.arange(sides) / sides
+        ring = self.radius * np.stack([np.cos(angle), np.zeros(sides), np.sin(angle)], axis=1)
+        at = np.linspace(-0.5, 0.5, rows + 1) * self.length
+        vertices = (ring[None] + np.array([0.0, 1.0, 0.0]) * at[:, None, None]).reshape(-1, 3)
+        k, row = np.meshgrid(np.arange(sides), np.arange(rows) * sides)
+        a, b = (row + k).ravel(), (row + (k + 1) % sides).ravel()
+        side = np.concatenate([np.stack([a, a + sides, b], axis=1), np.stack([b, a + sides, b + sides], axis=1)])
+        fan = np.stack([np.zeros(sides - 2, dtype=np.int64), np.arange(1, sides - 1), np.arange(2, sides)], axis=1)
+        ends = np.concatenate([fan, fan[:, ::-1] + rows * sides])
+        on = np.repeat([SLIP, END], [len(side), len(ends)])
+        return Cutter(vertices, np.concatenate([side, ends]), on)
+
+    def lift(self, points: Floats, vector_areas: Floats) -> Lifted:
+        """Move the points straight away from the axis; the sector of dθ dy has the volume R²/2 dθ dy."""
+        flat = points * [1.0, 0.0, 1.0]
+        length = np.sqrt((flat * flat).sum(axis=1))
+        normals = flat / length[:, None]
+        outward = np.einsum("ni,ni->n", flat, vector_areas)
+        angle = outward / length**2
+        along = points * [0.0, 1.0, 0.0]
+        sector, flat_sector = 0.5 * self.radius**2 * angle, 0.5 * outward
+        moments = sector[:, None] * (2.0 / 3.0 * self.radius * normals + along)
+        moments -= flat_sector[:, None] * (2.0 / 3.0 * flat + along)
+        return Lifted(self.radius * normals + along, normals, self.radius * angle, sector - flat_sector, moments)
+
+
+def profile_prism(profile: Floats, lowest: float, half_width: float, reach: tuple[float, float]) -> Cutter:
+    """The ground below a profile as a prism along y; beyond its ends the profile goes on level.
+
+    Parameters
+    ----------
+    profile : (k, 2) x, z of the ground surface, from either side to the other
+    lowest : z of the bottom; half_width : of the prism; reach : x of its two ends at least
+
+    Raises
+    ------
+    GeometryError
+        E218 the profile crosses itself or runs below its own bottom.
+    """
+    from manifold3d import triangulate
+
+    line = profile if profile[0, 0] <= profile[-1, 0] else profile[::-1]
+    left, right = min(reach[0], float(line[:, 0].min())), max(reach[1], float(line[:, 0].max()))
+    ends = [[left, line[0, 1]]] if left < line[0, 0] else [], [[right, line[-1, 1]]] if right > line[-1, 0] else []
+    outline = np.array([[left, lowest], [right, lowest], *ends[1], *line[::-1], *ends[0]])
+    if _crosses_itself(outline):
+        raise GeometryError([Fault("E218", "the slope profile crosses itself", "", "List its points in order.")])
+    triangles = np.asarray(triangulate([outline]), dtype=np.int64)
+    count = len(outline)
+    front = np.stack([outline[:, 0], np.full(count, -half_width), outline[:, 1]], axis=1)
+    k = np.arange(count)
+    following = (k + 1) % count
+    sides = np.concatenate([
+        np.stack([k, following, k + count], axis=1), np.stack([following, following + count, k + count], axis=1),
+    ])  # fmt: skip
+    faces = np.concatenate([triangles, triangles[:, ::-1] + count, sides[:, ::-1]])
+    faces = np.concatenate([triangles, triangles[:, ::-1] + count, sides[:, [0, 2, 1]]])
+    vertices = np.concatenate([front, front + np.array([0.0, 2.0 * half_width, 0.0])])
+    return Cutter(vertices, faces, np.full(len(faces), GROUND))
+
+
+def _crosses_itself(outline: Floats) -> bool:
+    """Whether two edges of a closed outline that are not neighbours meet."""
+    a, b = outline, np.roll(outline, -1, axis=0)
+
+    def side(p: Floats, q: Floats, r: Floats) -> Floats:
+        turn: Floats = (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
+            r[..., 0] - p[..., 0]
+        )
+        return turn
+
+    first, last = a[:, None], b[:, None]
+    apart = side(first, last, a[None]) * side(first, last, b[None]) < 0.0
+    crossing = apart & apart.T
+    return bool(crossing.any())
+
+
+def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
+    """An open sheet as the bottom of a closed body with upright walls and a level top.
+
+    Raises
+    ------
+    GeometryError
+        E217 the sheet stands upright or folds over itself.
+    """
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    rises = normal[:, 2] / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)
+    if rises.mean() > 0.0:  # out of the body above it is down
+        triangles, rises = triangles[:, ::-1], -rises
+    if (rises > -_UPRIGHT).any():
+        message = f"{int((rises > -_UPRIGHT).sum())} facets of the slip surface stand upright or fold over"
+        advice = "A sheet must lie over its plan once; give a closed mesh for anything else."
+        raise GeometryError([Fault("E217", message, "", advice)])
+    count = len(vertices)
+    lid = vertices * [1.0, 1.0, 0.0] + [0.0, 0.0, top]
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    keys = edges[:, 0] * count + edges[:, 1]
+    back = edges[:, 1] * count + edges[:, 0]
+    rim = edges[~np.isin(keys, back)]
+    walls = np.concatenate([
+        np.stack([rim[:, 1], rim[:, 0], rim[:, 0] + count], axis=1),
+        np.stack([rim[:, 1], rim[:, 0] + count, rim[:, 1] + count], axis=1),
+    ])  # fmt: skip
+    faces = np.concatenate([triangles, triangles[:, ::-1] + count, walls])
+    on = np.repeat([SLIP, END], [len(triangles), len(faces) - len(triangles)])
+    return Cutter(np.concatenate([vertices, lid]), faces, on)
+
+
+def smooth_normals(vertices: Floats, triangles: Ints) -> Floats:
+    """Unit normals (n, 3) at the vertices of a mesh, exact where the vertices lie on a sphere (Max 1999)."""
+    total = np.zeros_like(vertices)
+    for k in range(3):
+        here, after, before = (triangles[:, (k + step) % 3] for step in range(3))
+        first, second = vertices[after] - vertices[here], vertices[before] - vertices[here]
+        sizes = (first * first).sum(axis=1) * (second * second).sum(axis=1)
+        np.add.at(total, here, np.cross(first, second) / np.maximum(sizes, 1e-300)[:, None])
+    length = np.sqrt((total * total).sum(axis=1))
+    unit: Floats = total / np.maximum(length, 1e-300)[:, None]
+    return unit

@@ -1,0 +1,100 @@
+"""Which rigid motions a curved surface lets through, and normals that agree with them.
+
+A rigid mass slides on a surface without opening only along motions that are tangent to it everywhere: turning about a
+sphere's centre, along and about a cylinder's axis. On a measured or meshed surface the normals scatter by part of a
+degree, and at infinite slip the mass would ride on the few pairs where they lean against it (a ratchet, METHOD.md §5).
+The motions are found as in slippage analysis (Gelfand & Guibas 2004): the small eigenvalues of
+
+    Σ A (n·v)² against Σ A |v|²,   v the velocity of a node pair,
+
+whose roots are the sines of the angles between surface and motion. Each normal is then turned square to them.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, frozen
+from slopekit.geometry.interfaces import NodePairs
+
+_TANGENT_DEG = 1.0  # a motion that leaves the surface by less than this (root mean square) is one that it lets through
+_DRIVEN = 1e-6  # a motion on which the load works less, in parts of the most it does on any, is not driven
+_EXACT = 1e-7  # sine below which nothing needs to be turned
+FARTHEST_DEG = 10.0  # normals are not turned by more than this (root mean square): such a surface must dilate
+
+
+@dataclass(frozen=True, slots=True)
+class Slippage:
+    """How a surface slides.
+
+    Attributes
+    ----------
+    pairs : node pairs with normals square to the motions
+    motions : how many independent motions the surface lets through (0: none, the load's own was taken)
+    misfit_deg : root mean square angle by which the normals were turned
+    left_as_it_was : no motion comes near: the normals are the surface's own
+    """
+
+    pairs: NodePairs
+    motions: int
+    misfit_deg: float
+    left_as_it_was: bool
+
+
+def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
+    """Turn the normals of a curved surface square to the motions it lets through.
+
+    Parameters
+    ----------
+    load : (6,) force and moment about `centroid`; it chooses the motion where the surface lets none through
+    """
+    arms = pairs.points - centroid
+    length = float(np.sqrt((arms * arms).sum() / len(pairs)))
+    arms = arms / length
+    weight = pairs.control_areas / pairs.control_areas.sum()
+    normal_rows = np.concatenate([pairs.normals, np.cross(arms, pairs.normals)], axis=1)
+    point_rows = np.concatenate(
+        [np.broadcast_to(np.eye(3), (len(arms), 3, 3)), np.cross(arms[:, None, :], np.eye(3)[None])], axis=2
+    )
+    opening = (normal_rows.T * weight) @ normal_rows
+    moving = np.einsum("n,niu,niv->uv", weight, point_rows, point_rows)
+    root = np.linalg.cholesky(moving)
+    half = np.linalg.solve(root, np.linalg.solve(root, opening).T)
+    squares, axes = np.linalg.eigh((half + half.T) / 2.0)
+    sines = np.sqrt(np.maximum(squares, 0.0))
+    free: Bools = sines < np.sin(np.radians(_TANGENT_DEG))
+    motions = np.linalg.solve(root.T, axes)
+    scaled = load * np.where(np.arange(6) < 3, 1.0, 1.0 / length)
+    driven = np.abs(motions.T @ scaled)
+    if not (driven[free] > _DRIVEN * driven.max()).any():
+        free[:] = False
+    if not free.any():
+        chosen = motions @ ((motions.T @ scaled) / np.maximum(squares, _EXACT**2))
+        directions = chosen[:, None]
+    else:
+        directions = motions[:, free]
+    velocities = np.einsum("niu,uk->nik", point_rows, directions)
+    turned, moved = _square_to(pairs.normals, velocities)
+    misfit = float(np.sqrt(weight @ moved**2))
+    if misfit < _EXACT:
+        return Slippage(pairs, int(free.sum()), 0.0, False)
+    if np.degrees(misfit) > FARTHEST_DEG:
+        return Slippage(pairs, 0, float(np.degrees(misfit)), True)
+    return Slippage(replace(pairs, normals=frozen(turned)), int(free.sum()), float(np.degrees(misfit)), False)
+
+
+def _square_to(normals: Floats, velocities: Floats) -> tuple[Floats, Floats]:
+    """Normals (n, 3) turned square to velocities (n, 3, k) of rank two at most, and the angles turned (rad)."""
+    normal = np.einsum("ni,nj->nij", normals, normals)
+    tangential = velocities - np.einsum("nij,njk->nik", normal, velocities)
+    # the two main directions of the tangential velocities; where there is but one, only that
+    spread = np.einsum("nik,njk->nij", tangential, tangential)
+    sizes, axes = np.linalg.eigh(spread)
+    inverse = np.where(sizes > 1e-6 * sizes[:, -1:], 1.0 / np.maximum(sizes, 1e-300), 0.0)
+    inverse[:, 0] = 0.0
+    out = np.einsum("ni,nik->nk", normals, velocities)
+    # least tilt t, tangential, with (n + t)·v = 0 for every velocity
+    tilt = -np.einsum("nia,na,nja,njk,nk->ni", axes, inverse, axes, tangential, out)
+    turned = normals + tilt
+    length = np.sqrt((turned * turned).sum(axis=1))
+    return turned / length[:, None], np.arctan(np.sqrt((tilt * tilt).sum(axis=1)))

@@ -1,0 +1,112 @@
+"""What `slopekit doctor` says: versions, what can be drawn and read, and a self test against known answers."""
+
+import importlib
+import os
+import platform
+import time
+from importlib import metadata
+
+from slopekit._version import __version__
+
+_NEEDED = ("numpy", "scipy", "manifold3d", "trimesh", "clarabel", "ruamel.yaml", "typer")
+_PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
+_EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask"}
+
+
+def examination() -> tuple[list[str], bool]:
+    """The lines to print, and whether everything that slopekit needs works."""
+    lines = [f"slopekit {__version__}, Python {platform.python_version()}, {platform.platform(terse=True)}, "
+             f"{os.cpu_count()} cores"]  # fmt: skip
+    sound = True
+    for name in _NEEDED:
+        version = _version(name)
+        works = version is not None and _imports(name)
+        sound = sound and works
+        lines.append(f"{'ok' if works else 'MISSING':8}{name} {version or ''}".rstrip())
+    for name, extra in _EXTRAS.items():
+        version = _version(name)
+        lines.append(f"{'ok':8}{name} {version}" if version else f"{'-':8}{name} not installed (extra: {extra})")
+    for name, test in (
+        ("templates", _templates), ("the paper's wedge, both methods", _wedge), ("a plane failure", _plane),
+        ("the sphere with φ = 0", _sphere), ("drawing off-screen", _drawing),
+    ):  # fmt: skip
+        began = time.perf_counter()
+        try:
+            said, passed = test()
+        except Exception as error:  # whatever is broken here is what the doctor is asked about
+            said, passed = f"{type(error).__name__}: {error}".splitlines()[0], False
+        sound = sound and passed
+        took = (time.perf_counter() - began) * 1e3
+        lines.append(f"{'ok' if passed else 'FAILS':8}{name}: {said} ({took:.0f} ms)")
+    lines.append("all is well" if sound else "something is wrong: see the lines marked MISSING or FAILS")
+    return lines, sound
+
+
+def _version(name: str) -> str | None:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _imports(name: str) -> bool:
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        return False
+    return True
+
+
+def _templates() -> tuple[str, bool]:
+    from slopekit.design.files import load
+    from slopekit.design.templates import names, path_of
+
+    found = names()
+    for name in found:
+        load(path_of(name))
+    return f"{len(found)} read", bool(found)
+
+
+def _wedge() -> tuple[str, bool]:
+    import slopekit
+
+    fos = slopekit.wedge(dips=("45/115", "45/245")).fos
+    if fos.limit is None or fos.closed_form is None:
+        return "no factor", False
+    right = abs(fos.limit - _PAPER_WEDGE) < 1e-8 and abs(fos.limit - fos.closed_form) < 1e-9
+    return f"{fos.limit:.10f} and {fos.closed_form:.10f}", right
+
+
+def _plane() -> tuple[str, bool]:
+    return _both("plane", 1e-8)
+
+
+def _sphere() -> tuple[str, bool]:
+    return _both("sphere", 1e-4)
+
+
+def _both(name: str, within: float) -> tuple[str, bool]:
+    """Both methods on a template."""
+    from slopekit.analysis import analyse
+    from slopekit.design.files import load
+    from slopekit.design.templates import path_of
+
+    fos = analyse(load(path_of(name))).fos
+    if fos.limit is None or fos.closed_form is None:
+        return "no factor", False
+    return f"{fos.limit:.8f} and {fos.closed_form:.8f}", abs(fos.limit - fos.closed_form) < within
+
+
+def _drawing() -> tuple[str, bool]:
+    if _version("pyvista") is None:
+        return "not installed (extra: plot), nothing else needs it", True
+    import tempfile
+    from pathlib import Path
+
+    import slopekit
+    from slopekit.views.scene import wedge_picture
+
+    with tempfile.TemporaryDirectory() as place:
+        target = Path(place) / "wedge.png"
+        wedge_picture(slopekit.wedge(dips=("45/115", "45/245")), target)
+        return f"a picture of {target.stat().st_size // 1000} kB", target.stat().st_size > 10_000

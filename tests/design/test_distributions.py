@@ -1,0 +1,162 @@
+"""Distributions and correlation: what is read, and every parameter that cannot be."""
+
+import numpy as np
+import pytest
+
+from slopekit.design.distributions import (
+    Distribution,
+    check_correlation,
+    is_distribution,
+    read_distribution,
+    read_orientation,
+)
+from slopekit.design.document import document_from
+from slopekit.errors import DesignError
+from slopekit.orientation import Line, Plane
+
+
+def node(value):
+    return document_from({"x": value}).root.get("x")
+
+
+@pytest.mark.parametrize(
+    ("given", "kind", "centre"),
+    [
+        ({"dist": "normal", "mean": 20, "sd": 2}, "angle", 20.0),
+        ({"dist": "Normal", "mean": "20 kPa", "sd": "100 Pa", "min": 0, "max": "0.05 MPa"}, "pressure", 20.0),
+        ({"dist": "normal", "mean": 20, "sd": 0}, "angle", 20.0),
+        ({"dist": "lognormal", "mean": 5, "sd": 5}, "pressure", 5.0),
+        ({"dist": "uniform", "min": 10, "max": "30 deg"}, "angle", 20.0),
+        ({"dist": "triangular", "min": 0, "mode": 0, "max": 3}, "length", 1.0),
+    ],
+)
+def test_what_a_single_run_takes(given, kind, centre) -> None:
+    assert is_distribution(node(given))
+    assert read_distribution(node(given), kind, "x").centre == pytest.approx(centre, rel=1e-15)
+
+
+def test_parameters_are_in_base_units() -> None:
+    given = node({"dist": "normal", "mean": "50 Pa", "sd": "0.001 MPa"})
+    assert read_distribution(given, "pressure", "c") == Distribution("normal", {"mean": 0.05, "sd": 1.0}, "pressure")
+
+
+def test_orientations() -> None:
+    assert read_orientation(node({"dist": "fisher", "mean": "45/115", "k": 100}), "J1").mean == Plane(45, 115)
+    assert read_orientation(node({"dist": "fisher", "mean": (45, 115), "k": 100}), "J1").centre == Plane(45, 115)
+    assert read_orientation(node({"dist": "fisher", "mean": "000/-05", "k": 9}), "bolt", "line").mean == Line(0, -5)
+
+
+# codes, mapping, first line of the first
+NUMBERS = [
+    (("E105",), {"dist": "normal", "mean": "nan", "sd": 2}, "mean of phi is nan, not a finite number"),
+    (("E106",), {"dist": "normal", "mean": "x", "sd": 2}, "mean of phi is 'x', a number is needed"),
+    (("E106",), {"dist": "normal", "mean": {"a": 1}, "sd": 2}, "mean of phi is 'a group of keys'"),
+    (("E107",), {"dist": "normal", "mean": "20 kPa", "sd": 2}, "not an angle"),
+    (("E108",), {"dist": "normal", "mean": "20 grad", "sd": 2}, "unknown unit 'grad'"),
+    (("E165",), {"dist": "nromal", "mean": 20, "sd": 2}, "the distribution of phi is 'nromal', which is not known"),
+    (("E165",), {"dist": ["normal"]}, "the distribution of phi is not named"),
+    (("E184",), {"dist": "normal", "mean": 20}, "sd of phi is missing, normal needs mean, sd"),
+    (("E184", "E184"), {"dist": "uniform", "min": None}, "min of phi is missing, uniform needs min, max"),
+    (("E185",), {"dist": "uniform", "min": 1, "max": 2, "mean": 1.5}, "uniform has no mean (phi)"),
+    (("E185", "E184"), {"dist": "normal", "mean": 1, "std": 2}, "normal has no std (phi)"),
+    (("E186",), {"dist": "normal", "mean": 20, "sd": -2}, "sd of phi is -2, a standard deviation is never negative"),
+    (("E187",), {"dist": "uniform", "min": 30, "max": 10}, "min of phi is 30, it must be less than max, 10"),
+    (("E187",), {"dist": "normal", "mean": 5, "sd": 1, "min": 5, "max": 5}, "min of phi is 5, it must be less"),
+    (("E188",), {"dist": "normal", "mean": 40, "sd": 2, "min": 10, "max": 30}, "mean of phi is 40, beyond its max, 30"),
+    (("E188",), {"dist": "triangular", "min": 10, "mode": 5, "max": 30}, "mode of phi is 5, below its min, 10"),
+    (("E189",), {"dist": "lognormal", "mean": 0, "sd": 2}, "mean of phi is 0, a lognormal value is always more than 0"),
+    (("E166",), {"dist": "fisher", "mean": "45/115", "k": 9}, "phi is a number, fisher is for orientations"),
+    (("E185", "E186", "E187"), {"dist": "normal", "mean": 1, "sd": -1, "min": 2, "max": 1, "k": 1}, "normal has no k"),
+]  # fmt: skip
+ORIENTATIONS = [
+    (("E101",), {"dist": "fisher", "mean": "95/115", "k": 9}, "dip of mean of J1 is 95"),
+    (("E104",), {"dist": "fisher", "mean": "N25E", "k": 9}, "mean of J1 is 'N25E'"),
+    (("E106",), {"dist": "fisher", "mean": "45/115", "k": "x"}, "k of J1 is 'x'"),
+    (("E165",), {"dist": "fischer", "mean": "45/115"}, "is 'fischer', which is not known"),
+    (("E184",), {"dist": "fisher", "mean": "45/115"}, "k of J1 is missing, fisher needs mean, k"),
+    (("E185",), {"dist": "fisher", "mean": "45/115", "k": 9, "sd": 1}, "fisher has no sd (J1)"),
+    (("E166",), {"dist": "fisher", "mean": "45/115", "k": 0}, "k of J1 is 0, it must be more than 0"),
+    (("E166",), {"dist": "normal", "mean": 4, "sd": 1}, "J1 is an orientation, normal is for numbers"),
+]
+
+
+@pytest.mark.parametrize(("codes", "given", "says"), NUMBERS, ids=lambda value: str(value)[:40])
+def test_numbers_that_cannot_be(codes, given, says) -> None:
+    with pytest.raises(DesignError) as caught:
+        read_distribution(node(given), "angle", "phi")
+    assert caught.value.codes == codes
+    assert says in caught.value.faults[0].message
+    assert caught.value.faults[0].where.startswith("design: x")
+
+
+@pytest.mark.parametrize(("codes", "given", "says"), ORIENTATIONS, ids=lambda value: str(value)[:40])
+def test_orientations_that_cannot_be(codes, given, says) -> None:
+    with pytest.raises(DesignError) as caught:
+        read_orientation(node(given), "J1")
+    assert caught.value.codes == codes
+    assert says in caught.value.faults[0].message
+
+
+def test_a_line_that_cannot_be() -> None:
+    with pytest.raises(DesignError) as caught:
+        read_orientation(node({"dist": "fisher", "mean": "180/100", "k": 9}), "bolt", "line")
+    assert caught.value.codes == ("E166",)
+
+
+def test_advice_names_the_nearest() -> None:
+    for given, advice in (
+        ({"dist": "nromal"}, "Did you mean normal?"),
+        ({"dist": "weibull"}, "Known: normal, lognormal, uniform, triangular, fisher."),
+        ({"dist": "normal", "mean": 1, "sd": 1, "maxi": 2}, "Did you mean max?"),
+        ({"dist": "normal", "mean": 1, "sd": 1, "mode": 2}, "A mode belongs to {dist: triangular"),
+    ):
+        with pytest.raises(DesignError) as caught:
+            read_distribution(node(given), "angle", "phi")
+        assert advice in caught.value.faults[0].advice
+
+
+KNOWN = ["J1.phi", "J2.phi", "J1.c"]
+CORRELATIONS = [
+    ("E106", {"J1.phi/J2.phi": "high"}, "correlation J1.phi/J2.phi is 'high', a number is needed"),
+    ("E144", "0.8", "correlation is not a group of pairs"),
+    ("E167", {"J1.phi": 0.8}, "J1.phi is not a pair of two names"),
+    ("E167", {"J1.phi/J2.phi/J1.c": 0.8}, "is not a pair of two names"),
+    ("E168", {"J1.phi/J2.pih": 0.8}, "J2.pih is not a value that scatters in this design"),
+    ("E180", {"J1.phi/J2.phi": 1.2}, "correlation J1.phi/J2.phi is 1.2, it lies between -1 and 1"),
+    ("E181", {"J1.phi/J2.phi": 0.8, "J2.phi/J1.phi": 0.7}, "J2.phi/J1.phi is the same pair as J1.phi/J2.phi"),
+    ("E182", {"J1.phi/J1.phi": 0.8}, "J1.phi is correlated with itself, that is always 1"),
+    ("E183", {"J1.phi/J2.phi": 0.9, "J2.phi/J1.c": 0.9, "J1.phi/J1.c": -0.9},
+     "the correlations of J1.phi, J2.phi, J1.c contradict each other: the smallest eigenvalue is -0.8"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "given", "says"), CORRELATIONS, ids=lambda value: str(value)[:40])
+def test_correlations_that_cannot_be(code, given, says) -> None:
+    _, faults = check_correlation(node(given), KNOWN)
+    assert [fault.code for fault in faults] == [code]
+    assert says in faults[0].message
+
+
+def test_correlations_that_can_be() -> None:
+    given = {"J1.phi / J2.phi": "80 %", "J1.c/J1.phi": -0.5}
+    assert check_correlation(node(given), KNOWN) == ({("J1.phi", "J2.phi"): 0.8, ("J1.c", "J1.phi"): -0.5}, [])
+    assert check_correlation(node({"J1.phi/J2.phi": 1.0, "J1.phi/J1.c": 1.0, "J2.phi/J1.c": 1.0}), KNOWN)[1] == []
+    assert check_correlation(node({}), KNOWN) == ({}, [])
+
+
+def test_the_scale_in_the_advice_is_the_largest_that_can_be() -> None:
+    """Independent: the eigenvalues of the scaled matrix, by numpy, at that scale and 0.1 % above it."""
+    _, faults = check_correlation(node({"a/b": 0.9, "b/c": 0.9, "a/c": -0.9}), "abc")
+    scale = float(faults[0].advice.split()[4])
+    matrix = np.array([[1, 0.9, -0.9], [0.9, 1, 0.9], [-0.9, 0.9, 1]])
+
+    def smallest(s: float) -> float:
+        return float(np.linalg.eigvalsh(np.eye(3) + s * (matrix - np.eye(3)))[0])
+
+    assert smallest(scale) >= 0.0
+    assert smallest(scale * 1.001) < 0.0
+
+
+def test_an_unknown_name_where_nothing_scatters() -> None:
+    _, faults = check_correlation(node({"J1.phi/J2.phi": 0.5}), [])
+    assert [fault.advice for fault in faults] == ["Nothing in this design is a distribution."] * 2
