@@ -235,11 +235,13 @@ class _ConicProgram:
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         found = clarabel.DefaultSolver(self.none, self.cost, matrix, right, cones, settings).solve()
-        if not str(found.status).endswith("olved"):
-            return None
         forces, duals = np.array(found.x), np.array(found.z)
         velocity = duals[:unknowns]
         velocity = velocity if float(velocity @ model.load) > 0.0 else -velocity
+        if str(found.status).endswith("PrimalInfeasible"):  # no shear, however strong: bolts have to hold it down
+            return _Trial(math.inf, 0.0, velocity, np.zeros(count))
+        if not str(found.status).endswith("olved"):
+            return None
         normal = np.maximum(forces[: 3 * count : 3], 0.0)
         of_cones = duals[unknowns + count + 2 * bolts + 1 :][::3]
         of_bolts = duals[unknowns + count + bolts : unknowns + count + 2 * bolts]

@@ -339,6 +339,8 @@ def _steered(
         quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
         state: LimitState | None = None
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
+        if settled and change < 1e-7 and not model.dilates:
+            moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
         recent = [*recent[1 - (5 * _WINDOW if patient else _WINDOW) :], factor]
         if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
             # averaging creeps: the normal forces still trade places, the factor no longer moves
