@@ -189,8 +189,10 @@ def test_a_passive_bolt_holds_a_block_that_water_lifts() -> None:
     strength = root(capacity * tan(37.0), 25.0 * bare.length_m - excess * tan(37.0), -bare.driving_kn)
     assert strength * capacity > excess
     assert block.factor == pytest.approx(1.0 / strength, rel=1e-9)
-    weak = failure(**lifted, cohesion_kpa=0.0, friction_angle_deg=0.0, passive=[(-1.0, -1.0)])
-    assert weak.factor is None or weak.factor == 0.0
+    alone = failure(**lifted, cohesion_kpa=0.0, friction_angle_deg=0.0, passive=[(-1.0, -1.0)])
+    assert alone.factor == pytest.approx((cosine - sine) / bare.driving_kn, rel=1e-9)  # λ T_s = D
+    out = failure(**lifted, passive=[(1.0, -1.0)])  # more down the slope than it presses: nothing holds the block down
+    assert (out.status, out.factor) == ("lifted", None)
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ _LEAST_GRIP = 0.2  # vertical part of N and its friction, by that of N alone, m_
 _PASSES = 200
 _STEPS = 60
 _BALANCED = 1e-9
+_STARTS = tuple((strength, turn) for turn in (0.0, 0.4, -0.4) for strength in (1.0, 0.6, 1.6))  # 1 / F, θ
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,12 +202,13 @@ def global_equilibrium(
 ) -> AllEquilibrium | None:  # fmt: skip
     """Three forces and three moments of the whole mass balanced by F, the direction of shear and four shares of σ.
 
-    Parameters as for `bishop`; axis_point : not used. None where Newton's method does not settle.
+    Parameters as for `bishop`; axis_point : not used. Of several roots the one with the least base in tension; None
+    where Newton's method finds none (there may be none: one direction of shear balances no torsion about its normal).
 
     Formula: Σ(N n - S s + W (k d - e_z)) = 0 and its moments, N = σA, σ = σ₀ (λ₀ + λ₁ ξ + λ₂ η + λ₃ ξη) with
     σ₀ = W (n_z - k n·d) / A, S = (cA + (N - uA) tan φ) / F, s down the base, turned in plan by θ from d; ξ along d
-    and η across it, from the middle of the mass (Bell 1968; Zhu & Qian 2007). The shape of σ is an assumption: F
-    depends a little on it, and is no bound.
+    and η across it, from the middle of the mass, as parts of half its length (Bell 1968; Zhu & Qian 2007).
+    The shape of σ is an assumption: six equilibria leave F open within some ten percent, so that F is no bound.
     """
     d = np.asarray(direction, dtype=np.float64)
     d = d / math.hypot(*d)
@@ -235,16 +237,19 @@ def global_equilibrium(
         slopes = np.column_stack([-held, -strength * _six(turned, away, resisting[:, None])[:, 0], rows])
         return pressed @ shares - strength * held + loads, slopes
 
-    found, error = _newton(residual, np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0]))
-    if error > _BALANCED or not found[0] > 0.0:
-        return None
-    shares = found[2:]
-    tension = normal @ shares * weight < columns.pore_pressure * area
-    return AllEquilibrium(
-        1.0 / float(found[0]), math.degrees(float(found[1])),
-        (float(shares[0]), float(shares[1]), float(shares[2]), float(shares[3])),
-        float(area[tension].sum() / area.sum()), error,
-    )  # fmt: skip
+    best: AllEquilibrium | None = None
+    for strength, turn in _STARTS:
+        found, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
+        if error > _BALANCED or not found[0] > 0.0 or abs(found[1]) > math.pi / 2:
+            continue
+        tension = normal @ found[2:] * weight < columns.pore_pressure * area
+        share = float(area[tension].sum() / area.sum())
+        if best is None or share < best.tension_share:
+            l0, l1, l2, l3 = (float(part) for part in found[2:])
+            best = AllEquilibrium(1.0 / float(found[0]), math.degrees(found[1]), (l0, l1, l2, l3), share, error)
+        if best.tension_share == 0.0:
+            break
+    return best
 
 
 def _six(vectors: Floats, at: Floats, sizes: Floats) -> Floats:

@@ -216,9 +216,13 @@ def _with_passive_bolts(
 
     high = low = _STRONGEST * size / sum(math.hypot(*bolt) for bolt in bolts)
     slide, stands = at(high)
+    bare, top = plane.slide(load), slide
+    # bolts so strong that they would lift the block off pull no more than keeps it on its plane
+    while top.status == "lifted" and bare.normal > 0.0 and not stands and low > 1.0 / _STRONGEST:
+        high, low = low, low / _STRIDE
+        slide, stands = at(low)
     if not stands:
-        return slide, 0.0 if slide.driving > 0.0 else None
-    bare = plane.slide(load)
+        return top, 0.0 if top.driving > 0.0 else None
     guess = bare.driving / max(bare.resisting, _SMALL * size)
     while stands:
         high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)

@@ -252,9 +252,14 @@ def _with_passive_bolts(
     high = _STRONGEST * size / sum(_length(bolt) for bolt in bolts)
     low = high
     slide, stands = at(high)
+    bare, top = _slide(load, *shape.inward[:2], size), slide
+    # bolts so strong that they would lift the wedge off pull no more than keeps it on a joint
+    hangs = top.touches == (False, False) != bare.touches and not stands
+    while hangs and not stands and low > 1.0 / _STRONGEST:
+        high, low = low, low / _STRIDE
+        slide, stands = at(low)
     if not stands:
-        return slide, None if slide.touches == (False, False) else 0.0
-    bare = _slide(load, *shape.inward[:2], size)
+        return top, None if top.touches == (False, False) else 0.0
     guess = bare.driving / max(_resisting(bare, strength), _SMALL * size)
     while stands:
         high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)

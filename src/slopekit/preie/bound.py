@@ -19,6 +19,7 @@ from slopekit.preie.model import Model
 
 _MOST_STEPS = 40
 _CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
+_BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
 _BALANCED = 1e-9  # a shortfall this small, in parts of the load, is none
 _PROVED = 1e-9
 _TANGENT = 1e-9  # opening below this part of the slip is none
@@ -160,10 +161,12 @@ def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
             break
         if trial.shortfall <= _BALANCED:
             high, best = trial_at, trial
+            if high * limit * _BEYOND < 1.0:
+                break
         else:
             low, mechanism = trial_at, trial.velocity
         guess = trial.root(trial_at)
-    if high - low > 10.0 * _CONIC_WIDTH * high:
+    if high * limit * _BEYOND < 1.0 or high - low > 10.0 * _CONIC_WIDTH * high:
         return StaticBound(None, False, steps, mechanism, best.normal_force)
     return StaticBound(max(1.0 / high, limit), True, steps, mechanism, best.normal_force)
 

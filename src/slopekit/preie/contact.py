@@ -126,19 +126,19 @@ def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -
 
 
 def _hyperbola(normal: Floats, law: CloughDuncan) -> tuple[Floats, Floats, Floats, Bools]:
-    """Initial stiffness and ceiling of Clough and Duncan's hyperbola at a normal traction, kept above the floor."""
+    """Initial stiffness and 1 / ceiling of Clough and Duncan's hyperbola at a normal traction above the floor."""
     pressed = np.maximum(normal, law.floor_kpa)
     initial = law.modulus_number * law.water_unit_weight * (pressed / law.atmospheric_kpa) ** law.exponent
-    ceiling = pressed * math.tan(math.radians(law.friction_angle_deg)) / law.failure_ratio
-    return initial, ceiling, pressed, normal > law.floor_kpa
+    bent = law.failure_ratio / (pressed * math.tan(math.radians(law.friction_angle_deg)))
+    return initial, bent, pressed, normal > law.floor_kpa
 
 
 def _tangential(slip: Floats, normal: Floats, law: float | CloughDuncan) -> tuple[Floats, Floats, Floats]:
     """Elastic shear traction at a slip and a normal traction, and its slopes by both."""
     if not isinstance(law, CloughDuncan):
         return law * slip, np.full_like(slip, law), np.zeros_like(slip)
-    initial, ceiling, pressed, above = _hyperbola(normal, law)
-    bend = 1.0 / (1.0 + initial * slip / ceiling)
+    initial, bent, pressed, above = _hyperbola(normal, law)
+    bend = 1.0 / (1.0 + initial * slip * bent)
     shear = initial * slip * bend
-    by_normal = np.where(above, (bend * bend * law.exponent * initial * slip + shear * shear / ceiling) / pressed, 0.0)
+    by_normal = np.where(above, (bend * bend * law.exponent * initial * slip + shear * shear * bent) / pressed, 0.0)
     return shear, initial * bend * bend, by_normal

@@ -258,10 +258,15 @@ def _first_loss(
         return push.driving < _NO_FORCE or reduction * push.resisting >= push.driving
 
     low = high = _STRONGEST / capacity
-    push = at(high)
-    if not stands(push, high):
-        outcome = Outcome.LIFTED if not push.touching.any() else Outcome.SLIDES
-        return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, push)
+    push = top = at(high)
+    # bolts so strong that they would lift the block off pull no more than keeps it on a joint
+    hangs = bare > 0.0 and not top.touching.any() and not stands(top, high)
+    while hangs and not stands(push, low) and low > 1.0 / _STRONGEST:
+        high, low = low, low / _STRIDE
+        push = at(low)
+    if not stands(push, low):
+        outcome = Outcome.LIFTED if not top.touching.any() else Outcome.SLIDES
+        return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, top)
     while stands(at(low), low):
         high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
         if low < 1.0 / _STRONGEST:
