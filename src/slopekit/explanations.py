@@ -146,7 +146,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "W307": "A joint that opens loses its cohesion at once: the factor of safety jumps there. A little less water or "
     "a little more bolt force may close it again.",
     "W308": "Joints without cohesion and friction hold nothing. A factor of 0 says nothing: the status stands.",
-    "W309": "The solver for the static bound gave up, so the bound is not printed. The limit does not depend on it.",
+    "W309": "The solver for the static bound gave up, or the bound is more than a thousand times the limit (a block "
+    "that cannot dilate its way out is locked): it is not printed. The limit does not depend on it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
     "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "
@@ -191,11 +192,12 @@ EXPLANATIONS: Mapping[str, str] = {
     "taken by its true dip.",
     "W322": "Within the slip surface lie several pieces of ground that do not touch; only the largest is analysed.",
     "W323": "A section carries only what acts in it.",
-    "W324": "Fellenius, Janbu, Bishop and the method of all equilibrium are computed for weight, seismic and water "
-    "pressure; with forces or bolts they are left out.",
+    "W324": "Fellenius, Janbu, Bishop and the method of all equilibrium are computed for one mass on an analytic surface "
+    "under weight, seismic along the profile and water pressure. The message says what is left out and why.",
     "W325": "Only spheres, cylinders and surfaces of revolution let a rigid mass slip without opening. For others the "
     "normals are turned square to the motion that comes nearest, by the angle given; far from it the mass must dilate.",
     "W326": "With each facet's own normal a mass interlocks with its surface. Use true or smoothed normals.",
+    "W327": "What a joint list holds beside its joints, and strengths of the design where the list has its own.",
 }  # fmt: skip
 
 

@@ -40,6 +40,8 @@ from slopekit.result import Forces, Result, SurfaceGeometry
 NAME = "slip surface"
 _FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
+_OVERHUNG = 1e-6  # of the weight
+_TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not to be trusted
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,13 +111,13 @@ def _cut(design: SurfaceDesign) -> _Cut:
     slip = design.slip
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
-        ground_mesh = read_mesh(Path(design.ground_mesh.path), design.ground_mesh.name)
+        ground_mesh = read_mesh(Path(design.ground_mesh.path), design.ground_mesh.name, design.ground_mesh.where)
         if not ground_mesh[2]:
             name = design.ground_mesh.name
             advice = "Close its holes (every edge belongs to two triangles) and save it again."
             raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", advice)])
     if slip.mesh is not None:
-        slip_mesh = read_mesh(Path(slip.mesh.path), slip.mesh.name)
+        slip_mesh = read_mesh(Path(slip.mesh.path), slip.mesh.name, slip.mesh.where)
     if slip_mesh is None:
         origin = np.array(slip.centre_m)
         radii = np.array(slip.radii_m)
@@ -207,24 +209,35 @@ def _closed_forms(
 ) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
     plain = not (design.forces or design.bolts)
-    profile = design.profile_m
-    strength, slip = design.strength, design.slip
     rest: list[Notice] = []
     if not plain:
         rest.append(Notice("W324", "forces and bolts are not in the methods of columns: those are left out"))
-    rotation = None
-    round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
-    sideways = design.seismic.trend_deg is not None and design.seismic.coefficient != 0.0
-    if plain and profile and round_ and strength.friction_angle_deg == 0.0 and not sideways and not cut.mass.pieces:
-        found = rotational_failure(
-            slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,
-            "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
-        )  # fmt: skip
-        rotation = ClosedForm(found.factor, found.status, _why_not(design))
-    methods = _columns(design, cut) if plain and not sideways else {}
+    try:
+        rotation = _rotation(design, cut) if plain else None
+        methods = _columns(design, cut, rest) if plain else {}
+    except GeometryError as error:  # ground that turns back over itself has no columns
+        rest.append(Notice("W324", f"the methods of columns are left out: {error.faults[0].message}"))
+        rotation, methods = None, {}
     if rotation is not None:
         return rotation, methods, rest
     return ClosedForm(None, "", "there is no closed form of this surface: judge by the static bound"), methods, rest
+
+
+def _rotation(design: SurfaceDesign, cut: _Cut) -> ClosedForm | None:
+    """The exact answer of a surface of revolution about the y axis with φ = 0, None for any other."""
+    strength, slip, profile = design.strength, design.slip, design.profile_m
+    round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
+    if not (profile and round_ and strength.friction_angle_deg == 0.0) or _sideways(design) or cut.mass.pieces:
+        return None
+    found = rotational_failure(
+        slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,
+        "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
+    )  # fmt: skip
+    return ClosedForm(found.factor, found.status, _why_not(design))
+
+
+def _sideways(design: SurfaceDesign) -> bool:
+    return design.seismic.trend_deg is not None and design.seismic.coefficient != 0.0
 
 
 def _why_not(design: SurfaceDesign) -> str:
@@ -233,29 +246,40 @@ def _why_not(design: SurfaceDesign) -> str:
     return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
 
 
-def _columns(design: SurfaceDesign, cut: _Cut) -> dict[str, float | None]:
-    slip, pressure = design.slip, 0.0
-    if design.water.mode == "pressures":
-        pressure = design.water.pressures_kpa[0]
-    axis = np.array(slip.centre_m)
-    if slip.shape != "mesh" and design.profile_m is not None:
-        if slip.shape == "cylinder":
-            made = lem.cylinder_columns(
-                (slip.centre_m[0], slip.centre_m[2]), slip.radii_m[0], 2.0 * slip.radii_m[1], design.profile_m,
-                design.unit_weight_kn_m3,
-            )  # fmt: skip
-        else:
-            made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, design.profile_m, design.unit_weight_kn_m3)
-    else:
+def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str, float | None]:
+    """Factors of the methods of columns; what there is to say of them goes to `notes`."""
+    slip = design.slip
+    if slip.shape == "mesh" or design.profile_m is None or _sideways(design):
         return {}
-    made = replace(made, pore_pressure=np.full_like(made.weights, pressure))
-    along = np.array([_falls(design), 0.0])
-    strength = (design.strength.cohesion_kpa, design.strength.friction_angle_deg)
-    methods = {"fellenius": lem.fellenius, "janbu": lem.janbu, "bishop": lem.bishop,
-               "all_equilibrium": lem.all_equilibrium}  # fmt: skip
+    if cut.mass.pieces:
+        notes.append(Notice("W324", "the methods of columns are left out: they would count all pieces together"))
+        return {}
+    x, y, z = slip.centre_m
+    if slip.shape == "cylinder":
+        made = lem.cylinder_columns(
+            (x, z), slip.radii_m[0], 2.0 * slip.radii_m[1], design.profile_m, design.unit_weight_kn_m3
+        )
+        y = 0.0  # the cylinder's columns lie about it
+    else:
+        made = lem.ellipsoid_columns(slip.centre_m, slip.radii_m, design.profile_m, design.unit_weight_kn_m3)
+    if made.overhung_share > _OVERHUNG:
+        share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
+        notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
+    if design.water.mode == "pressures":
+        made = replace(made, pore_pressure=np.full_like(made.weights, design.water.pressures_kpa[0]))
+    along, axis = np.array([_falls(design), 0.0]), np.array([x, y, z])
+    inputs = (made, design.strength.cohesion_kpa, design.strength.friction_angle_deg, along, axis)
+    seismic = design.seismic.coefficient
+    whole = lem.global_equilibrium(*inputs, seismic=seismic)
+    if whole is not None and whole.tension_share > _TENSION:
+        pulled = f"{whole.tension_share * 100:.0f} % of the base would have to pull"
+        notes.append(Notice("W324", f"the method of all equilibrium is left out: {pulled}"))
+        whole = None
     return {
-        name: method(made, *strength, along, axis, seismic=design.seismic.coefficient)
-        for name, method in methods.items()
+        "fellenius": lem.fellenius(*inputs, seismic=seismic),
+        "janbu": lem.janbu(*inputs, seismic=seismic),
+        "bishop": lem.bishop(*inputs, seismic=seismic),
+        "all_equilibrium": None if whole is None else whole.factor,
     }
 
 

@@ -113,6 +113,8 @@ def _factors(result: Result) -> list[str]:
     entries = []
     dilating = dilates(result.design)
     assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
+    if result.kind == "surface":
+        assumption += " (normal stresses of a rigid mass on an even elastic bed)"
     if fos.closed_form is None and result.agree is None:
         entries.append(f"{_factor(fos.limit)}  limit, {assumption}")
     else:

@@ -1,0 +1,144 @@
+"""Every template runs and gives what its source says; the commands around design files as a user runs them."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import slopekit as sk
+from slopekit.design.templates import names, path_of, summary
+
+# template: status, limit, tolerance, source
+ANSWERS = {
+    "wedge": ("slides_on_both", 1.557396, 1e-6, "Hoek & Bray at g = 9.81 (METHOD.md §6)"),
+    "paper-wedge": ("slides_on_both", 1.557396, 1e-6, "the same"),
+    "plane": ("slides_on_J1", 1.24666, 1e-4, "Wyllie & Mah, ch. 6, as recomputed in cases.json 4a_wm6"),
+    "paper-footing": ("slides_on_J1", 4.0 / 3.0, 1e-6, "Sheng et al. 2023, §3.3: K* = 1.3333"),
+    # N = (2000 + W) cos 40, T = (2000 + W) sin 40, W = 24 · 8² sin 40 cos 40 / 2: by hand
+    "footing": ("slides_on_J1", 1.183727, 1e-6, "limit equilibrium by hand"),
+    "paper-ellipsoid": ("rotates", 1.3436, 1e-3, "METHOD.md §5: true normals towards 1.3436"),
+    "sphere": ("rotates", 1.4016, 5e-4, "Hungr, Salgado & Byrne 1989 as recomputed in cases.json 6d"),
+}
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_template_runs(name) -> None:
+    result = sk.run(path_of(name))
+    assert result.exit_code in (0, 1)
+    assert result.fos.limit is not None
+    assert result.fos.static_bound is not None
+    assert result.fos.limit <= result.fos.static_bound * (1 + 1e-9)
+    assert result.agree is not False
+    assert json.loads(json.dumps(result.to_dict(), allow_nan=False))["kind"] == result.kind
+    assert summary(name)
+    if name in ANSWERS:
+        status, limit, tolerance, _ = ANSWERS[name]
+        assert result.status == status
+        assert result.fos.limit == pytest.approx(limit, abs=tolerance)
+
+
+def test_there_is_a_template_for_every_kind_and_every_example_of_the_paper() -> None:
+    kinds = {sk.load(path_of(name)).kind for name in names()}
+    assert kinds == {"wedge", "plane", "footing", "surface"}
+    assert {"paper-wedge", "paper-footing", "paper-ellipsoid"} <= set(names())
+
+
+def slopekit(*arguments: str, cwd=None) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120, cwd=cwd
+    )
+
+
+def test_a_wedge_from_a_file_is_the_wedge_of_the_command_line(tmp_path) -> None:
+    """Everything but the title and the times: one path."""
+    command = ["--dips", "45/105", "70/235", "--face", "65/185", "--upper", "12/195", "--height", "30", "--c", "24,48",
+               "--phi", "20,30", "--unit-weight", "25", "--water", "50%", "--seismic", "0.08", "--crack", "80/185@3m",
+               "--bolt", "800@005/10,passive", "--accept", "1.3"]  # fmt: skip
+    (tmp_path / "same.yaml").write_text(
+        "slopekit: 1\nkind: wedge\nslope: {face: 65/185, upper: 12/195, height: 30}\n"
+        "joints: {J1: {plane: 45/105, strength: a}, J2: {plane: 70/235, strength: b}}\n"
+        "strength: {a: {c: 24, phi: 20}, b: {c: 0.048 MPa, phi: 30 deg}}\nrock: {unit_weight: 25}\n"
+        "water: {fill: 50 %}\nloads: {seismic: 0.08}\ncrack: {plane: 80/185, distance: 3 m}\n"
+        "support: {bolts: [{force: 800, toward: 005/10, acts: passive}]}\nacceptance: {rules: [fos >= 1.3]}\n"
+    )
+    ours, theirs = (
+        json.loads(run.stdout)
+        for run in (
+            slopekit("wedge", *command, "--json"),
+            slopekit("run", "same.yaml", "--json", cwd=tmp_path),
+        )
+    )
+    for document in (ours, theirs):
+        del document["timing_s"]
+    assert ours == theirs
+
+
+def test_run_writes_sets_and_judges(tmp_path) -> None:
+    assert slopekit("templates", "new", "plane", cwd=tmp_path).stdout == (
+        "wrote plane.yaml; try: slopekit run plane.yaml\n"
+    )
+    assert slopekit("run", "plane.yaml", "--quiet", cwd=tmp_path).stdout == "slides_on_J1  1.2467  agree  met\n"
+    drier = slopekit("run", "plane.yaml", "--set", "crack.water=0 m", "--quiet", "-o", "out", cwd=tmp_path)
+    assert drier.stdout == "slides_on_J1  1.5445  agree  met\n"
+    assert json.loads((tmp_path / "out/result.json").read_text())["inputs"]["crack"]["water_m"] == 0.0
+    weaker = slopekit("run", "plane.yaml", "--set", "strength.bedding.c=0", "--quiet", cwd=tmp_path)
+    assert weaker.returncode == 1
+    assert weaker.stdout.endswith("not met\n")
+    again = slopekit("templates", "new", "plane", cwd=tmp_path)
+    assert again.returncode == 2
+    assert again.stderr.startswith("E178 plane.yaml is there already")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "starts"),
+    [
+        (("run", "wegde.yaml"), "E147 wegde.yaml does not exist"),
+        (("run", "wedge.yaml", "--set", "water.fill"), "E160 "),
+        (("run", "wedge.yaml", "--set", "strength.weak.phi=0.35"), "E113 "),
+        (("run", "wedge.yaml", "--set", "joints.J1.plane=115/45"), "E103 "),
+        (("templates", "show", "wegde"), "E177 wegde is not a template\n     Did you mean wedge?"),
+        (("templates", "new", "wedge", "no/such/folder.yaml"), "E129 "),
+        (("templates", "new", "wedge", "wedge.yaml"), "E178 "),
+        (("lint", "wedge.yaml", "--set", "slope.hieght=3"), "E142 hieght is not a key of slope"),
+    ],
+)
+def test_wrong_use_says_what_to_do(tmp_path, arguments, starts) -> None:
+    (tmp_path / "wedge.yaml").write_text(path_of("wedge").read_text())
+    run = slopekit(*arguments, cwd=tmp_path)
+    assert run.returncode == 2
+    assert run.stderr.startswith(starts)
+    assert run.stdout == ""
+
+
+def test_lint_reads_and_runs_nothing(tmp_path) -> None:
+    good = slopekit("lint", str(path_of("wedge")))
+    assert good.returncode == 0
+    assert good.stdout.startswith("ok   wedge.yaml: a wedge design, sha ")
+    document = json.loads(slopekit("lint", str(path_of("plane")), "--json").stdout)
+    assert document["kind"] == "plane"
+    assert document["inputs"]["height_m"] == 12.0
+    scattered = slopekit("lint", str(path_of("wedge")), "--set", "strength.weak.phi={dist: normal, mean: 20, sd: 2}")
+    assert "strength.weak.phi is a distribution: run takes 20" in scattered.stdout
+
+
+def test_list_and_show() -> None:
+    listed = slopekit("templates", "list").stdout.splitlines()
+    assert [line.split()[0] for line in listed] == names()
+    assert slopekit("templates", "show", "wedge").stdout == path_of("wedge").read_text()
+
+
+def test_doctor_finds_a_sound_machine() -> None:
+    run = slopekit("doctor")
+    assert run.returncode == 0, run.stdout
+    assert run.stdout.endswith("all is well\n")
+    assert "1.5573963527 and 1.5573963527" in run.stdout
+
+
+def test_sheets_fit_the_page_and_name_what_they_give() -> None:
+    for name in names():
+        text = slopekit("run", str(path_of(name))).stdout
+        assert max(map(len, text.splitlines())) <= 100
+        for label in ("SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "TIME"):
+            assert f"\n{label}" in text
+        assert "left out:" in text
