@@ -142,3 +142,38 @@ def test_sheets_fit_the_page_and_name_what_they_give() -> None:
         for label in ("SIZE", "LOADS", "FORCES", "STATUS", "FoS", "MODEL", "TIME"):
             assert f"\n{label}" in text
         assert "left out:" in text
+
+
+def test_half_an_orientation_can_be_set() -> None:
+    """`slope.face.dip` is a key of UX.md's sweeps."""
+    halves = sk.run(path_of("wedge"), set={"slope.face.dip": 65, "joints.J1.plane.dip_direction": 110})
+    whole = sk.run(path_of("wedge"), set={"slope.face": "65/180", "joints.J1.plane": "45/110"})
+    assert halves.fos == whole.fos
+    assert halves.design == whole.design
+
+
+def test_faults_of_yaml_structure_and_values_come_together(tmp_path) -> None:
+    (tmp_path / "bad.yaml").write_text(
+        "slopekit: 1\nkind: wedge\nkind: wedge\nslope: {hieght: 3}\njoints: {J1: {plane: 95/115}, J2: {plane: 45/245}}\n"
+    )
+    with pytest.raises(sk.DesignError) as caught:
+        sk.load(tmp_path / "bad.yaml")
+    assert caught.value.codes == ("E151", "E142", "E101")
+    assert [fault.where.split()[0] for fault in caught.value.faults] == [
+        "bad.yaml:3:1", "bad.yaml:4:9", "bad.yaml:5:22",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("bolt", "code"),
+    [
+        ({"head": [500, 0, 500]}, "E211"),  # in the air, beside the mass
+        ({"head": [30, 0, 10], "length": 1}, "E212"),  # ends within the mass
+        ({"head": [30, 0, 10], "toward": "090/-10"}, "E211"),  # comes out at the ground surface
+    ],
+)
+def test_bolts_of_a_curved_surface_are_checked(bolt, code) -> None:
+    bolts = [{"force": 1000, "toward": "270/10", **bolt}]
+    with pytest.raises(sk.GeometryError) as caught:
+        sk.run(path_of("paper-ellipsoid"), set={"support": {"bolts": bolts}})
+    assert caught.value.codes == (code,)

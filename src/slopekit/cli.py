@@ -188,8 +188,8 @@ def doctor() -> None:
 
 
 def _load(design: str, sets: list[str] | None) -> "Design":
-    from slopekit.design.document import parse_override
     from slopekit.design.files import load
+    from slopekit.design.overrides import parse_override
 
     faults: list[Fault] = []
     overrides: list[tuple[str, object]] = []
@@ -207,7 +207,7 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: 
     """Write and print a result, and leave with its exit code."""
     from slopekit.views.sheet import sheet as make_sheet
 
-    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1)
+    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1, allow_nan=False)
     sheet = make_sheet(result)
     if image is not None:
         from slopekit.views.scene import wedge_picture
@@ -233,8 +233,16 @@ def _one_line(result: "Result") -> str:
     fos = result.criterion_fos
     agree = {True: "agree", False: "disagree", None: "not compared"}[result.agree]
     parts = [result.status, "none" if fos is None else f"{fos:.4f}", agree]
+    if result.design.criterion == "all-pairs":
+        limit, pairs = result.fos.limit, result.fos.all_pairs_failed
+        shown = [
+            f"{name} {'none' if value is None else f'{value:.4f}'}"
+            for name, value in (("limit", limit), ("all-pairs", pairs))
+        ]
+        parts[1] = ", ".join(shown)
     parts += ["moments_govern"] if result.moments_govern else []
     parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
+    parts += list(dict.fromkeys(notice.code for notice in result.warnings))
     return "  ".join(parts)
 
 

@@ -45,6 +45,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "E123": "A force is written size@trend/plunge (plunge positive downward), or as three numbers east, north, up.",
     "E124": "A bolt is written T@TREND/PLUNGE with the direction of its force on the wedge, then active (a load) or "
     "passive (strength: its capacity is divided by the factor of safety). Its length is measured from its head.",
+    "E125": "A slip surface is divided into at most 12 000 triangles, or the solver would take minutes. The default "
+    "edge gives four digits of the factor; the error falls with the square of the edge.",
     "E126": "limit is the largest factor at which the wedge still stands; all-pairs adds the paper's criterion, the "
     "smallest factor at which every node pair slips or debonds, which depends on the joint stiffness.",
     "E127": "An acceptance level and a tolerance are more than 0.",
@@ -134,7 +136,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "E212": "A bolt must reach past the deepest joint, with its anchorage length on top.",
     "E501": "The control areas of the node pairs must sum to the interface. This is a bug of ours: please report it.",
     "E502": "There is nothing to solve.",
-    "E503": "A rigid translation opened node pairs by the wrong amount. This is a bug of ours: please report it.",
+    "E503": "A rigid translation moved node pairs by the wrong amount. This is a bug of ours: please report it.",
     "E599": "A bug of ours. SLOPEKIT_DEBUG=1 prints where it happened.",
     "W301": "Nearly parallel joints: a degree on either moves the line of intersection far, and the wedge with it.",
     "W302": "The unit weight is far from that of rock. If you work in other consistent units, this is why.",
@@ -143,8 +145,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "W305": "The wedge was computed about its toe; map coordinates were added back at the end.",
     "W306": "On an elastic bed part of the joints carries no normal force at the limit. In rigid sliding nothing opens "
     "there, so its cohesion is counted, as Hoek & Bray count it. If that part may be open, leave it out of c.",
-    "W307": "A joint that opens loses its cohesion at once: the factor of safety jumps there. A little less water or "
-    "a little more bolt force may close it again.",
+    "W307": "A joint loses its cohesion where it opens, at once: the factor of safety jumps there. A little less "
+    "water or a little more bolt force may close it again.",
     "W308": "Joints without cohesion and friction hold nothing. A factor of 0 says nothing: the status stands.",
     "W309": "The solver for the static bound gave up, or the bound is more than a thousand times the limit (a block "
     "that cannot dilate its way out is locked): it is not printed. The limit does not depend on it.",
@@ -160,9 +162,16 @@ EXPLANATIONS: Mapping[str, str] = {
     "W319": "With mean pressures each surface has its own: u=5kPa,8kPa,20kPa gives J1, J2 and the crack.",
     "W317": "What opens and what holds kept trading places between the passes (mostly in a wedge on its edges). "
     "The lowest factor they came to is printed, with the range; the answer is no surer than that.",
+    "W328": "A seismic load is meant to drive the block. Its trend is where it pushes the rock: out of the slope. On a "
+    "surface below a profile x is east (090) and -x west (270).",
+    "W329": "A joint that opens has lost its tensile strength, so the limit and the closed forms count none of it. It "
+    "acts in the displacements and in the all-pairs criterion.",
+    "W330": "On a curved surface the factor rests on how the normal stresses are taken. The methods of columns take "
+    "them otherwise; a rule may name them: fos.bishop >= 1.3.",
+    "W331": "Give the profile as far as the slip surface reaches.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
-    "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound or fos.all_pairs_failed "
-    "with a number: fos >= 1.5.",
+    "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound, fos.all_pairs_failed or "
+    "(on surfaces) fos.fellenius, fos.janbu, fos.bishop, fos.all_equilibrium with a number: fos >= 1.5.",
     "E170": "A slip surface is an ellipsoid (centre, radii), a sphere (centre, radius), a horizontal cylinder along y "
     "(centre, radius, length) or a mesh. Its normals are true (analytic), smoothed (meshes) or facet (a study).",
     "E171": "A radius, a length and an edge are more than 0.",
@@ -192,8 +201,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "taken by its true dip.",
     "W322": "Within the slip surface lie several pieces of ground that do not touch; only the largest is analysed.",
     "W323": "A section carries only what acts in it.",
-    "W324": "Fellenius, Janbu, Bishop and the method of all equilibrium are computed for one mass on an analytic surface "
-    "under weight, seismic along the profile and water pressure. The message says what is left out and why.",
+    "W324": "Fellenius, Janbu, Bishop and the method of all equilibrium are computed for one mass on an analytic "
+    "surface under weight, seismic along the profile and water pressure. The message says what is left out and why.",
     "W325": "Only spheres, cylinders and surfaces of revolution let a rigid mass slip without opening. For others the "
     "normals are turned square to the motion that comes nearest, by the angle given; far from it the mass must dilate.",
     "W326": "With each facet's own normal a mass interlocks with its surface. Use true or smoothed normals.",

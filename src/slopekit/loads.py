@@ -25,10 +25,14 @@ class WaterPressure:
 
 @dataclass(frozen=True, slots=True)
 class PointForce:
-    """A force (3,) in kN through a point (3,) in m; without a point it acts through the centroid."""
+    """A force (3,) in kN through a point (3,) in m; without a point it acts through the centroid.
+
+    `couple` (3,) in kNm comes on top: a pressure on a curved surface is no single force.
+    """
 
     force: Floats
     at: Floats | None = None
+    couple: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +84,8 @@ def block_loads(
         parts[name] = push.force
         if push.at is not None:
             moment += np.cross(push.at - block.centroid, push.force)
+        if push.couple is not None:
+            moment += push.couple
     for name, group in (("forces", forces), ("active bolts", active)):
         parts[name] = np.zeros(3)
         for load in group:
@@ -109,9 +115,15 @@ def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:
 
 
 def check_bolt(
-    block: Block, name: str, head: Floats, direction: Floats, length: float | None, joints: Sequence[int]
+    block: Block,
+    name: str,
+    head: Floats,
+    direction: Floats,
+    length: float | None,
+    joints: Sequence[int],
+    where: str = "",
 ) -> None:
-    """Refuse a bolt that misses the block or ends before it is anchored behind the deepest joint.
+    """Refuse a bolt that misses a convex block or ends before it is anchored behind the deepest joint.
 
     Raises
     ------
@@ -131,11 +143,28 @@ def check_bolt(
             leaves, behind = gap / slope, plane
         elif slope < 0.0:
             enters = max(enters, gap / slope)
-    if leaves <= max(enters, 0.0) + 1e-9 * size:
-        raise GeometryError([Fault("E211", f"{name} misses the block", f"head at {head.round(3).tolist()}")])
-    if behind not in joints:
+    passes = leaves > max(enters, 0.0) + 1e-9 * size
+    judge_bolt(name, leaves if passes else None, behind in joints, length, where)
+
+
+def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | None, where: str) -> None:
+    """Refuse a bolt by what it meets.
+
+    Parameters
+    ----------
+    leaves : how far (m) from its head it leaves the block for good, None where it misses it
+    anchored : whether rock lies behind the face it leaves through; length : m
+
+    Raises
+    ------
+    GeometryError
+        E211 the bolt misses the block or is anchored in nothing, E212 it is too short.
+    """
+    if leaves is None:
+        raise GeometryError([Fault("E211", f"{name} misses the block", where)])
+    if not anchored:
         message = f"{name} leaves the block through a free face: it is anchored in nothing"
-        raise GeometryError([Fault("E211", message, f"head at {head.round(3).tolist()}")])
+        raise GeometryError([Fault("E211", message, where)])
     if length is not None and length <= leaves:
         message = f"{name} is {length:.4g} m long and leaves the block after {leaves:.4g} m: it is too short"
-        raise GeometryError([Fault("E212", message, "", "It needs its anchorage behind the joint on top of that.")])
+        raise GeometryError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])

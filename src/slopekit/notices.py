@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slopekit.arrays import Floats
 from slopekit.design.common import Design, Strength
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
@@ -15,6 +16,8 @@ from slopekit.preie.limit import Limit, LimitAnalysis
 from slopekit.preie.model import Model
 
 _BLOCKS = {"wedge": "wedge", "surface": "mass"}
+_ACROSS = 0.34  # cosine of 70°
+_ALL = 0.999999  # of an interface
 _FAR_M = 1e4  # coordinates beyond this are a map's
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 _NEARLY_PARALLEL_DEG = 5.0
@@ -38,6 +41,7 @@ class Facts:
     ----------
     bound_is_proved : or not asked for; mesh_change : what the last refinement did
     unsettled : no equilibrium at full strength; why_not : why the closed form is not compared
+    seismic : (3,) the way it acts, local axes; None without
     """
 
     status: str
@@ -48,6 +52,7 @@ class Facts:
     mesh_change: float | None
     unsettled: bool
     why_not: str
+    seismic: Floats | None = None
 
 
 def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
@@ -56,8 +61,11 @@ def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
         yield Notice("W301", _parallel_note(design, apart))
-    if design.crack and design.water.mode == "pressures" and len(design.water.pressures_kpa) < 3:
+    water = design.water
+    if design.crack and water.mode == "pressures" and len(water.pressures_kpa) < 3 and water.crack_fill is None:
         yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
+    if water.mode == "dry" and water.crack_fill:
+        yield Notice("W319", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
     if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
         yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
@@ -67,6 +75,8 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     analysis, model, block = facts.analysis, facts.model, _BLOCKS.get(design.kind, "block")
     for name, value in design.assumed:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+    if design.left_out:
+        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
     alone, limit = analysis.forces_only, analysis.governing
@@ -88,12 +98,22 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
                          "limit on an elastic bed; its cohesion is counted because nothing opens there")  # fmt: skip
     for interface in interfaces:
         on = facts.pairs.interface == interface.key
-        if limit.factor is not None and not limit.bond[on].any() and interface.strength.cohesion_kpa > 0.0:
-            yield Notice(
-                "W307",
-                f"{interface.name} has lost contact and with it its cohesion: the factor of safety jumps where that "
-                "happens",
-            )
+        lost = float(model.control_area[on & (limit.bond == 0.0)].sum() / model.control_area[on].sum())
+        if limit.factor is None or not interface.strength.cohesion_kpa > 0.0 or lost == 0.0:
+            continue
+        what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
+        jump = "the factor of safety jumps where that happens"
+        yield Notice("W307", f"{interface.name} {what} and loses its cohesion there: {jump}")
+    if facts.seismic is not None and limit.factor is not None:
+        along = float(facts.seismic @ model.moved(limit.velocity_of(model))[0])
+        size = float(np.linalg.norm(facts.seismic) * np.linalg.norm(model.moved(limit.velocity_of(model))[0]))
+        if along < -0.1 * size:
+            yield Notice("W328", "the seismic load acts against the movement: it raises the factor of safety")
+        elif along < _ACROSS * size:
+            off = math.degrees(math.acos(along / size))
+            yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
+    if any(interface.strength.tension_kpa for interface in interfaces):
+        yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
     if facts.status == "slides_up":
         yield Notice("W318", f"the loads drive the {block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):

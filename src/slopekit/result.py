@@ -1,5 +1,6 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -32,6 +33,10 @@ _OF_KIND: Mapping[tuple[str, str], str] = {
     ("surface", "rotates"): "turns on its slip surface",
     ("surface", "lifted"): "is pushed off its slip surface",
 }
+
+
+#: The closed forms of columns by the names that results and rules have for them.
+METHODS = ("fellenius", "janbu", "bishop", "all_equilibrium")
 
 
 def status_text(kind: str, status: str) -> str:
@@ -296,7 +301,9 @@ class Result:
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
         _, _, name = rule.name.partition(".")
-        return rule.met(getattr(self.fos, name) if name else self.criterion_fos)
+        if not name:
+            return rule.met(self.criterion_fos)
+        return rule.met(self.methods.get(name) if name in METHODS else getattr(self.fos, name))
 
     @property
     def accepted(self) -> bool | None:
@@ -358,7 +365,7 @@ class Result:
                 "residual": one.residual,
             },
             "all_pairs": None if pairs is None else {
-                "bracket": list(pairs.bracket),
+                "bracket": [end if math.isfinite(end) else None for end in pairs.bracket],
                 "lost_equilibrium": pairs.lost_equilibrium,
                 "history": [
                     {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)

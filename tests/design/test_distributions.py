@@ -10,7 +10,7 @@ from slopekit.design.distributions import (
     read_distribution,
     read_orientation,
 )
-from slopekit.design.document import document_from
+from slopekit.design.nodes import document_from
 from slopekit.errors import DesignError
 from slopekit.orientation import Line, Plane
 

@@ -6,14 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slopekit.design.document import (
-    ALTERNATIVES,
-    Node,
-    document_from,
-    load_document,
-    parse_override,
-    with_overrides,
-)
+from slopekit.design.document import load_document
+from slopekit.design.nodes import Node, document_from
+from slopekit.design.overrides import ALTERNATIVES, parse_override, with_overrides
 from slopekit.errors import DesignError
 from slopekit.orientation import Line, Plane
 
@@ -276,7 +271,7 @@ BAD_OVERRIDES = [
     ("E149", (".".join(["a"] * 200), "1"), "nested more than 100 deep"),
     ("E151", ("a", "{x: 1, x: 2}"), "a.x is given twice"),
     ("E153", ("a", "[!!python/name:os 1]"), "has the tag"),
-    ("E161", ("slope.face.dip", "60"), "slope.face is the value 60/180, it has no dip"),
+    ("E161", ("slope.face.strike", "60"), "slope.face is the value 60/180, it has no strike"),
     ("E162", ("bolts.2.force", "1"), "bolts has 2 items, there is no item 2"),
     ("E162", ("bolts.-1", "1"), "bolts is a list, -1 is no number of an item"),
     ("E162", ("bolts.first", "1"), "bolts is a list, first is no number"),

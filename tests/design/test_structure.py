@@ -2,7 +2,8 @@
 
 import pytest
 
-from slopekit.design.document import document_from, load_document
+from slopekit.design.document import load_document
+from slopekit.design.nodes import document_from
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, check_structure
 
 NUMBER = Leaf(number=True)

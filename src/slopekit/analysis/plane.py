@@ -23,7 +23,7 @@ from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
-from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
 from slopekit.preie.model import build_model
@@ -71,7 +71,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
         left_out.append("tensile strength at the limit (it is lost where a joint opens)")
     return result(
         design, solved, status, against, section_geometry(section, name), forces,
-        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design),
+        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), seismic=loads.parts["seismic"],
     )  # fmt: skip
 
 
@@ -164,18 +164,21 @@ def _seismic(design: PlaneDesign) -> float:
 
 
 def _loads(design: PlaneDesign, section: Section) -> Loads:
-    axes, origin = _axes(design.face), np.zeros(3)
-    active, passive = bolt_forces(design, section.block, origin, (J1,), axes)
+    axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
+    active, passive = bolt_forces(
+        design, origin,
+        lambda name, head, way, length, where: check_bolt(section.block, name, head, way, length, (J1,), where), axes,
+    )  # fmt: skip
     return block_loads(
         section.block, design.unit_weight_kn_m3, {}, np.array([_seismic(design), 0.0, 0.0]),
-        [_in_section(point_force(force, origin, axes)) for force in design.forces],
-        [_in_section(force) for force in active], [_in_section(force) for force in passive],
+        [point_force(force, origin, axes) for force in design.forces], active,
+        [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
         _water(design, section)[0],
     )  # fmt: skip
 
 
-def _in_section(force: PointForce) -> PointForce:
-    return PointForce(force.force * [1.0, 0.0, 1.0], force.at)
+def _strongest(design: PlaneDesign) -> float:
+    return max(bolt.force_kn for bolt in design.bolts)
 
 
 def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:

@@ -11,9 +11,8 @@ import numpy as np
 from slopekit.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
-from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.loads import Loads, PointForce, check_bolt
+from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
@@ -34,6 +33,7 @@ from slopekit.result import (
     Result,
 )  # fmt: skip
 
+CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 _MOST_REFINED = 3
 _TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
@@ -154,6 +154,7 @@ def result(
     interfaces: Sequence[Interface], left_out: Sequence[str], clock: Clock, *,
     governs: tuple[tuple[str, float | None, str], ...] = (), methods: Mapping[str, float | None] | None = None,
     extra: Sequence[Notice] = (), to_map: Floats | None = None,
+    seismic: Floats | None = None,
 ) -> Result:  # fmt: skip
     """Put the evidence together.
 
@@ -161,6 +162,7 @@ def result(
     ----------
     extra : notices of the kind, before the common ones
     to_map : (3,) what takes local coordinates back to the user's
+    seismic : (3,) the seismic load, local axes
     """
     analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
     alone = analysis.forces_only.factor
@@ -173,6 +175,7 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
+        seismic if seismic is not None and seismic.any() else None,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
     size = ModelSize(
@@ -243,12 +246,13 @@ def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
 
 
 def bolt_forces(
-    design: Design, block: Block, origin: Floats, anchored_behind: Sequence[int], turn: Floats | None = None
+    design: Design, origin: Floats, check: CheckBolt, turn: Floats | None = None
 ) -> tuple[list[PointForce], list[PointForce]]:
     """Active and passive bolts as forces, each checked against the block where its head is known.
 
     Parameters
     ----------
+    check : refuses a bolt by its name, head (3,), direction (3,), length and place
     turn : (3, 3) from the user's axes to the local ones
     """
     axes = np.eye(3) if turn is None else turn
@@ -257,8 +261,9 @@ def bolt_forces(
     for k, bolt in enumerate(design.bolts, 1):
         direction = axes @ bolt.toward.vector()
         head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
-        if head is not None and block.faces:
-            check_bolt(block, f"bolt {k}", head, direction, bolt.length_m, anchored_behind)
+        if head is not None:
+            where = "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
+            check(f"bolt {k}", head, direction, bolt.length_m, where)
         (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
     return active, passive
 

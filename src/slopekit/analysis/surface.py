@@ -1,6 +1,7 @@
 """A mass on a curved slip surface: from its design to its result."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
     Scene,
+    Solved,
     block_status,
     bolt_forces,
     driving_and_resisting,
@@ -28,11 +30,11 @@ from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
-from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs
-from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
+from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line
-from slopekit.preie.limit import curved_limit_analysis
+from slopekit.preie.limit import Outcome, curved_limit_analysis
 from slopekit.preie.model import build_model
 from slopekit.preie.slippage import slippable
 from slopekit.result import Forces, Result, SurfaceGeometry
@@ -40,18 +42,19 @@ from slopekit.result import Forces, Result, SurfaceGeometry
 NAME = "slip surface"
 _FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
+_COARSEST = 2  # level from which the wanted edge is reached by halving
 _OVERHUNG = 1e-6  # of the weight
 _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not to be trusted
 
 
 @dataclass(frozen=True, slots=True)
 class _Cut:
-    """The mass with its node pairs, in coordinates about `origin`; how its normals were taken."""
+    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
 
     mass: SlidingMass
     pairs: NodePairs
     origin: Floats
-    ground: str
+    grain: float
 
 
 def analyse_surface(design: SurfaceDesign) -> Result:
@@ -96,10 +99,12 @@ def analyse_surface(design: SurfaceDesign) -> Result:
         left_out.append("strength at the two ends of the cylinder")
     if mass.pieces:
         left_out.append(f"{len(mass.pieces)} smaller pieces within the slip surface, {sum(mass.pieces):.4g} m³")
-    notes = [*_notices(design, cut, misfit, slip.left_as_it_was), *extra]
+    moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
+    told = _notices(design, cut, misfit if moves else 0.0, slip.left_as_it_was and moves)
+    notes = [*told, *_columns_below(design, solved, methods), *extra]
     return result(
         design, solved, status, closed, geometry, forces, [Interface(SLIP, NAME, design.strength)], left_out, clock,
-        methods=methods, extra=notes, to_map=cut.origin,
+        methods=methods, extra=notes, to_map=cut.origin, seismic=loads.parts["seismic"],
     )  # fmt: skip
 
 
@@ -130,13 +135,12 @@ def _cut(design: SurfaceDesign) -> _Cut:
     size = float((highest - lowest).max())
     if ground_mesh is not None:
         ground = Cutter(ground_mesh[0] - origin, ground_mesh[1], np.full(len(ground_mesh[1]), GROUND))
-        text = design.ground_mesh.name if design.ground_mesh else ""
     else:
         profile = np.array(design.profile_m) - origin[[0, 2]]
         low = min(float(lowest[2]), float(profile[:, 1].min())) - 0.1 * size
         half = float(max(-lowest[1], highest[1])) + 0.1 * size
         reach = (float(lowest[0]) - 0.1 * size, float(highest[0]) + 0.1 * size)
-        ground, text = profile_prism(profile, low, half, reach), "profile"
+        ground = profile_prism(profile, low, half, reach)
     if slip_mesh is not None and not slip_mesh[2]:
         top = max(float(highest[2]), float(ground.vertices[:, 2].max())) + 0.1 * size
         body = sheet_solid(body.vertices, body.triangles, top)
@@ -144,14 +148,19 @@ def _cut(design: SurfaceDesign) -> _Cut:
         mass, pairs = analytic_mass(ground, shape, slip.edge_m)
     else:
         if slip_mesh is None and slip.edge_m is not None:
-            level = 1
-            while level < 7 and cut_mass(ground, shape.cutter(level)).edge > slip.edge_m:
-                level += 1
-            body = shape.cutter(level)
+            body = shape.cutter(_COARSEST + halvings(cut_mass(ground, shape.cutter(_COARSEST)), slip.edge_m))
         mass = cut_mass(ground, body)
         pairs = facet_pairs(mass, body, slip.normals)
     _refuse_walls(mass, slip_mesh is not None)
-    return _Cut(mass, pairs, origin, text)
+    grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
+    return _Cut(mass, pairs, origin, grain)
+
+
+def _grain(vertices: Floats) -> float:
+    """What single precision, which STL files have, rounds these coordinates to (m); 0 in double precision."""
+    single = vertices.astype(np.float32)
+    rounded = (single == vertices).all() and not (vertices == vertices.round()).all()
+    return float(np.spacing(np.abs(single).max())) if rounded else 0.0
 
 
 def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
@@ -168,17 +177,18 @@ def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
 
 def _loads(design: SurfaceDesign, cut: _Cut) -> Loads:
     mass, pairs = cut.mass, cut.pairs
+
+    def check(name: str, head: Floats, way: Floats, length: float | None, where: str) -> None:
+        leaves, anchored = through(mass, head, way)
+        judge_bolt(name, leaves, anchored, length, where)
+
     block = Block({}, {SLIP: mass.area}, mass.volume, mass.centroid)
-    active, passive = bolt_forces(design, block, cut.origin, (SLIP,))
+    active, passive = bolt_forces(design, cut.origin, check)
     pushes = {}
     if design.water.mode == "pressures":
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
-        push = shares.sum(axis=0)
-        moment = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
-        # the resultant through the point that gives its moment (what is left of it, about the force, is none)
-        size = float(push @ push)
-        at = mass.centroid + (np.cross(push, moment) / size if size > 0.0 else 0.0)
-        pushes["water"] = PointForce(push, at)
+        couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
+        pushes["water"] = PointForce(shares.sum(axis=0), None, couple)
     return block_loads(
         block, design.unit_weight_kn_m3, {}, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
@@ -211,7 +221,7 @@ def _closed_forms(
     plain = not (design.forces or design.bolts)
     rest: list[Notice] = []
     if not plain:
-        rest.append(Notice("W324", "forces and bolts are not in the methods of columns: those are left out"))
+        rest.append(Notice("W324", "the methods of columns are left out: they know no forces and bolts"))
     try:
         rotation = _rotation(design, cut) if plain else None
         methods = _columns(design, cut, rest) if plain else {}
@@ -249,7 +259,11 @@ def _why_not(design: SurfaceDesign) -> str:
 def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str, float | None]:
     """Factors of the methods of columns; what there is to say of them goes to `notes`."""
     slip = design.slip
-    if slip.shape == "mesh" or design.profile_m is None or _sideways(design):
+    if slip.shape == "mesh" or design.profile_m is None:
+        notes.append(Notice("W324", "the methods of columns take analytic surfaces below a profile: none here"))
+        return {}
+    if _sideways(design):
+        notes.append(Notice("W324", "the methods of columns are left out: the seismic load has a direction of its own"))
         return {}
     if cut.mass.pieces:
         notes.append(Notice("W324", "the methods of columns are left out: they would count all pieces together"))
@@ -283,6 +297,18 @@ def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str,
     }
 
 
+def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, float | None]) -> list[Notice]:
+    """A rule that the limit meets and a method of columns does not is worth a second look."""
+    limit = solved.limit.factor
+    found = []
+    for rule in design.rules:
+        below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
+                 if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
+        if rule.name in ("fos", "fos.limit") and rule.met(limit) and below:
+            found.append(Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not"))
+    return found
+
+
 def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> list[Notice]:
     found = []
     if design.slip.normals == "facet":
@@ -297,6 +323,13 @@ def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> lis
             "surface itself opens by that"
         )
         found.append(Notice("W325", message))
+    if design.profile_m is not None:
+        ends = [x for x, _ in design.profile_m]
+        low, high = (float(cut.mass.vertices[:, 0].min()), float(cut.mass.vertices[:, 0].max()))
+        beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
+        if beyond > 1e-6 * (high - low):
+            message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
+            found.append(Notice("W331", message))
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
@@ -304,5 +337,10 @@ def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> lis
         )
         found.append(Notice("W322", message))
     if float(np.abs(cut.origin).max()) > _FAR_M:
-        found.append(Notice("W305", "map coordinates: computed about the slip surface and put back, no digits lost"))
+        message = "map coordinates: computed about the slip surface and put back, no digits lost"
+        if cut.grain:
+            message = (
+                f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
+            )
+        found.append(Notice("W305", message))
     return found

@@ -27,7 +27,7 @@ from slopekit.errors import GeometryError
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
-from slopekit.loads import Loads, WaterPressure, block_loads
+from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface, wedge_notices
 from slopekit.orientation import Line, Plane, line_of
 from slopekit.preie.model import build_model
@@ -67,7 +67,7 @@ def analyse_wedge(design: WedgeDesign) -> Result:
     return result(
         design, solved, status, against, _geometry(design, rock, block), forces, interfaces,
         _left_out(design, block), clock, governs=governs, extra=tuple(wedge_notices(design)),
-        to_map=np.array(design.origin_m),
+        to_map=np.array(design.origin_m), seismic=loads.parts["seismic"],
     )  # fmt: skip
 
 
@@ -107,7 +107,11 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     trend = line.trend_deg if design.seismic.trend_deg is None else design.seismic.trend_deg
     seismic = design.seismic.coefficient * Line(trend, 0.0).vector()
     origin = np.array(design.origin_m)
-    active, passive = bolt_forces(design, block, origin, (J1, J2))
+    active, passive = bolt_forces(
+        design,
+        origin,
+        lambda name, head, way, length, where: check_bolt(block, name, head, way, length, (J1, J2), where),
+    )
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
         [point_force(force, origin) for force in design.forces], active, passive,
@@ -117,17 +121,23 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
 def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
     """Water on the joints and the crack: Hoek & Bray's pyramid, or the mean pressures that the user gave."""
     water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
-    if water.mode == "dry":
+    if water.mode == "dry" and not water.crack_fill:
         return {}
+    found: dict[int, WaterPressure] = {}
     if water.mode == "pressures":
-        return {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
-    if CRACK in block.faces:
+        found = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
+    if CRACK in block.faces and (water.mode == "full" or water.crack_fill is not None):
         # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
         bottom = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
         depth = float((rock.offsets[3] - rock.normals[3] @ bottom) / rock.normals[3][2])
-        return {
-            face: WaterPressure(water.fill * design.water_unit_weight_kn_m3 * depth / 3.0, bottom) for face in faces
-        }
+        full = design.water_unit_weight_kn_m3 * depth / 3.0
+        if water.mode == "full":
+            found = {face: WaterPressure(water.fill * full, bottom) for face in faces}
+        if water.crack_fill is not None:
+            found[CRACK] = WaterPressure(water.crack_fill * full, bottom)
+        return found
+    if water.mode == "pressures":
+        return found
     # mean γ_w H/6, highest halfway along the line of intersection
     mean = water.fill * design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
     return {face: WaterPressure(mean, (rock.toe + rock.back) / 2.0) for face in faces}
@@ -138,7 +148,9 @@ def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, Water
 
 def closed_form(design: WedgeDesign) -> ClosedFormWedge:
     """The design by Hoek & Bray's wedge."""
-    water = WedgeWater(design.water.fill, design.water.pressures_kpa, design.water_unit_weight_kn_m3)
+    water = WedgeWater(
+        design.water.fill, design.water.pressures_kpa, design.water_unit_weight_kn_m3, design.water.crack_fill
+    )
     active, passive = (
         [(bolt.force_kn * bolt.toward.vector()).tolist() for bolt in design.bolts if bolt.acts == acts]
         for acts in ("active", "passive")

@@ -218,12 +218,12 @@ def _with_passive_bolts(
     slide, stands = at(high)
     bare, top = plane.slide(load), slide
     # bolts so strong that they would lift the block off pull no more than keeps it on its plane
-    while top.status == "lifted" and bare.normal > 0.0 and not stands and low > 1.0 / _STRONGEST:
-        high, low = low, low / _STRIDE
+    guess = bare.driving / max(bare.resisting, _SMALL * size)
+    while top.status == "lifted" and bare.normal > 0.0 and not stands and low > 1e-3 * guess:
+        high, low = low, low / (2.0 if low > 30.0 * guess else _STRIDE)
         slide, stands = at(low)
     if not stands:
         return top, 0.0 if top.driving > 0.0 else None
-    guess = bare.driving / max(bare.resisting, _SMALL * size)
     while stands:
         high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)
         slide, stands = at(low)

@@ -23,11 +23,15 @@ _ROUNDS = 40  # over several bolts, one after the other
 
 @dataclass(frozen=True, slots=True)
 class WedgeWater:
-    """Water: `fill` of full pressure (0 dry, 1 full), or the mean pressures on J1, J2 and the crack (kPa)."""
+    """Water: `fill` of full pressure (0 dry, 1 full), or the mean pressures on J1, J2 and the crack (kPa).
+
+    `crack_fill` is the crack's own part of full pressure, None where it has what the joints have.
+    """
 
     fill: float = 0.0
     pressures: tuple[float, ...] = ()
     unit_weight: float = 9.81
+    crack_fill: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,12 +259,12 @@ def _with_passive_bolts(
     bare, top = _slide(load, *shape.inward[:2], size), slide
     # bolts so strong that they would lift the wedge off pull no more than keeps it on a joint
     hangs = top.touches == (False, False) != bare.touches and not stands
-    while hangs and not stands and low > 1.0 / _STRONGEST:
-        high, low = low, low / _STRIDE
+    guess = bare.driving / max(_resisting(bare, strength), _SMALL * size)
+    while hangs and not stands and low > 1e-3 * guess:
+        high, low = low, low / (2.0 if low > 30.0 * guess else _STRIDE)
         slide, stands = at(low)
     if not stands:
         return top, None if top.touches == (False, False) else 0.0
-    guess = bare.driving / max(_resisting(bare, strength), _SMALL * size)
     while stands:
         high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)
         slide, stands = at(low)
@@ -319,12 +323,14 @@ def _crossing(slope: Callable[[float], float], low: float, high: float) -> float
 
 def _pressures(water: WedgeWater, shape: _Shape, has_crack: bool) -> tuple[float, float, float]:
     """Mean pressures on J1, J2 and the crack: γ_w H/6, with a crack γ_w h₅/3 on all three."""
+    full = water.unit_weight * shape.crack_depth / 3.0
+    own = None if water.crack_fill is None else water.crack_fill * full
     if water.pressures:
         u1, u2, u5 = (*water.pressures, 0.0)[:3]
-        return u1, u2, u5
+        return u1, u2, u5 if own is None else own
     if has_crack:
-        mean = water.fill * water.unit_weight * shape.crack_depth / 3.0
-        return mean, mean, mean
+        mean = water.fill * full
+        return mean, mean, mean if own is None else own
     mean = water.fill * water.unit_weight * shape.total_height / 6.0
     return mean, mean, 0.0
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, Literal
 
 from slopekit.orientation import Line, Plane, number
@@ -12,14 +12,20 @@ Criterion = Literal["limit", "all-pairs"]
 
 @dataclass(frozen=True, slots=True)
 class Water:
-    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface."""
+    """Water on the joints: dry, full (scaled by `fill`) or mean pressures in kPa, one for each interface.
+
+    `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
+    """
 
     mode: Literal["dry", "full", "pressures"] = "dry"
     fill: float = 0.0
     pressures_kpa: tuple[float, ...] = ()
+    crack_fill: float | None = None
 
     def in_words(self) -> str:
         """The water as the sheet prints it."""
+        if self.crack_fill is not None:
+            return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
         if self.mode == "dry":
             return "dry"
         if self.mode == "full":
@@ -108,6 +114,7 @@ class MeshFile:
     name: str
     sha256: str
     path: str = field(compare=False, repr=False)
+    where: str = field(default="", compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +151,7 @@ class Design:
     factors : strength reduction factors at which the displacements and failed pairs are wanted (the paper's Table 3)
     assumed : inputs that were given as distributions, with the value a deterministic run takes
     defaults : names of the inputs that were left out
+    left_out : what of the files that the design names is not used, in words
     """
 
     title: str = ""
@@ -163,6 +171,7 @@ class Design:
     factors: tuple[float, ...] = ()
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
+    left_out: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def kind(self) -> str:
@@ -172,13 +181,14 @@ class Design:
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
         document: dict[str, Any] = _plain(self)
-        for key in ("defaults", "assumed"):
+        for key in ("defaults", "assumed", "left_out"):
             del document[key]
         return document
 
     def input_hash(self) -> str:
         """SHA-256 of the kind and the inputs: equal designs give equal hashes."""
-        exact = _plain(self, exact=True) | {"defaults": None, "assumed": None, "title": None, "kind": self.kind}
+        exact = _plain(self, exact=True) | {"kind": self.kind}
+        exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Literal, cast
 
-from slopekit.design.document import Node
+from slopekit.design.nodes import Node
 from slopekit.design.structure import is_distribution
 from slopekit.design.words import line_of_words
 from slopekit.errors import DesignError, Fault
@@ -85,7 +85,7 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
         not have, E186 sd below 0, E187 min not below max, E188 centre outside its bounds, E189 lognormal with a mean
         not above 0, E166 fisher for a number.
 
-    >>> from slopekit.design.document import document_from
+    >>> from slopekit.design.nodes import document_from
     >>> node = document_from({"c": {"dist": "uniform", "min": "10 kPa", "max": "0.03 MPa"}}).root.get("c")
     >>> read_distribution(node, "pressure", "c of weak").centre
     20.0
@@ -117,7 +117,7 @@ def read_orientation(node: Node, name: str, of: Literal["plane", "line"] = "plan
     DesignError
         E101 to E105 for the mean, E165, E184 and E185 as for numbers, E166 another distribution or k not above 0.
 
-    >>> from slopekit.design.document import document_from
+    >>> from slopekit.design.nodes import document_from
     >>> node = document_from({"plane": {"dist": "fisher", "mean": "45/115", "k": 100}}).root.get("plane")
     >>> print(read_orientation(node, "J1").centre)
     45/115
@@ -164,7 +164,7 @@ def check_correlation(node: Node, known_keys: Iterable[str]) -> tuple[Correlatio
     The matrix R must have no negative eigenvalue; with the smallest, λ < 0, the largest s for which I + s (R - I)
     has none is 1 / (1 - λ).
 
-    >>> from slopekit.design.document import document_from
+    >>> from slopekit.design.nodes import document_from
     >>> check_correlation(document_from({"J1.phi/J2.phi": 0.8}).root, ["J1.phi", "J2.phi"])
     ({('J1.phi', 'J2.phi'): 0.8}, [])
     """

@@ -17,6 +17,7 @@ T = TypeVar("T")
 COMMON_KEYS = (
     "title", "density", "unit_weight", "water", "seismic", "forces", "bolts", "normal_stiffness", "shear_stiffness",
     "criterion", "accept", "agree_within", "stop_when", "gravity", "water_unit_weight", "factors", "assumed",
+    "left_out",
 )  # fmt: skip
 _MAX_REFINE = 6
 _MOST_FACTORS = 200
@@ -85,10 +86,14 @@ class Reader:
             self.faults += error.faults
             return None
 
-    def many(self, key: str, convert: Callable[[Any, str], T]) -> tuple[T, ...]:
-        """A list of things, each with its own faults; one thing alone counts as a list of one."""
+    def many(self, key: str, convert: Callable[[Any, str], T], may_be_point: bool = False) -> tuple[T, ...]:
+        """A list of things, each with its own faults; one thing alone (maybe a point) counts as a list of one."""
         values = self.given.get(key, ())
-        if isinstance(values, str | dict) or words.is_point(values) or not isinstance(values, Sequence):
+        if (
+            isinstance(values, str | dict)
+            or (may_be_point and words.is_point(values))
+            or not isinstance(values, Sequence)
+        ):
             values = [values]
         found = []
         for k, value in enumerate(values):
@@ -109,27 +114,45 @@ class Reader:
 
     def common(self) -> dict[str, Any]:
         """The inputs that every kind of design has, as arguments of `Design`; call it after the kind's own."""
-        gravity = self.positive("gravity", "acceleration", "E130", default=9.81) or 9.81
+        gravity = self.ranged("gravity", "acceleration", "E130", 9.81, (1.0, 25.0), "m/s²", "9.81 m/s² is Earth's.")
         unit_weight, density = self.weight(gravity)
         seismic = self.read("seismic", words.seismic) or Seismic()
         if seismic.coefficient and seismic.trend_deg is None:
             self.defaults.append("seismic.trend")
-        forces = self.many("forces", words.force)
+        forces = self.many("forces", words.force, may_be_point=True)
         bolts = self.many("bolts", words.bolt)
         stiffness = self.stiffness()
         criterion = self.read("criterion", self.criterion) or "limit"
         rules = self.many("accept", words.rule)
         agree = self.read("agree_within", self.agree_within) or 0.01
         stop = self.read("stop_when", self.stop_when) or 1e-4
-        water_unit_weight = self.positive("water_unit_weight", "unit weight", "E110", default=9.81) or 9.81
+        water_unit_weight = self.ranged(
+            "water_unit_weight",
+            "unit weight",
+            "E110",
+            9.81,
+            (5.0, 15.0),
+            "kN/m³",
+            "Water weighs 9.81 kN/m³ (62.4 pcf).",
+        )
         return {
             "title": str(self.given.get("title", "")), "unit_weight_kn_m3": unit_weight, "density_kg_m3": density,
             "gravity_m_s2": gravity, "water_unit_weight_kn_m3": water_unit_weight, "seismic": seismic,
             "forces": forces, "bolts": bolts, "stiffness": stiffness, "criterion": criterion, "rules": rules,
             "agree_within": agree, "stop_when": stop, "factors": self.factors(),
-            "assumed": tuple(self.given.get("assumed", ())),
+            "assumed": tuple(self.given.get("assumed", ())), "left_out": tuple(self.given.get("left_out", ())),
             "defaults": tuple(self.defaults),
         }  # fmt: skip
+
+    def ranged(
+        self, key: str, kind: str, code: str, default: float, within: tuple[float, float], unit: str, advice: str
+    ) -> float:
+        """A quantity that hardly varies: far from its value it is a slip of units."""
+        found = self.positive(key, kind, code, default)
+        if found is not None and not within[0] <= found <= within[1]:
+            message = f"{key} is {number(found)} {unit}, out of range ({number(within[0])} to {number(within[1])})"
+            self.faults.append(Fault(code, message, self.where(key, self.given.get(key)), advice))
+        return found or default
 
     def factors(self) -> tuple[float, ...]:
         """Strength reduction factors of the series, sorted."""
@@ -274,6 +297,8 @@ class Reader:
                 advice = (
                     f"{number(result)} looks like a density: write {self.spelling.key('density')} {number(result)}."
                 )
+            elif 10000.0 < result <= 50000.0:
+                advice = f"{number(result)} looks like N/m³: write '{number(result)} N/m3'."
             elif 0.5 <= result < 5.0:
                 advice = (
                     f"{number(result)} looks like t/m³: write {self.spelling.key('density')} '{number(result)} t/m3'."

@@ -1,6 +1,7 @@
 """From what a user wrote (command line, Python, a design file) to a checked wedge: all faults at once."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from slopekit.design import words
@@ -11,7 +12,8 @@ from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Plane, number, parse_plane
 
 _KEYS = (
-    "dips", "face", "upper", "height", "c", "phi", "dilation", "tension", "crack", "refine", "origin", "joint_names",
+    "dips", "face", "upper", "height", "c", "phi", "dilation", "tension", "crack", "refine", "origin",
+    "joint_names", "crack_fill",
 )  # fmt: skip
 
 
@@ -49,6 +51,9 @@ def wedge_design(
         tension = reader.pair("tension", "pressure", reader.check_tension)
     crack = reader.read("crack", words.crack)
     water = reader.read("water", lambda value, where: words.water(value, where, crack is not None)) or Water()
+    crack_fill = reader.read("crack_fill", words.fill)
+    if crack_fill is not None:
+        water = replace(water, crack_fill=crack_fill)
     refine = reader.read("refine", reader.refine) or 0
     origin = reader.read("origin", lambda value, where: words.point(value, "origin", where)) or (0.0, 0.0, 0.0)
     common = reader.common()

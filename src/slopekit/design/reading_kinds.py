@@ -1,10 +1,10 @@
 """Checked designs of the kinds beside the wedge, from their flat inputs: all faults at once."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from slopekit.design import words
-from slopekit.design.common import Water
+from slopekit.design.common import Stiffness, Water
 from slopekit.design.kinds import FootingDesign, PlaneDesign, Slip, SurfaceDesign, VerticalCrack
 from slopekit.design.reader import Reader, Spelling
 from slopekit.errors import DesignError, Fault
@@ -94,6 +94,9 @@ def footing_design(given: Mapping[str, Any], spelling: Spelling) -> FootingDesig
     common = reader.common()
     if weightless:
         common["unit_weight_kn_m3"] = 0.0
+    if "shear_stiffness" not in reader.given:  # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has
+        normal = common["stiffness"].normal_kn_m3
+        common["stiffness"] = Stiffness(normal, normal / 3.0)
     if reader.faults or load is None or dip is None or length is None or strength is None:
         raise DesignError(reader.faults)
     return FootingDesign(
@@ -130,7 +133,7 @@ def surface_design(given: Mapping[str, Any], spelling: Spelling) -> SurfaceDesig
         "ground_mesh",
     )
     reader = Reader(given, spelling, "surface", (*keys, *_STRENGTH_KEYS), {})
-    profile = reader.read("profile", _profile)
+    profile = reader.read("profile", lambda value, _: _profile(reader, value))
     slip = _slip(reader, given.get("slip_mesh"))
     strength = reader.strength()
     water = reader.read("water", lambda value, where: words.water(value, where, False)) or Water()
@@ -148,15 +151,21 @@ def surface_design(given: Mapping[str, Any], spelling: Spelling) -> SurfaceDesig
     )
 
 
-def _profile(value: Any, where: str) -> tuple[tuple[float, ...], ...]:
-    points = []
-    for item in value:
-        if not isinstance(item, Sequence) or isinstance(item, str) or len(item) != 2:
-            raise DesignError([Fault("E109", f"a point of the profile is x, z, not {words.shown(item)}", where)])
-        points.append(tuple(quantity(part, "length", "profile", where) for part in item))
-    if len(points) < 2 or len(set(points)) < len(points):
-        message = "the profile has a point twice" if len(points) > 1 else "the profile has fewer than two points"
-        raise DesignError([Fault("E109", message, where, "Give x, z from the toe to behind the crest.")])
+def _profile(reader: Reader, value: Any) -> tuple[tuple[float, ...], ...]:
+    points: list[tuple[float, ...]] = []
+    faults: list[Fault] = []
+    for k, item in enumerate(value):
+        where, name = reader.where("profile", value, k), f"point {k + 1} of the profile"
+        try:
+            points.append(tuple(quantity(part, "length", name, where) for part in item))
+        except DesignError as error:
+            faults += error.faults
+            continue
+        if points[-1] in points[:-1]:
+            advice = "Give each point once, from the toe to behind the crest."
+            faults.append(Fault("E109", f"{name} is the same as an earlier one", where, advice))
+    if faults:
+        raise DesignError(faults)
     return tuple(points)
 
 
@@ -184,16 +193,16 @@ def _slip(reader: Reader, mesh: Any) -> Slip | None:
                 Fault("E170", f"{shape} is not a shape of slip surface", reader.where("shape", shape), advice)
             )
         return None
-    centre = reader.read("centre", lambda value, where: _centre(value, shape, where))
+    centre = reader.read("centre", lambda value, where: _centre(reader, value, shape, where))
     if "centre" not in reader.given:
         reader.default("centre")
     needs = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "slip_length")}[shape]
     for key in ("radii", "radius", "slip_length"):
         if key in reader.given and key not in needs:
-            advice = f"A {shape} has {' and '.join(reader.spelling.key(need) for need in needs)}."
-            message = f"{reader.spelling.key(key)} is not of a {shape}"
+            advice = f"Its size is {' and '.join(reader.spelling.key(need) for need in needs)}."
+            message = f"{reader.spelling.key(key)} says nothing of the shape {shape}"
             reader.faults.append(Fault("E170", message, reader.where(key, ""), advice))
-    radii = reader.read("radii", _radii) if shape == "ellipsoid" else None
+    radii = reader.read("radii", lambda value, where: _radii(reader, value, where)) if shape == "ellipsoid" else None
     if shape == "ellipsoid" and "radii" not in reader.given:
         reader.default("radii")
     if shape != "ellipsoid":
@@ -212,8 +221,8 @@ def _named(shape: str) -> Any:
     return shape
 
 
-def _centre(value: Any, shape: str, where: str) -> tuple[float, float, float]:
-    parts = [quantity(part, "length", "centre", where) for part in value]
+def _centre(reader: Reader, value: Any, shape: str, where: str) -> tuple[float, float, float]:
+    parts = [quantity(part, "length", "centre", reader.where("centre", value, k)) for k, part in enumerate(value)]
     if len(parts) == 2 and shape == "cylinder":
         return parts[0], 0.0, parts[1]
     if len(parts) != 3:
@@ -221,8 +230,9 @@ def _centre(value: Any, shape: str, where: str) -> tuple[float, float, float]:
     return parts[0], parts[1], parts[2]
 
 
-def _radii(value: Any, where: str) -> tuple[float, float, float]:
-    parts = [words.above_zero(part, "length", "radius", "E171", where) for part in value]
+def _radii(reader: Reader, value: Any, where: str) -> tuple[float, float, float]:
+    at = [reader.where("radii", value, k) for k in range(len(value))]
+    parts = [words.above_zero(part, "length", "radius", "E171", at[k]) for k, part in enumerate(value)]
     if len(parts) != 3:
         raise DesignError([Fault("E109", "an ellipsoid has three radii, along x, y and z", where)])
     return parts[0], parts[1], parts[2]

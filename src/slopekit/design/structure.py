@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
 from typing import TypeAlias
 
-from slopekit.design.document import Node
+from slopekit.design.nodes import Node
 from slopekit.errors import Fault
 
 Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf"
@@ -75,7 +75,7 @@ def check_structure(root: Node, spec: Section, kind: str, others: Mapping[str, S
         E142 unknown key, E143 missing key, E144 wrong shape, E145 nothing written, E146 a name that cannot be one,
         E164 a list that is too short or too long.
 
-    >>> from slopekit.design.document import document_from
+    >>> from slopekit.design.nodes import document_from
     >>> spec = Section({"height": Leaf(number=True, example="64.89 m")}, required=("height",))
     >>> print(*check_structure(document_from({"hieght": 5}).root, spec, "wedge"), sep="\\n")
     E142 hieght is not a key of a wedge design

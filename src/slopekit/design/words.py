@@ -11,7 +11,10 @@ from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, number, parse_plane
 from slopekit.units import quantity
 
-RULE_NAMES = ("fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed")
+RULE_NAMES = (
+    "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.fellenius", "fos.janbu",
+    "fos.bishop", "fos.all_equilibrium",
+)  # fmt: skip
 _RULE = re.compile(r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$")
 _BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)$")
 
@@ -46,16 +49,25 @@ def water(value: Any, where: str, has_crack: bool) -> Water:
     if text and not text.endswith("%") and not _BARE_NUMBER.match(text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
         raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
-    fill = quantity(value, "ratio", "water", where)
-    if fill > 1.0:
+    part = fill(value, where)
+    return Water("full", part) if part else Water()
+
+
+def fill(value: Any, where: str) -> float:
+    """A part of full water: dry, full, 0.5 or 50 %."""
+    text = value.strip().lower() if isinstance(value, str) else ""
+    if text in ("dry", "full"):
+        return 1.0 if text == "full" else 0.0
+    part = quantity(value, "ratio", "water", where)
+    if part > 1.0:
         percent = text.endswith("%")
-        advice = "" if percent else f"Write {number(fill)}% for a percentage, u={number(fill)}kPa for a pressure."
+        advice = "" if percent else f"Write {number(part)}% for a percentage, u={number(part)}kPa for a pressure."
         raise DesignError(
-            [Fault("E118", f"water fills {number(fill * 100)} % of the joints, more than all", where, advice)]
+            [Fault("E118", f"water fills {number(part * 100)} % of the joints, more than all", where, advice)]
         )
-    if fill < 0.0:
-        raise DesignError([Fault("E119", f"water is {number(fill * 100)} %, it is never negative", where)])
-    return Water("full", fill) if fill else Water()
+    if part < 0.0:
+        raise DesignError([Fault("E119", f"water is {number(part * 100)} %, it is never negative", where)])
+    return part
 
 
 def pressures(parts: Sequence[Any], where: str, has_crack: bool) -> Water:

@@ -10,8 +10,12 @@ from slopekit.errors import DesignError, Fault
 _MOST_TRIANGLES = 400_000
 
 
-def read_mesh(path: Path, name: str) -> tuple[Floats, Ints, bool]:
+def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, bool]:
     """Vertices (n, 3), triangles (m, 3) and whether they close a body; duplicate vertices are merged.
+
+    Parameters
+    ----------
+    name, where : how the mesh is called in messages, and where the design names it
 
     Raises
     ------
@@ -25,14 +29,16 @@ def read_mesh(path: Path, name: str) -> tuple[Floats, Ints, bool]:
     except Exception as error:  # trimesh's readers raise whatever their format makes them stumble over
         reason = f"{type(error).__name__}: {error}".splitlines()[0][:120]
         advice = "STL, OBJ, PLY, OFF and GLB are read."
-        raise DesignError([Fault("E172", f"the mesh {name} cannot be read ({reason})", name, advice)]) from None
+        raise DesignError(
+            [Fault("E172", f"the mesh {name} cannot be read ({reason})", where or name, advice)]
+        ) from None
     triangles = np.asarray(getattr(mesh, "faces", np.zeros((0, 3))), dtype=np.int64)
     vertices = np.asarray(getattr(mesh, "vertices", np.zeros((0, 3))), dtype=np.float64)
     if len(triangles) == 0 or not np.isfinite(vertices).all():
-        raise DesignError([Fault("E172", f"the mesh {name} has no triangles that can be used", name)])
+        raise DesignError([Fault("E172", f"the mesh {name} has no triangles that can be used", where or name)])
     if len(triangles) > _MOST_TRIANGLES:
         message = f"the mesh {name} has {len(triangles)} triangles, more than {_MOST_TRIANGLES}"
-        raise DesignError([Fault("E172", message, name, "Decimate it: the answer does not need them.")])
+        raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
     if closed and mesh.volume < 0.0:
         triangles = triangles[:, ::-1]

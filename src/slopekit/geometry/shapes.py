@@ -175,7 +175,6 @@ def profile_prism(profile: Floats, lowest: float, half_width: float, reach: tupl
     sides = np.concatenate([
         np.stack([k, following, k + count], axis=1), np.stack([following, following + count, k + count], axis=1),
     ])  # fmt: skip
-    faces = np.concatenate([triangles, triangles[:, ::-1] + count, sides[:, ::-1]])
     faces = np.concatenate([triangles, triangles[:, ::-1] + count, sides[:, [0, 2, 1]]])
     vertices = np.concatenate([front, front + np.array([0.0, 2.0 * half_width, 0.0])])
     return Cutter(vertices, faces, np.full(len(faces), GROUND))
@@ -212,7 +211,7 @@ def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
         triangles, rises = triangles[:, ::-1], -rises
     if (rises > -_UPRIGHT).any():
         message = f"{int((rises > -_UPRIGHT).sum())} facets of the slip surface stand upright or fold over"
-        advice = "A sheet must lie over its plan once; give a closed mesh for anything else."
+        advice = "A sheet must lie over its plan once. A mesh that should be closed has holes: close them."
         raise GeometryError([Fault("E217", message, "", advice)])
     count = len(vertices)
     lid = vertices * [1.0, 1.0, 0.0] + [0.0, 0.0, top]

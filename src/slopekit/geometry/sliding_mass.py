@@ -5,6 +5,7 @@ refined with its new vertices on the surface (on its rim: on the surface and the
 takes its place, area and normal from the surface itself; a drawn surface keeps its facets and has its normals smoothed.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -12,7 +13,7 @@ import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Fault, GeometryError, SolverError
+from slopekit.errors import DesignError, Fault, GeometryError, SolverError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 
@@ -22,9 +23,11 @@ Normals = Literal["true", "smoothed", "facet"]
 _POINTS = (((1.0, 0.0, 0.0), 1 / 12), ((0.0, 1.0, 0.0), 1 / 12), ((0.0, 0.0, 1.0), 1 / 12), ((1 / 3,) * 3, 3 / 4))
 _FIRST_LEVEL, _LAST_LEVEL = 3, 6
 _FEWEST = 120  # triangles on the slip surface before it is refined
+MOST_TRIANGLES = 12_000  # on the slip surface: two node pairs for each are what the solver takes in seconds
 _BALANCE = 1e-9
 _FLAT = 1e-9  # squared sine of an angle that two faces of a corner do not turn by
 _SMALL_PIECE = 1e-9  # of the mass: numerical dust
+_SMALL_AREA = 1e-9  # of the largest control area: slivers along the rim that moving it onto the surface turned over
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +71,10 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
     slip = _manifold(body, np.arange(len(body.triangles)), "the slip surface")
     whole, rest = soil.split(slip)
     if whole.is_empty() or not whole.volume() > 0.0:
-        advice = "It must cut the ground surface; both are in the same coordinates."
-        raise GeometryError([Fault("E214", "the slip surface encloses none of the ground", "", advice)])
+        advice = "It must cut the ground surface; both are in metres and in the same coordinates."
+        raise GeometryError(
+            [Fault("E214", "the slip surface encloses none of the ground", _extents(ground, body), advice)]
+        )
     if abs(whole.volume() + rest.volume() - soil.volume()) > _BALANCE * soil.volume():
         raise SolverError([Fault("E501", "the cut lost volume: mass and rest do not sum to the ground")])
     parts = sorted(whole.decompose(), key=lambda part: -part.volume())
@@ -97,13 +102,20 @@ def analytic_mass(ground: Cutter, shape: AnalyticShape, edge: float | None) -> t
     Parameters
     ----------
     edge : mean length (m) of the edges wanted on the slip surface, None for what four digits of a factor need
+
+    Raises
+    ------
+    DesignError
+        E125 so fine that the solver would take minutes. GeometryError as for `cut_mass`.
     """
     mass, level = cut_mass(ground, shape.cutter(_FIRST_LEVEL)), _FIRST_LEVEL
+    if edge is not None:
+        halvings(mass, edge)
     while level < _LAST_LEVEL and int((mass.on == SLIP).sum()) < _FEWEST and (edge is None or mass.edge > edge):
         level += 1
         mass = cut_mass(ground, shape.cutter(level))
     mass, refined = _snapped(mass, shape.metric), 0
-    while (refined < 1) if edge is None else (mass.edge > edge and refined < 5):
+    while (refined < 1) if edge is None else mass.edge > edge:
         mass, refined = _refined(mass, shape.metric), refined + 1
     corners = mass.vertices[mass.triangles[mass.on == SLIP]]
     vector_areas = _vector_areas(mass.vertices, mass.triangles[mass.on == SLIP])
@@ -124,12 +136,36 @@ def analytic_mass(ground: Cutter, shape: AnalyticShape, edge: float | None) -> t
     return better, pairs
 
 
+def halvings(mass: SlidingMass, edge: float) -> int:
+    """How often the edges on the slip surface have to be halved to be as short as `edge` (m).
+
+    Raises
+    ------
+    DesignError
+        E125 that makes more triangles than the solver takes in seconds.
+    """
+    count = int((mass.on == SLIP).sum())
+    times = max(0, math.ceil(math.log2(mass.edge / edge)))
+    made = count * 4.0**times
+    if made > MOST_TRIANGLES:
+        allowed = math.floor(math.log(max(MOST_TRIANGLES / count, 1.0), 4.0))
+        message = (
+            f"edges of {edge:.6g} m make {made:.3g} triangles on the slip surface, at most {MOST_TRIANGLES} are taken"
+        )
+        advice = f"Give {math.ceil(1e3 * mass.edge / 2.0**allowed) / 1e3:.6g} m or more."
+        raise DesignError([Fault("E125", message, "slip.edge", advice)])
+    return times
+
+
 def facet_pairs(mass: SlidingMass, body: Cutter, normals: Normals) -> NodePairs:
     """Node pairs on the facets of a slip surface, with the facets' own normals or smoothed ones.
 
     Smoothed normals are those at the corners of the facet that was cut (Max 1999), interpolated across it.
     """
     where = mass.triangles[mass.on == SLIP]
+    if len(where) > MOST_TRIANGLES:
+        message = f"the slip surface has {len(where)} triangles within the ground, at most {MOST_TRIANGLES} are taken"
+        raise DesignError([Fault("E125", message, "slip.mesh", "Decimate its mesh: the answer does not need them.")])
     corners = mass.vertices[where]
     vector_areas = _vector_areas(mass.vertices, where)
     size = np.sqrt((vector_areas * vector_areas).sum(axis=1))
@@ -144,6 +180,38 @@ def facet_pairs(mass: SlidingMass, body: Cutter, normals: Normals) -> NodePairs:
     smooth = np.einsum("nk,nki->ni", _barycentric(points, body.vertices[facet]), at_vertices[facet])
     smooth /= np.sqrt((smooth * smooth).sum(axis=1))[:, None]
     return _merged(_index(mass), points, -smooth, areas)
+
+
+def _extents(ground: Cutter, body: Cutter) -> str:
+    """How large both are, about the slip surface's own middle."""
+    low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
+    floor, top = ground.vertices.min(axis=0), ground.vertices.max(axis=0)
+    return "about its middle the slip surface reaches " + ", ".join(
+        f"{axis} {low[k]:.4g} to {high[k]:.4g} (ground {floor[k]:.4g} to {top[k]:.4g})" for k, axis in enumerate("xyz")
+    )
+
+
+def through(mass: SlidingMass, start: Floats, direction: Floats) -> tuple[float | None, bool]:
+    """How far (m) a ray goes until it leaves a mass for good, and whether through the slip surface; None: it misses.
+
+    Parameters
+    ----------
+    start, direction : (3,) m and a unit vector
+    """
+    a, b, c = (mass.vertices[mass.triangles[:, k]] for k in range(3))
+    first, second, away = b - a, c - a, start - a
+    across = np.cross(direction, second)
+    size = (first * across).sum(axis=1)
+    hit = np.abs(size) > 1e-14 * np.abs(size).max(initial=0.0)
+    share = np.where(hit, 1.0 / np.where(hit, size, 1.0), 0.0)
+    u, turned = (away * across).sum(axis=1) * share, np.cross(away, first)
+    v, reach = (turned @ direction) * share, (turned * second).sum(axis=1) * share
+    edge = 1e-12
+    met = np.flatnonzero(hit & (u >= -edge) & (v >= -edge) & (u + v <= 1.0 + edge) & (reach > 0.0))
+    if len(met) == 0:
+        return None, False
+    last = met[np.argmax(reach[met])]
+    return float(reach[last]), bool(mass.on[last] == SLIP)
 
 
 def _manifold(cutter: Cutter, ids: Ints, name: str) -> Manifold:
@@ -309,7 +377,8 @@ def _merged(index: Ints, points: Floats, normals: Floats, areas: Floats, gained:
     total = np.asarray(np.bincount(which.ravel(), areas), dtype=np.float64)
     if gained is not None:
         total = np.maximum(total + gained[used], 0.1 * total)
-    return _pairs(points[first], normals[first], total)
+    kept = first[total > _SMALL_AREA * total.max()]
+    return _pairs(points[kept], normals[kept], total[total > _SMALL_AREA * total.max()])
 
 
 def _pairs(points: Floats, normals: Floats, areas: Floats) -> NodePairs:

@@ -18,6 +18,7 @@ from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 
 _MOST_STEPS = 40
+_MOST_WORK = 30_000  # trials times node pairs: some seconds of Clarabel
 _CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
 _BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
 _BALANCED = 1e-9  # a shortfall this small, in parts of the load, is none
@@ -147,7 +148,8 @@ def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
     if best is None or best.shortfall > 1e-6:
         return StaticBound(None, False, steps, velocity, np.zeros(len(model.control_area)))
     guess, step = best.root(high), 0.9
-    while high - low > _CONIC_WIDTH * high and steps < _MOST_STEPS + 40:
+    most = min(_MOST_STEPS + 40, max(4, _MOST_WORK // len(model.control_area)))
+    while high - low > _CONIC_WIDTH * high and steps < most:
         if not low < guess < high:
             guess = 0.5 * (low + high) if low > 0.0 else high * step
             step *= step

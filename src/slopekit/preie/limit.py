@@ -45,6 +45,7 @@ _MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this
 _NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
 _STRIDE = 1.05  # steps of λ on the way to the first loss
+_NO_NUMBER = 0.5  # a range of factors wider than this part of the highest is none
 _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
@@ -155,9 +156,15 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
         return alike(Limit(Outcome.LIFTED, None, none, np.zeros(len(every)), 0.0 * bond, 0, 0, 0.0))
     if _stands_without_strength(model):
         return alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, np.zeros(len(every)), bond, 0, 0, 0.0))
+    if model.dilates and (associated := _associated_curved_limit(model)) is not None:
+        return alike(associated)
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    return alike(_passes(model, start, normal, bond, every))
+    limit = _passes(model, start, normal, bond, every)
+    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > _NO_NUMBER):
+        # dilation itself resists: the passes lost their way
+        limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
+    return alike(limit)
 
 
 def passes_limit(model: Model, passes: int) -> float:
@@ -186,6 +193,27 @@ def _associated_limit(model: Model) -> Limit | None:
         return None
     bond = np.ones(len(model.control_area))
     return Limit(Outcome.SLIDES, bound.factor, _unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
+
+
+def _associated_curved_limit(model: Model) -> Limit | None:
+    """The same on a curved surface, where the mechanism opens pairs beyond their dilation: those lose cohesion."""
+    bond = np.ones(len(model.control_area))
+    releases = np.zeros(len(bond))
+    for _ in range(_MOST_RELEASES * _WINDOW):
+        rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
+        without = curved_limit_analysis(rigid).governing
+        if not without.factor:
+            return None
+        bound = static_bound(rigid, without.velocity, without.factor)
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
+            return None
+        renewed, releases = _release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
+        if (renewed == bond).all():
+            return Limit(
+                Outcome.SLIDES, bound.factor, _unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0
+            )
+        bond = renewed
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,8 +289,8 @@ def _first_loss(
     push = top = at(high)
     # bolts so strong that they would lift the block off pull no more than keeps it on a joint
     hangs = bare > 0.0 and not top.touching.any() and not stands(top, high)
-    while hangs and not stands(push, low) and low > 1.0 / _STRONGEST:
-        high, low = low, low / _STRIDE
+    while hangs and not stands(push, low) and low > 1e-3 * bare:
+        high, low = low, low / (2.0 if low > 30.0 * bare else _STRIDE)
         push = at(low)
     if not stands(push, low):
         outcome = Outcome.LIFTED if not top.touching.any() else Outcome.SLIDES

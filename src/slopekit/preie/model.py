@@ -135,7 +135,7 @@ def build_model(
     Raises
     ------
     SolverError
-        E502 there is nothing to solve, E503 a rigid translation opens a pair that it should not.
+        E502 there is nothing to solve, E503 normals that are no unit vectors.
     """
     # the sum of all loads' sizes, not the size of their sum: bolts may hold the block in balance
     force_scale = sum(math.sqrt(float(part @ part)) for part in loads.parts.values())
@@ -146,9 +146,8 @@ def build_model(
     arms = arms / length
     axes = local_axes(pairs.normals)
     rows = np.concatenate([axes, np.cross(arms[:, None, :], axes)], axis=2)
-    opening = rows[:, 0, :3] - pairs.normals
-    if float(np.abs(opening).max()) > _RIGID_TOLERANCE:
-        raise SolverError([Fault("E503", "a rigid translation does not open the node pairs by its normal part")])
+    if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > _RIGID_TOLERANCE:
+        raise SolverError([Fault("E503", "a rigid translation does not move the node pairs by its own length")])
     bolt_arms = (loads.passive_points - centroid) / length
     bolt_axes = np.concatenate([loads.passive_forces, np.cross(bolt_arms, loads.passive_forces)], axis=1)
     capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))

@@ -7,7 +7,8 @@ The motions are found as in slippage analysis (Gelfand & Guibas 2004): the small
 
     Σ A (n·v)² against Σ A |v|²,   v the velocity of a node pair,
 
-whose roots are the sines of the angles between surface and motion. Each normal is then turned square to them.
+whose roots are the sines of the angles between surface and motion. Each normal is then turned square to those that
+come as near as the one on which the load works most.
 """
 
 from dataclasses import dataclass, replace
@@ -20,6 +21,7 @@ from slopekit.geometry.interfaces import NodePairs
 _TANGENT_DEG = 1.0  # a motion that leaves the surface by less than this (root mean square) is one that it lets through
 _DRIVEN = 1e-6  # a motion on which the load works less, in parts of the most it does on any, is not driven
 _EXACT = 1e-7  # sine below which nothing needs to be turned
+_ALIKE = 3.0  # motions that leave the surface by more than this times what the load's does are not the surface's own
 FARTHEST_DEG = 10.0  # normals are not turned by more than this (root mean square): such a surface must dilate
 
 
@@ -70,17 +72,28 @@ def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
         free[:] = False
     if not free.any():
         chosen = motions @ ((motions.T @ scaled) / np.maximum(squares, _EXACT**2))
-        directions = chosen[:, None]
+        turned, moved = _square_to(pairs.normals, np.einsum("niu,u->ni", point_rows, chosen)[:, :, None])
     else:
-        directions = motions[:, free]
-    velocities = np.einsum("niu,uk->nik", point_rows, directions)
-    turned, moved = _square_to(pairs.normals, velocities)
+        # a thin slice of a cylinder nearly lets tilting through: turned for that too, it would not turn on its axis
+        first = int(np.argmax(np.where(free, driven, 0.0)))
+        free &= sines <= max(_ALIKE * float(sines[first]), _EXACT)
+        velocities = np.einsum("niu,uk->nik", point_rows, motions)
+        turned, moved = _square_to(pairs.normals, velocities[:, :, free])
+        if not _tangent(turned, velocities[:, :, free]):  # scattered normals: no surface is square to all of them
+            driving = motions[:, free] @ (motions[:, free].T @ scaled)
+            turned, moved = _square_to(pairs.normals, np.einsum("niu,u->ni", point_rows, driving)[:, :, None])
     misfit = float(np.sqrt(weight @ moved**2))
     if misfit < _EXACT:
         return Slippage(pairs, int(free.sum()), 0.0, False)
     if np.degrees(misfit) > FARTHEST_DEG:
         return Slippage(pairs, 0, float(np.degrees(misfit)), True)
     return Slippage(replace(pairs, normals=frozen(turned)), int(free.sum()), float(np.degrees(misfit)), False)
+
+
+def _tangent(normals: Floats, velocities: Floats) -> bool:
+    """Whether normals (n, 3) are square to velocities (n, 3, k)."""
+    out = np.einsum("ni,nik->nk", normals, velocities)
+    return float((out * out).sum()) <= _EXACT**2 * float((velocities * velocities).sum())
 
 
 def _square_to(normals: Floats, velocities: Floats) -> tuple[Floats, Floats]:

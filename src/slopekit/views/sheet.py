@@ -66,13 +66,14 @@ def _loads(result: Result) -> list[str]:
         off = design.eccentricity_m
         place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
         entries.append(f"footing {size_number(design.load_kn)} kN, {place}")
-    if design.water.mode != "dry":
+    if design.water.mode != "dry" or design.water.crack_fill:
         entries.append(f"water {design.water.in_words()}")
     elif isinstance(design, PlaneDesign) and design.crack is not None and design.crack.water_m:
         entries.append(f"water {design.crack.water_m:.4g} m deep in the crack, falling to nothing at the toe")
     if design.seismic.coefficient:
         trend = design.seismic.trend_deg
         toward = f"toward {trend:03.0f}" if trend is not None else _OWN_WAY[result.kind]
+        toward += " (x is 090)" if trend is not None and result.kind == "surface" else ""
         entries.append(f"seismic {design.seismic.coefficient:.4g} g {toward}")
     for force in design.forces:
         at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
@@ -290,7 +291,7 @@ def _governs(result: Result) -> list[str]:
 def _defaults(result: Result) -> list[str]:
     names = result.design.defaults
     if not names:
-        return ["none: every value was given"] if isinstance(result.design, WedgeDesign) else []
+        return ["none of the paper's wedge was taken"] if isinstance(result.design, WedgeDesign) else []
     ours = [DEFAULT_NAMES[name] for name in names if name != "seismic.trend"]
     parts = [", ".join(ours) + " (the paper's wedge)"] if ours else []
     if "seismic.trend" in names:

@@ -1,0 +1,225 @@
+"""A design as located nodes: every value knows its dotted path and the line and column it stands at.
+
+Scalars are texts, kept as the user wrote them, so that 045 stays 045 and no number is rounded here. The same tree is
+made of a file (`yaml.py`) and of a Python mapping (`document_from`).
+"""
+
+import os
+import re
+from collections.abc import Callable, ItemsView, Mapping
+from dataclasses import dataclass
+from numbers import Real
+from pathlib import Path
+from typing import Any, NoReturn, TypeAlias
+
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Line, Plane
+
+Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
+Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"
+
+MAX_VALUES = 100_000
+MAX_DEPTH = 100
+WIDTH = 80
+NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something was written; `line` 0 is a value from `--set` or from Python.
+
+    >>> print(Place("north-wall.yaml", 6, 8, "J1: {plane: 95/115, strength: weak}"))
+    north-wall.yaml:6:8  J1: {plane: 95/115, strength: weak}
+    >>> print(Place("--set", 0, 0, "strength.weak.phi=25"))
+    --set strength.weak.phi=25
+    """
+
+    file: str
+    line: int
+    column: int
+    source: str
+
+    def __str__(self) -> str:
+        if self.line:
+            return f"{self.file}:{self.line}:{self.column}  {self.source}".rstrip()
+        return f"{self.file}{' ' if self.is_set else ': '}{self.source}"
+
+    @property
+    def is_set(self) -> bool:
+        """Whether the value came by `--set`."""
+        return not self.line and self.file == "--set"
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A value of a design: keys with nodes, a list of nodes, the text as written, or None where nothing was written.
+
+    `place` is where the value begins, `key_place` where its key stands (for a list item, the item itself).
+    """
+
+    value: Value
+    place: Place
+    path: str
+    key_place: Place
+
+    @property
+    def is_mapping(self) -> bool:
+        """Whether the value has keys."""
+        return isinstance(self.value, dict)
+
+    @property
+    def name(self) -> str:
+        """The last part of the path: the key, or the index in a list."""
+        return self.path.rpartition(".")[2]
+
+    @property
+    def text(self) -> str | None:
+        """The text of a scalar; None for anything else."""
+        return self.value if isinstance(self.value, str) else None
+
+    @property
+    def elements(self) -> tuple["Node", ...]:
+        """The items of a list; nothing for anything else."""
+        return tuple(self.value) if isinstance(self.value, list) else ()
+
+    def get(self, key: str) -> "Node | None":
+        """The node of a key, None where there is none or where the value has no keys."""
+        return self.value.get(key) if isinstance(self.value, dict) else None
+
+    def items(self) -> "ItemsView[str, Node]":
+        """Keys and their nodes, in the order of the file; nothing where the value has no keys."""
+        return (self.value if isinstance(self.value, dict) else {}).items()
+
+    def plain(self) -> Plain:
+        """The value as dicts, lists, texts and None.
+
+        >>> document_from({"slope": {"height": 64.89, "face": (60, 180)}}).root.plain()
+        {'slope': {'height': '64.89', 'face': ['60', '180']}}
+        """
+        if isinstance(self.value, dict):
+            return {key: node.plain() for key, node in self.value.items()}
+        if isinstance(self.value, list):
+            return [node.plain() for node in self.value]
+        return self.value
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A design as it was written: its tree, its name, and its file where it came from one."""
+
+    root: Node
+    name: str
+    path: Path | None = None
+
+
+def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:
+    """The tree of a Python mapping, the same as its YAML would give; None means not given.
+
+    Raises
+    ------
+    DesignError
+        E163 for a value that no design file could hold, E154 for a mapping that contains itself.
+
+    >>> print(document_from({"strength": {"weak": {"phi": 25}}}).root.get("strength").get("weak").get("phi").place)
+    design: strength.weak.phi = 25
+    """
+    faults: list[Fault] = []
+    root = from_python(mapping, "", lambda path, value: _python_place(name, path, value), faults)
+    if not root.is_mapping and not faults:
+        faults.append(Fault("E157", f"{name} is {type(mapping).__name__}, not keys with values", name))
+    if faults:
+        raise DesignError(faults)
+    return Document(root, name)
+
+
+def from_python(
+    value: Any, path: str, place_of: Callable[[str, Any], Place], faults: list[Fault], above: tuple[int, ...] = ()
+) -> Node:
+    place = place_of(path, value)
+    made: Value = None
+    if id(value) in above:
+        faults.append(Fault("E154", f"{path or 'the design'} contains itself", str(place)))
+    elif len(above) > MAX_DEPTH:
+        fail_large(place, deep=True)
+    elif hasattr(value, "tolist") and hasattr(value, "dtype"):
+        return from_python(value.tolist(), path, place_of, faults, above)
+    elif isinstance(value, Mapping):
+        made = {}
+        for key, part in value.items():
+            if part is None:
+                continue
+            name = str(key)
+            if name in made:
+                faults.append(Fault("E151", f"{joined(path, name)} is given twice", str(place)))
+            made[name] = from_python(part, joined(path, name), place_of, faults, (*above, id(value)))
+    elif isinstance(value, list | tuple):
+        made = [
+            from_python(part, joined(path, str(k)), place_of, faults, (*above, id(value)))
+            for k, part in enumerate(value)
+        ]
+    elif value is not None:
+        made = _text_of(value)
+        if made is None or NO_TEXT.search(made):
+            shown = f"of the type {type(value).__name__}" if made is None else repr(made)
+            advice = "Give numbers, texts, lists and dicts."
+            faults.append(Fault("E163", f"{path or 'the value'} is {shown}, no design holds that", str(place), advice))
+    return Node(made, place, path, place)
+
+
+def _text_of(value: object) -> str | None:
+    """What a design file would have for this value; None where it could have nothing."""
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Plane):
+        return f"{value.dip_deg!r}/{value.dip_direction_deg!r}"
+    if isinstance(value, Line):
+        return f"{value.trend_deg!r}/{value.plunge_deg!r}"
+    if isinstance(value, os.PathLike):
+        path = os.fspath(value)
+        return path if isinstance(path, str) else None
+    if isinstance(value, int):
+        return str(value) if value.bit_length() < 1024 else ("inf" if value > 0 else "-inf")
+    if isinstance(value, Real):
+        return repr(float(value))
+    return None
+
+
+def _python_place(name: str, path: str, value: object) -> Place:
+    return Place(name, 0, 0, cut(f"{path} = {shown_of(value)}" if path else shown_of(value)))
+
+
+def shown_of(value: object) -> str:
+    if isinstance(value, Mapping):
+        return f"{{{cut(', '.join(f'{key}: …' for key in list(value)[:9]))}}}"
+    if isinstance(value, list | tuple):
+        return f"a list of {len(value)}"
+    text = _text_of(value)
+    return printable(text) if text is not None else f"a {type(value).__name__}"
+
+
+# -- small things -----------------------------------------------------------------------------------------------------
+
+
+def joined(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name
+
+
+def fail_large(place: Place, deep: bool) -> NoReturn:
+    if deep:
+        fail("E149", f"values are nested more than {MAX_DEPTH} deep", str(place), "Is there a bracket left open?")
+    advice = "Large meshes stand in files of their own: mesh: slip.stl."
+    fail("E149", f"there are more than {MAX_VALUES} values", str(place), advice)
+
+
+def cut(text: str) -> str:
+    return text if len(text) <= WIDTH else text[: WIDTH - 1].rstrip() + "…"
+
+
+def printable(text: str) -> str:
+    return text if text.isprintable() else "".join(c if c.isprintable() else " " if c.isspace() else "�" for c in text)
+
+
+def fail(code: str, message: str, where: str = "", advice: str = "") -> NoReturn:
+    raise DesignError([Fault(code, message, where, advice)])

@@ -1,0 +1,205 @@
+"""Values put over those of a design: `--set a.b.c=value` and `sk.run(set=...)`."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+from slopekit.design.nodes import (
+    MAX_DEPTH,
+    NO_TEXT,
+    Document,
+    Node,
+    Place,
+    cut,
+    fail,
+    fail_large,
+    from_python,
+    joined,
+    printable,
+    shown_of,
+)
+from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
+from slopekit.errors import DesignError, Fault
+
+Exclusive: TypeAlias = Mapping[str, Sequence[str]]
+
+#: Keys that exclude each other: a `--set` of one drops the others of the file.
+ALTERNATIVES: Exclusive = {
+    "water": ("mode", "fill", "pressures"),
+    "rock": ("density", "unit_weight"),
+    "crack": ("depth", "distance"),
+}
+_DOTTED_KEYS = ("correlation",)  # the keys of these mappings are names with dots: J1.phi/J2.phi
+
+
+def parse_override(text: str) -> tuple[str, str]:
+    """Split what follows `--set` into its dotted path and its value.
+
+    Raises
+    ------
+    DesignError
+        E160 without an equals sign or without a path.
+
+    >>> parse_override("strength.weak.phi=25")
+    ('strength.weak.phi', '25')
+    """
+    path, equals, value = text.partition("=")
+    if not equals or not path.strip():
+        advice = "Write --set key=value, for example --set strength.weak.phi=25."
+        fail("E160", f"--set {cut(text)} is not key=value", f"--set {cut(text)}", advice)
+    return path.strip(), value.strip()
+
+
+def with_overrides(
+    document: Document, overrides: Sequence[tuple[str, object]], alternatives: Exclusive = ALTERNATIVES
+) -> Document:
+    """A copy of the document with some values replaced.
+
+    Parameters
+    ----------
+    overrides : dotted path (list items by their number from 0) and value: text is read as YAML reads it inside
+        brackets, other Python values as `document_from` takes them; null or None removes the key
+    alternatives : keys that exclude each other: setting one drops the others, unless they were set as well
+
+    Raises
+    ------
+    DesignError
+        E151 a path set twice, E160 not a path or broken YAML, E161 a path through a value, E162 no such list item.
+
+    >>> from slopekit.design.nodes import document_from
+    >>> design = document_from({"water": {"mode": "full"}, "support": {"bolts": [{"force": "200 kN"}]}})
+    >>> changed = with_overrides(design, [("water.fill", "50 %"), ("support.bolts.0.acts", "passive")])
+    >>> changed.root.plain()
+    {'water': {'fill': '50 %'}, 'support': {'bolts': [{'force': '200 kN', 'acts': 'passive'}]}}
+    """
+    root, faults, seen = document.root, list[Fault](), set[str]()
+    for path, value in overrides:
+        shown = value if isinstance(value, str) else shown_of(value)
+        place = Place("--set", 0, 0, cut(f"{path}={shown}"))
+        if path in seen:
+            faults.append(Fault("E151", f"{path} is set twice", str(place), "Leave one of them out."))
+            continue
+        seen.add(path)
+        try:
+            parts = _parts(path, place)
+            new = _override_value(value, path, place)
+            root = _replaced(root, parts, new if new.value is not None else None, place)
+        except DesignError as error:
+            faults += error.faults
+            continue
+        if new.value is not None:
+            root = _without_alternatives(root, path, alternatives)
+    if faults:
+        raise DesignError(faults)
+    return replace(document, root=root)
+
+
+def _override_value(value: object, path: str, place: Place) -> Node:
+    faults: list[Fault] = []
+    if not isinstance(value, str):
+        node = from_python(value, path, lambda _path, _value: place, faults)
+    elif value.lstrip()[:1] in ("[", "{", "'", '"'):
+        try:
+            item = composed(value.strip(), Source("--set", value.strip()))
+        except DesignError as error:
+            fault = error.faults[0]
+            message = f"the value of --set {path} is {fault.message}"
+            raise DesignError([Fault("E160", message, str(place), fault.advice)]) from None
+        builder = TreeBuilder(lambda _line, _column: place)
+        node, faults = builder.build(item, path, place), builder.faults
+    else:
+        text = value.strip()
+        if NO_TEXT.search(text):
+            fail("E160", f"the value of --set {path} is no text", printable(str(place)))
+        node = Node(None if text in NULLS else text, place, path, place)
+    if faults:
+        raise DesignError(faults)
+    return node
+
+
+def _parts(path: str, place: Place) -> list[str]:
+    parts = path.split(".")
+    if not all(part.strip() for part in parts) or NO_TEXT.search(path):
+        advice = "Write --set key=value, for example --set strength.weak.phi=25."
+        fail("E160", f"{cut(printable(path))!r} is no path to a key", printable(str(place)), advice)
+    if len(parts) > MAX_DEPTH:
+        fail_large(place, deep=True)
+    if parts[0] in _DOTTED_KEYS and len(parts) > 2:
+        parts[1:] = [".".join(parts[1:])]
+    return parts
+
+
+def _turned(plane: str, parts: list[str], new: Node | None) -> str | None:
+    """An orientation `dip/dip direction` with one of the two replaced: `slope.face.dip`, `.dip_direction`."""
+    dip, slash, direction = plane.partition("/")
+    value = new.text if new is not None else None
+    if not slash or value is None or parts not in (["dip"], ["dip_direction"]):
+        return None
+    return f"{value}/{direction.strip()}" if parts == ["dip"] else f"{dip.strip()}/{value}"
+
+
+def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> Node:
+    """A copy of `node` with the value at `parts` replaced, or removed where `new` is None."""
+    if isinstance(node.value, list):
+        return replace(node, value=_replaced_item(node, node.value, parts, new, place))
+    if isinstance(node.value, str):
+        turned = _turned(node.value, parts, new)
+        if turned is not None:
+            return replace(node, value=turned, place=place)
+        message = f"{node.path} is the value {cut(node.value)}, it has no {parts[0]}"
+        fail("E161", message, str(place), f"Set it as a whole: --set {node.path}=…")
+    entries = dict(node.value or {})
+    key = parts[0]
+    if len(parts) == 1:
+        if new is None:
+            entries.pop(key, None)
+        else:
+            old = entries.get(key)
+            entries[key] = new if old is None else replace(new, path=old.path)
+    else:
+        path = joined(node.path, key)
+        below = entries.get(key) or Node(None, place, path, place)
+        if new is None and below.value is None:
+            return node
+        entries[key] = _replaced(below, parts[1:], new, place)
+    return replace(node, value=entries)
+
+
+def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | None, place: Place) -> list[Node]:
+    if not re.fullmatch(r"[0-9]{1,9}", parts[0]):
+        message = f"{node.path} is a list, {parts[0]} is no number of an item"
+        fail("E162", message, str(place), f"Its items are {node.path}.0 to {node.path}.{max(len(items) - 1, 0)}.")
+    index = int(parts[0])
+    if index >= len(items):
+        items_are = f"Its items are {node.path}.0 to {node.path}.{len(items) - 1}." if items else "It is empty."
+        fail("E162", f"{node.path} has {len(items)} items, there is no item {index}", str(place), items_are)
+    copy = list(items)
+    if len(parts) > 1:
+        copy[index] = _replaced(items[index], parts[1:], new, place)
+    elif new is None:
+        advice = f"Set the whole list: --set {node.path}=[…]"
+        fail("E162", f"{node.path}.{index} cannot be taken out of its list", str(place), advice)
+    else:
+        copy[index] = new
+    return copy
+
+
+def _without_alternatives(root: Node, path: str, alternatives: Exclusive) -> Node:
+    for parent, keys in alternatives.items():
+        given = next((key for key in keys if f"{path}.".startswith(f"{parent}.{key}.")), None)
+        if given is None:
+            continue
+        above: Node | None = root
+        for part in parent.split("."):
+            above = above.get(part) if above else None
+        for key in keys:
+            other = above.get(key) if above else None
+            if key != given and other is not None and not other.key_place.is_set and not _holds_set(other):
+                root = _replaced(root, [*parent.split("."), key], None, other.place)
+    return root
+
+
+def _holds_set(node: Node) -> bool:
+    parts = node.elements or [part for _, part in node.items()]
+    return node.place.is_set or any(_holds_set(part) for part in parts)

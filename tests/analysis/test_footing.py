@@ -1,0 +1,115 @@
+"""The footing on a weak plane: the paper's §3.3 and Table 3, and the rule of the middle third."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+import slopekit as sk
+
+LENGTH = 5.0 * math.sqrt(2.0)
+TEMPLATE = Path(__file__).parents[2] / "templates" / "paper-footing.yaml"
+
+
+def run(load=1500.0, at="middle", dip=45.0, length=LENGTH, c=200.0, phi=0.0, **more):
+    return sk.run({
+        "slopekit": 1, "kind": "footing", "footing": {"load": load, "at": at},
+        "weak_plane": {"dip": dip, "length": length, "pairs": more.pop("pairs", 9)},
+        "strength": {"seam": {"c": c, "phi": phi}}, **more,
+    })  # fmt: skip
+
+
+def test_the_paper_s_factor() -> None:
+    """K* = 200 · 5√2 / (1500 sin 45°) = 4/3 (Sheng et al. 2023, §3.3), exact."""
+    result = run()
+    assert result.fos.limit == pytest.approx(4.0 / 3.0, rel=1e-12)
+    assert result.fos.closed_form == pytest.approx(4.0 / 3.0, rel=1e-12)
+    assert (result.status, result.agree) == ("slides_on_J1", True)
+
+
+@pytest.mark.parametrize(("dip", "c", "phi"), [(20, 50, 10), (40, 120, 25), (70, 300, 40), (45, 0, 50)])
+@pytest.mark.parametrize("unit_weight", [None, 24.0])
+def test_two_forces_by_hand(dip, c, phi, unit_weight) -> None:
+    """F = (c L + P cos δ tan φ) / (P sin δ), P with the weight of the triangle L² sin δ cos δ / 2."""
+    a = math.radians(dip)
+    rock = {"rock": {"unit_weight": unit_weight}} if unit_weight else {}
+    total = 1500.0 + (unit_weight or 0.0) * 64.0 * math.sin(a) * math.cos(a) / 2.0
+    exact = (c * 8.0 + total * math.cos(a) * math.tan(math.radians(phi))) / (total * math.sin(a))
+    result = run(dip=dip, length=8.0, c=c, phi=phi, **rock)
+    assert result.fos.limit == pytest.approx(exact, rel=1e-9)
+
+
+def test_the_series_of_the_template() -> None:
+    """Table 3: no pair fails at 1.0, one after the other up to all nine at 1.334; no rest beyond 4/3."""
+    result = sk.run(TEMPLATE)
+    failed = {step.factor: step.failed_pairs for step in result.series}
+    counts = [failed[factor] for factor in sorted(failed)]
+    assert failed[1.0] == 0
+    assert failed[1.334] == 9
+    assert counts == sorted(counts)
+    assert len(set(counts)) >= 4  # gradual, as in the paper
+    for step in result.series:
+        assert step.stands == (step.factor <= 1.333)
+        assert (step.movement is None) == (step.factor > 4.0 / 3.0)
+    down = [-step.movement.displacement[2] for step in result.series if step.movement is not None]
+    assert down == sorted(down)
+    assert 0.0 < down[0] < down[-1] < 1.0
+    at_one = 1e3 * result.series[0].movement.displacement[[0, 2]]
+    assert at_one == pytest.approx([11.2, -17.0], abs=0.1)  # Table 3 (mm); the stiffness was chosen to give it
+
+
+def test_a_load_in_the_middle_fails_all_pairs_at_once() -> None:
+    """The shear of a rigid block that does not turn is even: 0 or 9."""
+    series = run(analysis={"factors": [1.0, 1.3, 1.333, 1.334]}).series
+    assert [step.failed_pairs for step in series] == [0, 0, 0, 9]
+
+
+@pytest.mark.parametrize("at", [1.0, 2.0, 3.0, 4.0])
+@pytest.mark.parametrize("pairs", [3, 9, 33])
+def test_the_limit_does_not_care_where_the_load_stands(at, pairs) -> None:
+    """A plastic seam with φ = 0 holds any moment its pairs can press: the forces settle F."""
+    assert run(at=at, pairs=pairs).fos.limit == pytest.approx(4.0 / 3.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.16, 0.17, 0.3])
+def test_the_middle_third(share) -> None:
+    """On an elastic bed an edge opens where the load passes more than L/6 from the middle; it then loses its cohesion.
+
+    The load passes (at - b/2) / cos δ along the plane from its middle; level, it would be the rule of the middle third.
+    Here the push square to the plane is P cos δ at that place.
+    """
+    width = 5.0
+    result = run(load=900.0, at=width * (0.5 + share), phi=30.0)
+    rest = result.at_factor_one
+    opens = share > 1.0 / 6.0
+    if not opens:
+        assert rest is not None
+        assert rest.failed_pairs == 0
+    assert result.node_pairs.normal_kn.min() >= 0.0
+    idle = (result.node_pairs.normal_kn <= 1e-9 * result.node_pairs.normal_kn.sum()).any()
+    assert idle == opens
+
+
+@pytest.mark.parametrize("at", [5.2, 100.0])
+def test_a_load_beside_the_block(at) -> None:
+    with pytest.raises(sk.GeometryError) as caught:
+        run(at=at)
+    assert caught.value.codes == ("E219",)
+
+
+@pytest.mark.parametrize("at", [0.0, 5.0])
+def test_a_load_on_the_edge_is_still_on_the_block(at) -> None:
+    assert run(at=at).status != "not_converged"
+
+
+def test_displacement_of_an_even_load_by_hand() -> None:
+    """u_n = N / (k_n L), u_t = T / (k_t L): springs in a row (1e-6: Newton's residual)."""
+    result = sk.run({
+        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 30, "length": 6},
+        "strength": {"seam": {"c": 500, "phi": 0, "stiffness": {"normal": 4e4, "shear": 1e4}}},
+    })  # fmt: skip
+    sine, cosine = 0.5, math.sqrt(0.75)
+    closes, slips = 1500.0 * cosine / (4e4 * 6.0), 1500.0 * sine / (1e4 * 6.0)
+    x, _, z = result.at_factor_one.movement.displacement
+    assert x == pytest.approx(slips * cosine - closes * sine, rel=1e-6)
+    assert z == pytest.approx(-slips * sine - closes * cosine, rel=1e-6)

@@ -1,0 +1,58 @@
+"""Mesh files: what is read, what is refused, and in which precision."""
+
+import numpy as np
+import pytest
+
+from slopekit.errors import DesignError
+from slopekit.geometry import meshes
+from slopekit.geometry.meshes import read_mesh
+from tests.scenes import ellipsoid_mesh, save, sheet
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "off", "glb"])
+def test_formats(tmp_path, suffix) -> None:
+    """The same closed body from each; single precision in STL, PLY and GLB."""
+    vertices, triangles = ellipsoid_mesh(2)
+    found, faces, closed = read_mesh(save(tmp_path / f"body.{suffix}", (vertices, triangles)), "body")
+    assert closed
+    assert (len(found), len(faces)) == (len(vertices), len(triangles))
+    tolerance = 1e-8 if suffix in ("obj", "off") else 1e-5
+    assert np.sort(found, axis=0) == pytest.approx(np.sort(vertices, axis=0), abs=tolerance)
+
+
+def test_a_body_that_is_inside_out_is_turned(tmp_path) -> None:
+    vertices, triangles = ellipsoid_mesh(2)
+    found, faces, closed = read_mesh(save(tmp_path / "body.obj", (vertices, triangles[:, ::-1])), "body")
+    a, b, c = (found[faces[:, k]] for k in range(3))
+    assert closed
+    assert np.einsum("ni,ni->", a - 40.0, np.cross(b - 40.0, c - 40.0)) > 0.0
+
+
+def test_sheets_and_bodies_with_holes_are_open(tmp_path) -> None:
+    vertices, triangles = ellipsoid_mesh(2)
+    assert not read_mesh(save(tmp_path / "hole.obj", (vertices, triangles[1:])), "hole")[2]
+    assert not read_mesh(save(tmp_path / "sheet.obj", sheet(30.0, 20.0, 40.0)), "sheet")[2]
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("empty.stl", b""), ("junk.stl", b"hello"), ("none.stl", b"solid x\nendsolid x\n"), ("no.format", b"1 2 3"),
+        ("cut.stl", b"\0" * 80 + b"\xff\xff\0\0" + b"\0" * 60), ("flat.obj", b"v 0 0 0\nv 1 0 0\n"),
+        ("odd.ply", b"ply\nformat ascii 1.0\nelement vertex many\n"),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ],
+)  # fmt: skip
+def test_what_is_no_mesh(tmp_path, name, content) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(DesignError) as caught:
+        read_mesh(path, name)
+    assert caught.value.codes == ("E172",)
+
+
+def test_too_many_triangles(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(meshes, "_MOST_TRIANGLES", 100)
+    with pytest.raises(DesignError, match="Decimate") as caught:
+        read_mesh(save(tmp_path / "body.obj", ellipsoid_mesh(2)), "body")
+    assert caught.value.codes == ("E172",)

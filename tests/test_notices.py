@@ -1,0 +1,166 @@
+"""Every notice: what brings it about, and what it says first. Then: no code is without a test."""
+
+import json
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis.wedge import prepare
+from slopekit.design.common import Strength
+from slopekit.design.reading import wedge_design
+from slopekit.design.templates import path_of
+from slopekit.errors import SolverError
+from slopekit.explanations import EXPLANATIONS
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.loads import Loads
+from slopekit.notices import Facts, Interface, notices
+from slopekit.preie.limit import limit_analysis
+from slopekit.preie.model import JointStrength, build_model
+
+DIPS = ("45/115", "45/245")
+#: cases.json, 9_single-plane: slides on J1 alone, where moments govern
+ONE_PLANE = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30,
+             "unit_weight": 26}  # fmt: skip
+# code, inputs of a wedge, what the notice says
+OF_A_WEDGE = [
+    ("W301", {"dips": ("45/178", "45/182")}, "J1 and J2"),
+    ("W302", {"unit_weight": 100}, "a unit weight of 100 kN/m³ is not that of rock"),
+    ("W303", ONE_PLANE, "moments govern: use 1.489; the closed form 1.538 knows no moments"),
+    ("W305", {"origin": (5e5, 4e6, 1e3)}, "map coordinates"),
+    ("W307", ONE_PLANE, "J2 has lost contact"),
+    ("W308", {"c": 0, "phi": 0}, "the joints have no strength"),
+    ("W310", {"dilation": 5}, "the closed form knows no dilation"),
+    ("W328", {"seismic": "0.1@000"}, "the seismic load acts against the movement"),
+    ("W329", {"tension": 100}, "the tensile strength acts in the displacements only"),
+    ("W311", {"bolts": "200@000/10"}, "bolts without a head"),
+    ("W315", {"bolts": "200@180/22.909807,passive"}, "the passive bolts add nothing"),
+    ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
+    ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
+    ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
+]  # fmt: skip
+# code, template, changes, what the notice says
+OF_A_FILE = [
+    ("W319", "wedge", {"crack": {"plane": "80/180", "distance": 5, "water": "full"}}, "the crack holds water"),
+    ("W320", "wedge", {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60}}, "strength.weak.c is a distribu"),
+    ("W321", "plane", {"joints.J1.plane": "35/170"}, "J1 strikes 10° from the face"),
+    ("W322", "paper-ellipsoid",
+     {"slope.profile": [[80, 20], [62, 20], [60, 0], [40, 0], [0, 40], [-20, 40]]}, "the slip surface cuts 2 pieces"),
+    ("W323", "plane", {"support": {"bolts": [{"force": 10, "toward": "090/0"}]}}, "bolts or forces act along the slo"),
+    ("W324", "paper-ellipsoid", {"loads": {"forces": [[10, 0, 0]]}}, "the methods of columns are left out: they know"),
+    ("W325", "paper-ellipsoid", {"slip.radii": [40, 28, 36]}, "the normals were turned by"),
+    ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
+    ("W330", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
+    ("W331", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
+    ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "inputs", "says"), OF_A_WEDGE, ids=lambda value: str(value)[:30])
+def test_notices_of_a_wedge(code, inputs, says) -> None:
+    said = {notice.code: notice.message for notice in sk.wedge(**{"dips": DIPS, **inputs}).warnings}
+    assert says in said[code]
+
+
+@pytest.mark.parametrize(("code", "template", "changes", "says"), OF_A_FILE, ids=lambda value: str(value)[:30])
+def test_notices_of_a_design_file(code, template, changes, says) -> None:
+    said = {notice.code: notice.message for notice in sk.run(path_of(template), set=changes).warnings}
+    assert said[code].startswith(says)
+
+
+def test_a_plain_design_is_told_nothing() -> None:
+    for name in ("wedge", "plane", "footing", "paper-ellipsoid", "sphere"):
+        assert sk.run(path_of(name)).warnings == ()
+
+
+def facts(**changes) -> tuple[set[str], str]:
+    """The codes said of the paper's wedge with some of the facts changed, and all that was said."""
+    design = wedge_design({"dips": DIPS})
+    scene = prepare(design, 0)
+    analysis = limit_analysis(scene.model)
+    if "change" in changes:
+        governing = replace(analysis.governing, change=changes.pop("change"))
+        analysis = replace(analysis, governing=governing)
+    if "idle" in changes:
+        half = np.where(np.arange(len(scene.pairs)) % 2, analysis.governing.normal_force, 0.0)
+        analysis = replace(analysis, governing=replace(analysis.governing, normal_force=half))
+        changes.pop("idle")
+    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, True, None, False, "")
+    interfaces = [Interface(0, "J1", Strength(50, 20)), Interface(1, "J2", Strength(50, 20))]
+    said = list(notices(design, interfaces, replace(found, **changes)))
+    return {notice.code for notice in said}, "\n".join(map(str, said))
+
+
+@pytest.mark.parametrize(
+    ("code", "changes", "says"),
+    [
+        ("W306", {"idle": True}, "carries no normal force"),
+        ("W309", {"bound_is_proved": False}, "the static bound was not found"),
+        ("W312", {"mesh_change": 0.03}, "still moved the limit by 3.0 %"),
+        ("W313", {"unsettled": True}, "no equilibrium was found at full strength"),
+        ("W317", {"change": 0.01}, "the passes did not settle: the limit swings between 1.557 and 1.573"),
+    ],
+)
+def test_notices_of_what_the_solver_met(code, changes, says) -> None:
+    codes, said = facts(**changes)
+    assert codes == {code}
+    assert says in said
+
+
+def test_bugs_of_ours_have_codes() -> None:
+    """E501 to E503 guard the arrays between the stages; a design cannot bring them about."""
+    square = {0: np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])}
+    pairs, none = node_pairs(square), np.zeros((0, 3))
+    strength = JointStrength(np.ones(1), np.ones(1), np.zeros(1), np.zeros(1))
+    weightless = Loads(np.zeros(3), np.zeros(3), {"weight": np.zeros(3)}, none, none)
+    heavy = replace(weightless, force=np.array([0.0, 0, -1]), parts={"weight": np.array([0.0, 0, -1])})
+    with pytest.raises(SolverError) as caught:
+        build_model(pairs, weightless, np.zeros(3), strength)
+    assert caught.value.codes == ("E502",)
+    with pytest.raises(SolverError) as caught:
+        build_model(replace(pairs, normals=pairs.normals * 1.01), heavy, np.zeros(3), strength)
+    assert caught.value.codes == ("E503",)
+    bow_tie = {0: np.array([[0.0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1.5, 0]])}
+    with pytest.raises(SolverError) as caught:
+        node_pairs(bow_tie)
+    assert caught.value.codes == ("E501",)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "starts"),
+    [
+        (("wedge", "--nonsense", "1"), "E100 "),
+        (("wedge", "--dips", *DIPS, "--c", "5", "--c", "6"), "E133 --c is given twice"),
+        (("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"), "E141 the picture wedge.jpg is not a .png file"),
+        (("run", str(path_of("plane")), "--picture", "plane.png"), "E173 a plane is not drawn yet, a wedge is"),
+    ],
+)
+def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", *arguments, "--json"], capture_output=True, text=True, timeout=60,
+        cwd=tmp_path,
+    )  # fmt: skip
+    assert run.returncode == 2
+    assert run.stderr.startswith(starts)
+    assert json.loads(run.stdout)["errors"][0]["code"] == starts[:4]
+
+
+def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path) -> None:
+    from slopekit.views.scene import wedge_picture
+
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(sk.DesignError) as caught:
+        wedge_picture(sk.wedge(dips=DIPS), tmp_path / "wedge.png")
+    assert caught.value.codes == ("E140",)
+    assert "plot" in caught.value.faults[0].message
+
+
+def test_every_code_has_a_test() -> None:
+    tests = "".join(path.read_text() for path in Path(__file__).parent.rglob("*.py"))
+    assert {code for code in EXPLANATIONS if not re.search(rf"\b{code}\b", tests)} - {"E599"} == set()
+    assert len(EXPLANATIONS) >= 60
