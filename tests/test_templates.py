@@ -154,7 +154,8 @@ def test_half_an_orientation_can_be_set() -> None:
 
 def test_faults_of_yaml_structure_and_values_come_together(tmp_path) -> None:
     (tmp_path / "bad.yaml").write_text(
-        "slopekit: 1\nkind: wedge\nkind: wedge\nslope: {hieght: 3}\njoints: {J1: {plane: 95/115}, J2: {plane: 45/245}}\n"
+        "slopekit: 1\nkind: wedge\nkind: wedge\nslope: {hieght: 3}\n"
+        "joints: {J1: {plane: 95/115}, J2: {plane: 45/245}}\n"
     )
     with pytest.raises(sk.DesignError) as caught:
         sk.load(tmp_path / "bad.yaml")
