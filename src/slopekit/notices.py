@@ -12,8 +12,9 @@ from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.orientation import Plane
-from slopekit.preie.limit import Limit, LimitAnalysis
+from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
+from slopekit.preie.passes import Limit
 
 _BLOCKS = {"wedge": "wedge", "surface": "mass"}
 _ACROSS = 0.34  # cosine of 70°

@@ -12,8 +12,9 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.loads import Loads
 from slopekit.orientation import Plane
 from slopekit.preie.bound import static_bound
-from slopekit.preie.limit import Outcome, limit_analysis
+from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, Model, build_model
+from slopekit.preie.passes import Outcome
 from tests.preie import conic_oracle
 from tests.support import random_wedge
 

@@ -17,8 +17,9 @@ from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
-from slopekit.preie.limit import Limit, LimitAnalysis, Outcome, limit_analysis
+from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
     AllPairs,

@@ -34,8 +34,9 @@ from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass,
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line
-from slopekit.preie.limit import Outcome, curved_limit_analysis
+from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.model import build_model
+from slopekit.preie.passes import Outcome
 from slopekit.preie.slippage import slippable
 from slopekit.result import Forces, Result, SurfaceGeometry
 

@@ -16,77 +16,28 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import (
-    LimitState,
     dilating_limit_state,
     elastic_displacement,
     intact_limit_state,
-    settled_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
 from slopekit.preie.model import Model
+from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
 
-_OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 300
-_STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
-_MOST_RELEASES = 2
-_AITKEN_PASSES = 30
-_PATIENT_STEP = 0.1
-_WINDOW = 20  # passes over which the factor must keep still ...
-_STEADY = 1e-5  # ... to this part, where the normal forces do not settle
 _MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _NO_NUMBER = 0.5  # a range of factors wider than this part of the highest is none
+_MOST_TRIES = 40  # bonds let go and found again
 _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
-
-
-class Outcome(Enum):
-    """How a limit analysis ended; every one of them is an answer but the last."""
-
-    SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
-    NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
-    LIFTED = "the loads pull the blocks off every joint"
-    NO_DRIVING_FORCE = "nothing drives the blocks: they stand without strength"
-    NOT_CONVERGED = "the passes did not settle"
-
-
-@dataclass(frozen=True, slots=True)
-class Limit:
-    """A limit factor with its evidence.
-
-    Attributes
-    ----------
-    outcome : how it ended
-    factor : F, None unless something slides or turns
-    velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
-    passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
-    """
-
-    outcome: Outcome
-    factor: float | None
-    velocity: Floats
-    normal_force: Floats
-    bond: Floats
-    passes: int
-    steps: int
-    change: float
-
-    def settled_to(self, relative: float) -> bool:
-        """Whether the factor is one number to that part: not a range that the passes swung through, nor none."""
-        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
-
-    def velocity_of(self, model: Model) -> Floats:
-        """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
-        return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +56,7 @@ def limit_analysis(model: Model) -> LimitAnalysis:
     if state is not None and model.dilates:
         state = dilating_limit_state(model, state)
     if state is not None:
-        limit = _exact(state, np.ones(len(model.control_area)), 0)
+        limit = exact_limit(state, np.ones(len(model.control_area)), 0)
         return LimitAnalysis(limit, limit, limit, False)
     alone = forces_only_limit(model)
     if alone.outcome is Outcome.LIFTED:
@@ -118,7 +69,7 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(associated, associated, associated, False)
     start = alone.velocity_of(model)
     may_bond: Bools = np.ones(len(alone.bond), dtype=bool)
-    turning = _passes(model, start, alone.normal_force, alone.bond, may_bond)
+    turning = settle_by_passes(model, start, alone.normal_force, alone.bond, may_bond)
     if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
         turning = replace(turning, outcome=Outcome.NOT_CONVERGED)  # dilation itself resists: the passes lost their way
     if turning.outcome is Outcome.NO_STRENGTH:
@@ -150,7 +101,7 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
     if state is not None and model.dilates:
         state = dilating_limit_state(model, state)
     if state is not None:
-        return alike(_exact(state, bond, 0))
+        return alike(exact_limit(state, bond, 0))
     none = np.zeros(model.unknowns)
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
         return alike(Limit(Outcome.LIFTED, None, none, np.zeros(len(every)), 0.0 * bond, 0, 0, 0.0))
@@ -160,7 +111,7 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
         return alike(associated)
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    limit = _passes(model, start, normal, bond, every)
+    limit = settle_by_passes(model, start, normal, bond, every)
     if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > _NO_NUMBER):
         # dilation itself resists: the passes lost their way
         limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
@@ -192,14 +143,14 @@ def _associated_limit(model: Model) -> Limit | None:
     if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
         return None
     bond = np.ones(len(model.control_area))
-    return Limit(Outcome.SLIDES, bound.factor, _unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
+    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
 
 
 def _associated_curved_limit(model: Model) -> Limit | None:
     """The same on a curved surface, where the mechanism opens pairs beyond their dilation: those lose cohesion."""
     bond = np.ones(len(model.control_area))
     releases = np.zeros(len(bond))
-    for _ in range(_MOST_RELEASES * _WINDOW):
+    for _ in range(_MOST_TRIES):
         rigid = replace(model, tan_dilation=np.zeros_like(bond), cohesion=bond * model.cohesion)
         without = curved_limit_analysis(rigid).governing
         if not without.factor:
@@ -207,10 +158,10 @@ def _associated_curved_limit(model: Model) -> Limit | None:
         bound = static_bound(rigid, without.velocity, without.factor)
         if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
             return None
-        renewed, releases = _release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
+        renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
             return Limit(
-                Outcome.SLIDES, bound.factor, _unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0
+                Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0
             )
         bond = renewed
     return None
@@ -265,7 +216,7 @@ def forces_only_limit(model: Model) -> Limit:
         if held.dilates:
             may_bond: Bools = np.ones(len(share), dtype=bool)
             velocity = alone.pull / alone.driving
-            return _passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64), may_bond)
+            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64), may_bond)
         return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
     guess = alone.driving / max(alone.resisting, _NO_FORCE)
     return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)
@@ -312,123 +263,8 @@ def _turned(limit: Limit, model: Model) -> Limit:
     return replace(limit, velocity=limit.velocity_of(model))
 
 
-def _exact(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
-    factor = 1.0 / state.reduction
-    normal = np.maximum(state.normal_force, 0.0)
-    return Limit(Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0)
-
-
 def _stands_without_strength(model: Model) -> bool:
     """Whether pushes on the joints alone balance the forces and the moments."""
     count = len(model.control_area)
     _, rest = bounded_least_squares(model.normal_rows.T, -model.load, np.full(count, np.inf))
     return float(np.abs(rest).max()) < 1e-12
-
-
-def _passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
-    """Passes steered by Aitken's rule, and where those do not settle, patient ones."""
-    swift = _steered(model, velocity, normal_force, bond, may_bond, patient=False)
-    if swift.outcome is not Outcome.NOT_CONVERGED:
-        return swift
-    slow = _steered(model, velocity, normal_force, bond, may_bond, patient=True)
-    return replace(slow, passes=swift.passes + slow.passes, steps=swift.steps + slow.steps)
-
-
-def _steered(
-    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools, patient: bool
-) -> Limit:  # fmt: skip
-    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all.
-
-    Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
-    """
-    releases = np.where(may_bond, 0, _MOST_RELEASES)
-    friction = bond * model.cohesion + model.tan_friction * normal_force
-    if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
-        velocity = model.load
-    stages, weight = COLD, 1.0
-    last: Floats | None = None
-    factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
-    recent: list[float] = []
-    nothing = np.zeros(model.unknowns)
-    for count in range(1, _MOST_PASSES + 1):
-        total = float(friction.sum() + model.bolt_capacity.sum())
-        if total < _NOTHING * _NOTHING:
-            return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
-        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, _NO_FORCE))
-        found = cheapest_mechanism(
-            model, friction, tan_dilation, velocity, nothing, model.load, model.bolt_capacity, stages
-        )
-        velocity, stages, steps = found.velocity, WARM, steps + found.steps
-        factor_before, factor = factor, found.load_factor
-        without = not factor > _NOTHING * total
-        if not without:
-            normal_force = found.normal_force / factor
-        # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
-        rest = np.maximum(model.tan_friction - factor * tan_dilation, 0.0)
-        excess = bond * model.cohesion + rest * normal_force - friction
-        change = float(np.abs(excess).sum()) / total
-        moved = abs(factor - factor_before) / factor if factor > 0.0 else 0.0
-        calm += 1
-        quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
-        state: LimitState | None = None
-        settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
-        if settled and change < 1e-7 and not model.dilates:
-            moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
-        recent = [*recent[1 - (5 * _WINDOW if patient else _WINDOW) :], factor]
-        if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
-            # averaging creeps: the normal forces still trade places, the factor no longer moves
-            settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
-        if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
-            state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
-            if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
-                state = None
-        if settled or state is not None or without or calm >= _STAGE_PASSES:
-            at = velocity if state is None else state.velocity
-            renewed, releases = _release(model, at, tan_dilation, bond, releases)
-            if (renewed == bond).all():
-                if without:
-                    return Limit(Outcome.NO_STRENGTH, None, _unit(velocity), normal_force, bond, count, steps, 0.0)
-                if state is not None:
-                    return _exact(state, bond, count, steps)
-                if settled:
-                    return Limit(Outcome.SLIDES, factor, _unit(velocity), normal_force, bond, count, steps, moved)
-            else:
-                if state is not None:
-                    normal_force = np.maximum(state.normal_force, 0.0)
-                bond = renewed
-                friction = bond * model.cohesion + rest * normal_force
-                last, calm, quiet, weight = None, 0, 0, 1.0
-                continue
-        if last is not None:
-            if patient:
-                weight = _PATIENT_STEP
-            elif calm <= _AITKEN_PASSES:
-                turn = excess - last
-                weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
-                weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
-            else:  # feel the way: longer steps while they agree, shorter where they turn about
-                weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
-        last = excess
-        friction = np.maximum(friction + weight * excess, 0.0)
-    lowest, highest = min(recent), max(recent)
-    if patient and lowest > _NOTHING and (bond == 0.0).any():
-        # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
-        return Limit(
-            Outcome.SLIDES, lowest, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest
-        )
-    return Limit(Outcome.NOT_CONVERGED, None, _unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
-
-
-def _release(
-    model: Model, velocity: Floats, tan_dilation: Floats, bond: Floats, releases: Floats
-) -> tuple[Floats, Floats]:
-    """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
-    motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    opened = motion - tan_dilation * slip > _OPENS * max(float(slip.max()), float(motion.max()))
-    renewed = np.where(opened | (releases >= _MOST_RELEASES), 0.0, 1.0)
-    return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
-
-
-def _unit(vector: Floats) -> Floats:
-    unit: Floats = vector / math.sqrt(float(vector @ vector))
-    return unit

@@ -1,0 +1,183 @@
+"""Frozen-friction passes: the third step to the limit factor, where neither an exact state nor forces alone settle it.
+
+The friction is frozen at the normal forces of the last pass, the cheapest mechanism of a convex program gives new
+ones. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes again; one that
+opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.preie.limit_state import LimitState, settled_limit_state
+from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
+from slopekit.preie.model import Model
+
+_OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
+_MOST_PASSES = 300
+_STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
+MOST_RELEASES = 2
+_AITKEN_PASSES = 30
+_PATIENT_STEP = 0.1
+_WINDOW = 20  # passes over which the factor must keep still ...
+_STEADY = 1e-5  # ... to this part, where the normal forces do not settle
+_NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
+_NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
+
+
+class Outcome(Enum):
+    """How a limit analysis ended; every one of them is an answer but the last."""
+
+    SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
+    NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
+    LIFTED = "the loads pull the blocks off every joint"
+    NO_DRIVING_FORCE = "nothing drives the blocks: they stand without strength"
+    NOT_CONVERGED = "the passes did not settle"
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A limit factor with its evidence.
+
+    Attributes
+    ----------
+    outcome : how it ended
+    factor : F, None unless something slides or turns
+    velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
+    passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
+    """
+
+    outcome: Outcome
+    factor: float | None
+    velocity: Floats
+    normal_force: Floats
+    bond: Floats
+    passes: int
+    steps: int
+    change: float
+
+    def settled_to(self, relative: float) -> bool:
+        """Whether the factor is one number to that part: not a range that the passes swung through, nor none."""
+        return self.outcome is not Outcome.NOT_CONVERGED and self.change <= relative
+
+    def velocity_of(self, model: Model) -> Floats:
+        """The mechanism in the unknowns of `model`: a limit of forces alone does not turn."""
+        return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
+
+
+def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
+    """Passes steered by Aitken's rule, and where those do not settle, patient ones."""
+    swift = _steered(model, velocity, normal_force, bond, may_bond, patient=False)
+    if swift.outcome is not Outcome.NOT_CONVERGED:
+        return swift
+    slow = _steered(model, velocity, normal_force, bond, may_bond, patient=True)
+    return replace(slow, passes=swift.passes + slow.passes, steps=swift.steps + slow.steps)
+
+
+def _steered(
+    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools, patient: bool
+) -> Limit:  # fmt: skip
+    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all.
+
+    Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
+    """
+    releases = np.where(may_bond, 0, MOST_RELEASES)
+    friction = bond * model.cohesion + model.tan_friction * normal_force
+    if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
+        velocity = model.load
+    stages, weight = COLD, 1.0
+    last: Floats | None = None
+    factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
+    recent: list[float] = []
+    nothing = np.zeros(model.unknowns)
+    for count in range(1, _MOST_PASSES + 1):
+        total = float(friction.sum() + model.bolt_capacity.sum())
+        if total < _NOTHING * _NOTHING:
+            return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
+        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, _NO_FORCE))
+        found = cheapest_mechanism(
+            model, friction, tan_dilation, velocity, nothing, model.load, model.bolt_capacity, stages
+        )
+        velocity, stages, steps = found.velocity, WARM, steps + found.steps
+        factor_before, factor = factor, found.load_factor
+        without = not factor > _NOTHING * total
+        if not without:
+            normal_force = found.normal_force / factor
+        # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
+        rest = np.maximum(model.tan_friction - factor * tan_dilation, 0.0)
+        excess = bond * model.cohesion + rest * normal_force - friction
+        change = float(np.abs(excess).sum()) / total
+        moved = abs(factor - factor_before) / factor if factor > 0.0 else 0.0
+        calm += 1
+        quiet = quiet + 1 if moved < 1e-7 and change < 1e-3 else 0
+        state: LimitState | None = None
+        settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
+        if settled and change < 1e-7 and not model.dilates:
+            moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
+        recent = [*recent[1 - (5 * _WINDOW if patient else _WINDOW) :], factor]
+        if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
+            # averaging creeps: the normal forces still trade places, the factor no longer moves
+            settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
+        if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
+            state = settled_limit_state(model, velocity, 1.0 / factor, normal_force, bond)
+            if state is not None and abs(math.log(state.reduction * factor)) > 0.3:
+                state = None
+        if settled or state is not None or without or calm >= _STAGE_PASSES:
+            at = velocity if state is None else state.velocity
+            renewed, releases = release(model, at, tan_dilation, bond, releases)
+            if (renewed == bond).all():
+                if without:
+                    return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
+                if state is not None:
+                    return exact_limit(state, bond, count, steps)
+                if settled:
+                    return Limit(Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, steps, moved)
+            else:
+                if state is not None:
+                    normal_force = np.maximum(state.normal_force, 0.0)
+                bond = renewed
+                friction = bond * model.cohesion + rest * normal_force
+                last, calm, quiet, weight = None, 0, 0, 1.0
+                continue
+        if last is not None:
+            if patient:
+                weight = _PATIENT_STEP
+            elif calm <= _AITKEN_PASSES:
+                turn = excess - last
+                weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
+                weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
+            else:  # feel the way: longer steps while they agree, shorter where they turn about
+                weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
+        last = excess
+        friction = np.maximum(friction + weight * excess, 0.0)
+    lowest, highest = min(recent), max(recent)
+    if patient and lowest > _NOTHING and (bond == 0.0).any():
+        # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
+        return Limit(
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest
+        )
+    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
+
+
+def exact_limit(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
+    factor = 1.0 / state.reduction
+    normal = np.maximum(state.normal_force, 0.0)
+    return Limit(Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0)
+
+
+def release(
+    model: Model, velocity: Floats, tan_dilation: Floats, bond: Floats, releases: Floats
+) -> tuple[Floats, Floats]:
+    """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
+    motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    opened = motion - tan_dilation * slip > _OPENS * max(float(slip.max()), float(motion.max()))
+    renewed = np.where(opened | (releases >= MOST_RELEASES), 0.0, 1.0)
+    return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
+
+
+def unit(vector: Floats) -> Floats:
+    unit: Floats = vector / math.sqrt(float(vector @ vector))
+    return unit
