@@ -21,13 +21,13 @@ ELLIPSOID, SPHERE = path_of("paper-ellipsoid"), path_of("sphere")
 def surfaces() -> None:
     """Error and time by mesh; the sphere has an exact answer, the ellipsoid its own finest."""
     print("\n## Curved surfaces: speed against error (ms in process, bound apart)")
-    finest = sk.run(ELLIPSOID, set={"slip.edge": 0.6}).fos.limit
+    finest = sk.run(ELLIPSOID, set={"slip.edge": 1.21}).fos.limit
     exact = sk.run(SPHERE).fos.closed_form
     print(f"ellipsoid, finest true normals {finest:.6f}; sphere, closed form {exact:.6f}")
     print(f"{'surface':10s}{'normals':10s}{'edge m':>8s}{'pairs':>8s}{'limit':>10s}{'error':>10s}{'bound':>9s}"
           f"{'cut':>8s}{'limit ms':>9s}{'bound ms':>9s}")  # fmt: skip
     for name, path, answer, edges in (
-        ("ellipsoid", ELLIPSOID, finest, (10, 5, 2.5, 1.25)), ("sphere", SPHERE, exact, (2, 1, 0.5, 0.25)),
+        ("ellipsoid", ELLIPSOID, finest, (10, 5, 2.5)), ("sphere", SPHERE, exact, (2, 1, 0.4)),
     ):  # fmt: skip
         for normals in ("true", "smoothed", "facet") if name == "ellipsoid" else ("true", "smoothed"):
             for edge in edges:

@@ -57,6 +57,9 @@ OF_A_FILE = [
     ("W328", "surface", {"loads": {"seismic": "0.1@180"}}, "the seismic load acts across the movement"),
     ("W330", "surface", {"acceptance": {"rules": ["fos >= 1.362"]}}, "the limit meets fos >= 1.362, Fellenius"),
     ("W331", "sphere", {"slope.profile": [[5, -8.09017], [-30, 9.4098301]]}, "the mass reaches"),
+    ("W332", "sphere", {"acceptance": {"rules": ["fos.static_bound >= 1.3"]}}, "a rule judges the static bound"),
+    ("W323", "plane", {"loads": {"seismic": "0.2@270"}}, "the seismic load acts off the section: 0 % of it"),
+    ("W321", "plane", {"slope.upper": "10/195"}, "the upper slope strikes 15° from the face"),
     ("W326", "paper-ellipsoid", {"slip.normals": "facet"}, "facet normals interlock like a ratchet"),
 ]  # fmt: skip
 

@@ -1,6 +1,7 @@
 """Every template runs and gives what its source says; the commands around design files as a user runs them."""
 
 import json
+import math
 import subprocess
 import sys
 
@@ -120,6 +121,20 @@ def test_lint_reads_and_runs_nothing(tmp_path) -> None:
     assert document["inputs"]["height_m"] == 12.0
     scattered = slopekit("lint", str(path_of("wedge")), "--set", "strength.weak.phi={dist: normal, mean: 20, sd: 2}")
     assert "strength.weak.phi is a distribution: run takes 20" in scattered.stdout
+
+
+def test_a_corner_of_the_ground_on_the_circle() -> None:
+    """The paper's slope meets the cylinder of 40 m about (40, 40) in its toe and its crest.
+
+    By hand: the arc is π R / 2; a segment has its area times the distance of its centroid = chord³ / 12 (textbooks).
+    """
+    radius, c, weight = 40.0, 30.0, 20.0
+    found = sk.run(path_of("cylinder"), set={
+        "slip.radius": radius, "strength.shear zone": {"c": c, "phi": 0}, "rock": {"unit_weight": weight},
+    })  # fmt: skip
+    moment = weight * (radius * math.sqrt(2.0)) ** 3 / 12.0 * math.cos(math.pi / 4.0)
+    assert found.fos.closed_form == pytest.approx(c * radius**2 * math.pi / 2.0 / moment, rel=1e-9)
+    assert found.fos.limit == pytest.approx(found.fos.closed_form, rel=1e-4)
 
 
 def test_list_and_show() -> None:

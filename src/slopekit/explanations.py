@@ -148,8 +148,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "W307": "A joint loses its cohesion where it opens, at once: the factor of safety jumps there. A little less "
     "water or a little more bolt force may close it again.",
     "W308": "Joints without cohesion and friction hold nothing. A factor of 0 says nothing: the status stands.",
-    "W309": "The solver for the static bound gave up, or the bound is more than a thousand times the limit (a block "
-    "that cannot dilate its way out is locked): it is not printed. The limit does not depend on it.",
+    "W309": "The solver for the static bound gave up, there are more than 7500 node pairs, or the bound is more than a "
+    "thousand times the limit (a block that cannot dilate its way out is locked). The limit does not depend on it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
     "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "
@@ -169,6 +169,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "W330": "On a curved surface the factor rests on how the normal stresses are taken. The methods of columns take "
     "them otherwise; a rule may name them: fos.bishop >= 1.3.",
     "W331": "Give the profile as far as the slip surface reaches.",
+    "W332": "The block may fail below its static bound. Judge by fos, and use the bound to see how far it can be off.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
     "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound, fos.all_pairs_failed or "
     "(on surfaces) fos.fellenius, fos.janbu, fos.bishop, fos.all_equilibrium with a number: fos >= 1.5.",
@@ -192,7 +193,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "wedge with another joint.",
     "E214": "The slip surface has to cut a piece off the ground and to come out at the ground surface.",
     "E215": "A slip surface that ends within the ground would leave the mass hanging on walls that are not modelled.",
-    "E216": "A body to cut has to be closed, without holes, its triangles turned outward.",
+    "E216": "A body to cut has to be closed, without holes, not cross itself, its triangles turned outward.",
     "E217": "An open sheet is taken as the floor of the sliding mass: it must lie over its plan once.",
     "E218": "The profile is the ground surface as x, z in order, from one side to the other.",
     "E219": "The load of a footing stands on the top of the block, between the face and the end of the weak plane.",

@@ -113,6 +113,8 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         elif along < _ACROSS * size:
             off = math.degrees(math.acos(along / size))
             yield Notice("W328", f"the seismic load acts across the movement, {off:.0f}° off it: is its trend right?")
+    if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
+        yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
     if any(interface.strength.tension_kpa for interface in interfaces):
         yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
     if facts.status == "slides_up":

@@ -300,10 +300,15 @@ class Result:
             return True
         if self.status == "not_converged" or self.agree is False:
             return False  # a number that the two methods dispute is no reason to accept
+        return rule.met(self.value_of(rule))
+
+    def value_of(self, rule: Rule) -> float | None:
+        """The number that a rule judges, None where there is none."""
         _, _, name = rule.name.partition(".")
         if not name:
-            return rule.met(self.criterion_fos)
-        return rule.met(self.methods.get(name) if name in METHODS else getattr(self.fos, name))
+            return self.criterion_fos
+        found: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
+        return found
 
     @property
     def accepted(self) -> bool | None:

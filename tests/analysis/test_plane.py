@@ -171,6 +171,23 @@ def test_a_slab_tips_at_its_geometric_limit() -> None:
                loads={"seismic": 1.001 * limit}).status == "topples"  # fmt: skip
 
 
+@pytest.mark.parametrize("water", [5.0, 6.5])
+def test_water_tips_a_slab_at_its_place(water) -> None:
+    """About the toe: W |x| = V (foot + z_w / 3) + U 2 L / 3; the unit weight at which they balance, to 2e-4."""
+    rear = 12.0 - 2.0 * math.tan(math.radians(20.0))
+    foot, length = 12.0 - rear, 2.0 / math.cos(math.radians(20.0))
+    x = (2.0 * rear + 12.0) / (3.0 * (12.0 + rear)) * 2.0
+    turns = 0.5 * 9.81 * water**2 * (foot + water / 3.0) + 0.5 * 9.81 * water * length * (2.0 / 3.0) * length
+    balance = turns / (x * (12.0 + rear))
+
+    def status(unit_weight: float) -> str:
+        crack = {"distance": 2.0, "water": water}
+        return run((20, 180), (90, 180), c=0.0, phi=85.0, unit_weight=unit_weight, crack=crack).status
+
+    assert status(balance * (1.0 - 2e-4)) == "topples"
+    assert status(balance * (1.0 + 2e-4)) != "topples"
+
+
 def test_a_crack_in_the_face() -> None:
     """W = ½ γ H² (1 - z/H)² cot ψ (cot ψ tan ψ_f - 1), z from the top down to its foot (Hoek & Bray 1981, eq. 7.4)."""
     result = run(crack={"distance": -3.0})

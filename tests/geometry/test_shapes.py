@@ -132,3 +132,26 @@ def test_smoothed_normals_are_exact_on_any_mesh_of_a_sphere() -> None:
     vertices = vertices + 0.1 * np.random.default_rng(1).normal(size=vertices.shape)
     vertices *= 7.0 / np.linalg.norm(vertices, axis=1)[:, None]
     assert smooth_normals(vertices, triangles) == pytest.approx(vertices / 7.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        [[6.0, 0.0], [40.0, 0.0], [0.0, 40.0], [-20.0, 40.0]],  # the level ground beyond its end runs back along it
+        [[10.0, 0.0], [20.0, 0.0], [0.0, 20.0], [-20.0, 22.0]],
+        [[60.0, 0.0], [20.0, 0.0], [10.0, 20.0], [20.0, 0.0], [-20.0, 40.0]],
+    ],
+)
+def test_a_profile_that_touches_itself_is_refused(profile) -> None:
+    with pytest.raises(GeometryError, match="E218 the slope profile crosses or touches itself"):
+        profile_prism(np.array(profile), -10.0, 5.0, (-30.0, 70.0))
+
+
+def test_steps_and_points_in_line_are_a_profile() -> None:
+    steps = [[60.0, 0.0], [50.0, 0.0], [40.0, 0.0], [40.0, 10.0], [20.0, 10.0], [20.0, 20.0], [20.0, 40.0], [0.0, 40.0]]
+    assert len(profile_prism(np.array(steps), -10.0, 5.0, (-30.0, 70.0)).triangles)
+
+
+def test_a_profile_may_end_in_a_step() -> None:
+    ends = [[60.0, 0.0], [40.0, 0.0], [0.0, 40.0], [-20.0, 40.0], [-20.0, 45.0]]
+    assert len(profile_prism(np.array(ends), -10.0, 5.0, (0.0, 60.0)).triangles)

@@ -1,5 +1,7 @@
 """The footing on a weak plane (Sheng et al. 2023, §3.3): from its design to its result."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from slopekit.analysis.plane import section_geometry
@@ -14,7 +16,7 @@ from slopekit.analysis.stages import (
     result,
     solve,
 )
-from slopekit.closed_form.footing import footing
+from slopekit.closed_form.footing import ClosedFormFooting, footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, footing_section, line_pairs
@@ -45,10 +47,8 @@ def analyse_footing(design: FootingDesign) -> Result:
         push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
         loads = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
     with clock("closed_form"):
-        closed = footing(
-            design.load_kn, design.dip_deg, design.length_m, design.strength.cohesion_kpa,
-            design.strength.friction_angle_deg, float(-loads.parts["weight"][2]),
-        )  # fmt: skip
+        weight = float(-loads.parts["weight"][2])
+        closed, governs = _closed_form(design, weight), _governs(design, weight)
     strength = joint_strength([design.strength])
     elements = (design.pairs - 1) // 2
 
@@ -69,4 +69,27 @@ def analyse_footing(design: FootingDesign) -> Result:
     return result(
         design, solved, status, ClosedForm(closed.factor, status_of.get(closed.status, closed.status), why_not),
         section_geometry(section, NAME), forces, [Interface(J1, NAME, design.strength)], left_out, clock,
+        governs=governs,
     )  # fmt: skip
+
+
+def _closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:
+    return footing(
+        design.load_kn, design.dip_deg, design.length_m, design.strength.cohesion_kpa,
+        design.strength.friction_angle_deg, weight,
+    )  # fmt: skip
+
+
+def _governs(design: FootingDesign, weight: float) -> tuple[tuple[str, float | None, str], ...]:
+    """What a few changes of the input do to the closed form."""
+    strength = design.strength
+    changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
+    if strength.friction_angle_deg < 88.0:
+        steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+        changes.append(("φ +1°", replace(design, strength=steeper)))
+    if strength.cohesion_kpa:
+        firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+        changes.append(("c +10 %", replace(design, strength=firmer)))
+    if design.dip_deg < 88.0:
+        changes.append(("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)))
+    return tuple((name, _closed_form(changed, weight).factor, "slides_on_J1") for name, changed in changes)

@@ -1,6 +1,7 @@
 """Plane failure per metre of slope: from its design to its result."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from slopekit.analysis.stages import (
 )
 from slopekit.arrays import Floats, frozen
 from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
+from slopekit.design.common import Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
@@ -72,6 +74,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
     return result(
         design, solved, status, against, section_geometry(section, name), forces,
         [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), seismic=loads.parts["seismic"],
+        governs=_governs(design), turn=_axes(design.face),
     )  # fmt: skip
 
 
@@ -205,12 +208,45 @@ def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
     )  # fmt: skip
 
 
+def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
+    """What a few changes of the input do to the closed form."""
+    strength, found = design.strength, list[tuple[str, float | None, str]]()
+    changes = []
+    if design.water.mode == "dry" or design.water.fill < 1.0:
+        crack = None if design.crack is None else replace(design.crack, water_m=None)
+        changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
+    if strength.friction_angle_deg < 88.0:
+        steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+        changes.append(("φ +1°", replace(design, strength=steeper)))
+    if strength.cohesion_kpa:
+        firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+        changes.append(("c +10 %", replace(design, strength=firmer)))
+    if design.joint.dip_deg <= 89.0:
+        dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
+        changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
+    for name, changed in changes:
+        try:
+            answer = _closed_form(changed, _section(changed))
+        except GeometryError:
+            found.append((name, None, "no block"))
+            continue
+        found.append((name, answer.factor, _STATUSES.get(answer.status, answer.status)))
+    return tuple(found)
+
+
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     found = []
-    apart = _strikes_apart(design.joint, design.face)
-    if apart > _OUT:
-        message = f"{design.joint_name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
-        found.append(Notice("W321", message))
+    for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
+        apart = _strikes_apart(plane, design.face)
+        if apart > _OUT and plane.dip_deg > 0.0:
+            message = f"{name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
+            found.append(Notice("W321", message))
+    if design.seismic.coefficient and abs(_seismic(design)) < design.seismic.coefficient * (1.0 - 1e-6):
+        share = _seismic(design) / design.seismic.coefficient * 100
+        message = (
+            f"the seismic load acts off the section: {share:.0f} % of it acts out of the slope, the rest is left out"
+        )
+        found.append(Notice("W323", message))
     along = _axes(design.face)[1]
     aside = [bolt.toward.vector() @ along for bolt in design.bolts]
     aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces

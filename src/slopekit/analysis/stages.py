@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -155,7 +155,7 @@ def result(
     interfaces: Sequence[Interface], left_out: Sequence[str], clock: Clock, *,
     governs: tuple[tuple[str, float | None, str], ...] = (), methods: Mapping[str, float | None] | None = None,
     extra: Sequence[Notice] = (), to_map: Floats | None = None,
-    seismic: Floats | None = None,
+    seismic: Floats | None = None, turn: Floats | None = None,
 ) -> Result:  # fmt: skip
     """Put the evidence together.
 
@@ -164,6 +164,7 @@ def result(
     extra : notices of the kind, before the common ones
     to_map : (3,) what takes local coordinates back to the user's
     seismic : (3,) the seismic load, local axes
+    turn : (3, 3) rows are the local axes in those of the user, None where they are the same
     """
     analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
     alone = analysis.forces_only.factor
@@ -188,9 +189,9 @@ def result(
         fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
         static_bound_proved=solved.proved, geometry=geometry, forces=forces, model=size,
-        mechanism=_mechanism(limit, model),
+        mechanism=_turned(_mechanism(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            _movement(model, rest.displacement), rest.failed_pairs, rest.residual
+            _turned_back(_movement(model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
@@ -198,7 +199,9 @@ def result(
             frozen(solved.scene.pairs.points + origin), solved.scene.pairs.interface,
             solved.scene.pairs.control_areas, frozen(limit.normal_force * model.force_scale),
         ),
-        methods=methods or {}, series=solved.series, timing_s=clock.done(),
+        methods=methods or {},
+        series=tuple(replace(step, movement=_turned(step.movement, turn)) for step in solved.series),
+        timing_s=clock.done(),
     )  # fmt: skip
 
 
@@ -365,6 +368,17 @@ def _series(
 def _movement(model: Model, displacement: Floats) -> Movement:
     translation, rotation = model.moved(displacement)
     return Movement(frozen(translation), frozen(rotation))
+
+
+def _turned_back(movement: Movement, turn: Floats | None) -> Movement:
+    """A movement in the user's axes."""
+    if turn is None:
+        return movement
+    return Movement(frozen(movement.displacement @ turn), frozen(movement.rotation @ turn))
+
+
+def _turned(movement: Movement | None, turn: Floats | None) -> Movement | None:
+    return None if movement is None else _turned_back(movement, turn)
 
 
 def _mechanism(limit: Limit, model: Model) -> Movement | None:

@@ -44,6 +44,7 @@ NAME = "slip surface"
 _FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
 _COARSEST = 2  # level from which the wanted edge is reached by halving
+_NOT_DRIVEN = 1e6  # a factor beyond this is that of level ground
 _OVERHUNG = 1e-6  # of the weight
 _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not to be trusted
 
@@ -285,6 +286,9 @@ def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str,
     along, axis = np.array([_falls(design), 0.0]), np.array([x, y, z])
     inputs = (made, design.strength.cohesion_kpa, design.strength.friction_angle_deg, along, axis)
     seismic = design.seismic.coefficient
+    bishop = lem.bishop(*inputs, seismic=seismic)
+    if bishop is not None and bishop > _NOT_DRIVEN:
+        return {}
     whole = lem.global_equilibrium(*inputs, seismic=seismic)
     if whole is not None and whole.tension_share > _TENSION:
         pulled = f"{whole.tension_share * 100:.0f} % of the base would have to pull"
@@ -293,7 +297,7 @@ def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str,
     return {
         "fellenius": lem.fellenius(*inputs, seismic=seismic),
         "janbu": lem.janbu(*inputs, seismic=seismic),
-        "bishop": lem.bishop(*inputs, seismic=seismic),
+        "bishop": bishop,
         "all_equilibrium": None if whole is None else whole.factor,
     }
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from slopekit.errors import Fault, GeometryError
 
 Floats = NDArray[np.float64]
+_ON_CIRCLE = 1e-9  # of the radius
 _SMALL = 1e-12
 _COUNT = 16  # slices between two changes of kind
 
@@ -175,7 +176,7 @@ def _slices(ground: Ground, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     area = 0.5 * (x[..., 1] * z[..., 0] - x[..., 0] * z[..., 1])
     moment_x = (z[..., 0] - z[..., 1]) * ((x**2).sum(axis=-1) + x.prod(axis=-1)) / 6.0
     moment_z = (x[..., 1] - x[..., 0]) * ((z**2).sum(axis=-1) + z.prod(axis=-1)) / 6.0
-    on_circle = (meet > 0.0) & (meet < 1.0)
+    on_circle = np.abs(np.hypot(x, z) - r[:, None, None]) <= _ON_CIRCLE  # corners on the circle among them
     at = np.where(on_circle, np.arctan2(z, x), math.pi).reshape(len(r), -1)
     at = np.concatenate([np.full((len(r), 1), -math.pi), np.sort(at, axis=1), np.full((len(r), 1), math.pi)], axis=1)
     middle = 0.5 * (at[:, 1:] + at[:, :-1])

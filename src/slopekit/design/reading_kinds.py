@@ -142,8 +142,17 @@ def surface_design(given: Mapping[str, Any], spelling: Spelling) -> SurfaceDesig
         advice = "Write water: {pressures: 5 kPa}."
         reader.faults.append(Fault("E119", message, reader.where("water", ""), advice))
     if water.mode == "pressures":
+        given_pressures = reader.given["water"]
+        if isinstance(given_pressures, list) and len(given_pressures) > 1:
+            message = f"{len(given_pressures)} water pressures given, there is one slip surface"
+            reader.faults.append(Fault("E109", message, reader.where("water", "")))
         water = Water("pressures", 0.0, water.pressures_kpa[:1])
     common = reader.common()
+    if profile is None and common["seismic"].coefficient and common["seismic"].trend_deg is None:
+        message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"
+        reader.faults.append(
+            Fault("E122", message, reader.where("seismic", ""), "Write seismic: {k: 0.1, toward: 90}.")
+        )
     if reader.faults or strength is None or slip is None:
         raise DesignError(reader.faults)
     return SurfaceDesign(
@@ -181,7 +190,7 @@ def _slip(reader: Reader, mesh: Any) -> Slip | None:
         reader.faults.append(Fault("E170", message, reader.where("normals", normals), advice))
     made: Any = normals
     if mesh:
-        for key in ("centre", "radii", "radius", "slip_length"):
+        for key in ("centre", "radii", "radius", "slip_length", "edge"):
             if key in reader.given:
                 message = f"{reader.spelling.key(key)} says nothing beside a mesh"
                 reader.faults.append(Fault("E170", message, reader.where(key, "")))

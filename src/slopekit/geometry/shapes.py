@@ -13,6 +13,8 @@ from slopekit.errors import Fault, GeometryError
 
 SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on
 _LEVELS = 7
+_TOUCHING = 1e-12  # a corner this near to an edge, in parts of the outline, lies on it
+_ROOM = 0.01  # of the width
 _UPRIGHT = 1e-6  # a sheet facet whose normal rises by less than this stands upright
 
 
@@ -163,10 +165,14 @@ def profile_prism(profile: Floats, lowest: float, half_width: float, reach: tupl
 
     line = profile if profile[0, 0] <= profile[-1, 0] else profile[::-1]
     left, right = min(reach[0], float(line[:, 0].min())), max(reach[1], float(line[:, 0].max()))
-    ends = [[left, line[0, 1]]] if left < line[0, 0] else [], [[right, line[-1, 1]]] if right > line[-1, 0] else []
-    outline = np.array([[left, lowest], [right, lowest], *ends[1], *line[::-1], *ends[0]])
+    if left == line[0, 0]:  # room for a step at the end
+        left -= _ROOM * (right - left)
+    if right == line[-1, 0]:
+        right += _ROOM * (right - left)
+    outline = np.array([[left, lowest], [right, lowest], [right, line[-1, 1]], *line[::-1], [left, line[0, 1]]])
     if _crosses_itself(outline):
-        raise GeometryError([Fault("E218", "the slope profile crosses itself", "", "List its points in order.")])
+        message = "the slope profile crosses or touches itself"
+        raise GeometryError([Fault("E218", message, "", "List its points in order, from one side to the other.")])
     triangles = np.asarray(triangulate([outline]), dtype=np.int64)
     count = len(outline)
     front = np.stack([outline[:, 0], np.full(count, -half_width), outline[:, 1]], axis=1)
@@ -181,7 +187,7 @@ def profile_prism(profile: Floats, lowest: float, half_width: float, reach: tupl
 
 
 def _crosses_itself(outline: Floats) -> bool:
-    """Whether two edges of a closed outline that are not neighbours meet."""
+    """Whether edges of a closed outline cross, or a corner lies on an edge that is not its own."""
     a, b = outline, np.roll(outline, -1, axis=0)
 
     def side(p: Floats, q: Floats, r: Floats) -> Floats:
@@ -192,8 +198,14 @@ def _crosses_itself(outline: Floats) -> bool:
 
     first, last = a[:, None], b[:, None]
     apart = side(first, last, a[None]) * side(first, last, b[None]) < 0.0
-    crossing = apart & apart.T
-    return bool(crossing.any())
+    along = (b - a)[:, None]
+    to_corner = a[None] - first
+    share = np.clip((to_corner * along).sum(axis=2) / (along * along).sum(axis=2), 0.0, 1.0)
+    away = to_corner - share[:, :, None] * along
+    touching = (away * away).sum(axis=2) <= (_TOUCHING * float(np.ptp(outline, axis=0).max())) ** 2
+    count = np.arange(len(a))
+    touching[count, count] = touching[count, (count + 1) % len(a)] = False
+    return bool((apart & apart.T).any() or touching.any())
 
 
 def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:

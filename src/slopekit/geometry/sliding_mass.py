@@ -13,7 +13,7 @@ import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import DesignError, Fault, GeometryError, SolverError
+from slopekit.errors import DesignError, Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 
@@ -22,6 +22,7 @@ Normals = Literal["true", "smoothed", "facet"]
 #: barycentric points of a triangle and their shares of its area: exact to degree two (METHOD.md §5)
 _POINTS = (((1.0, 0.0, 0.0), 1 / 12), ((0.0, 1.0, 0.0), 1 / 12), ((0.0, 0.0, 1.0), 1 / 12), ((1 / 3,) * 3, 3 / 4))
 _FIRST_LEVEL, _LAST_LEVEL = 3, 6
+_PLENTY = 1500  # triangles on the slip surface that need no refining unless it is asked for
 _FEWEST = 120  # triangles on the slip surface before it is refined
 MOST_TRIANGLES = 12_000  # on the slip surface: two node pairs for each are what the solver takes in seconds
 _BALANCE = 1e-9
@@ -75,8 +76,10 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
         raise GeometryError(
             [Fault("E214", "the slip surface encloses none of the ground", _extents(ground, body), advice)]
         )
-    if abs(whole.volume() + rest.volume() - soil.volume()) > _BALANCE * soil.volume():
-        raise SolverError([Fault("E501", "the cut lost volume: mass and rest do not sum to the ground")])
+    lost = abs(whole.volume() + rest.volume() - soil.volume()) / soil.volume()
+    if lost > _BALANCE:
+        message = f"slope and slip surface cannot be cut: mass and rest differ from the slope by {lost * 100:.2g} %"
+        raise GeometryError([Fault("E216", message, "", "A mesh that crosses itself does this: repair it.")])
     parts = sorted(whole.decompose(), key=lambda part: -part.volume())
     mesh = parts[0].to_mesh64()
     vertices = np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3]
@@ -115,7 +118,8 @@ def analytic_mass(ground: Cutter, shape: AnalyticShape, edge: float | None) -> t
         level += 1
         mass = cut_mass(ground, shape.cutter(level))
     mass, refined = _snapped(mass, shape.metric), 0
-    while (refined < 1) if edge is None else mass.edge > edge:
+    enough = int((mass.on == SLIP).sum()) > _PLENTY
+    while (refined < 1 and not enough) if edge is None else mass.edge > edge:
         mass, refined = _refined(mass, shape.metric), refined + 1
     corners = mass.vertices[mass.triangles[mass.on == SLIP]]
     vector_areas = _vector_areas(mass.vertices, mass.triangles[mass.on == SLIP])

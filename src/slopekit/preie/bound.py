@@ -18,6 +18,7 @@ from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 
 _MOST_STEPS = 40
+_FEWEST_STEPS = 4  # trials without which no bracket closes
 _MOST_WORK = 30_000  # trials times node pairs: some seconds of Clarabel
 _CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
 _BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
@@ -142,13 +143,15 @@ def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
     Each trial asks for the least t >= -1 such that N >= 0, |f_t| <= λ (c A + N tan φ) + t a and Bᵀ f + P = 0 (bolts
     pull with 0 to λ times their capacity); t <= 0 means they balance. The limit's own forces do: λ <= 1/limit.
     """
+    most = min(_MOST_STEPS + 40, _MOST_WORK // len(model.control_area))
+    if most < _FEWEST_STEPS:  # so many cones would take minutes
+        return StaticBound(None, False, 0, velocity, np.zeros(len(model.control_area)))
     program = _ConicProgram(model)
     low, high = 0.0, 1.0 / limit
     best, steps, mechanism = program.solve(high), 1, velocity
     if best is None or best.shortfall > 1e-6:
         return StaticBound(None, False, steps, velocity, np.zeros(len(model.control_area)))
     guess, step = best.root(high), 0.9
-    most = min(_MOST_STEPS + 40, max(4, _MOST_WORK // len(model.control_area)))
     while high - low > _CONIC_WIDTH * high and steps < most:
         if not low < guess < high:
             guess = 0.5 * (low + high) if low > 0.0 else high * step

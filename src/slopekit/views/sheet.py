@@ -152,7 +152,7 @@ def _series(result: Result) -> list[str]:
     """Displacements and failed pairs by strength reduction factor (the paper's Table 3)."""
     if not result.series:
         return []
-    horizontal = "x" if result.kind in ("footing", "plane") else "horizontal"
+    horizontal = "x" if result.kind == "footing" else "horizontal"
     entries = [f"factor   {horizontal + ' / mm':>16}{'up / mm':>12}{'failed of ' + str(result.model.node_pairs):>14}"]
     for step in result.series:
         if step.movement is None:
@@ -231,6 +231,8 @@ def _judgement(result: Result, rule: Rule) -> str:
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":
         return "NOT MET (no factor of safety)"
+    if result.value_of(rule) is None:
+        return "NOT MET (there is no such number here)"
     return "NOT MET"
 
 
@@ -272,7 +274,7 @@ def _time(result: Result) -> str:
 
 
 def _governs(result: Result) -> list[str]:
-    if result.kind != "wedge":
+    if not result.governs:
         return []
     if result.moments_govern or result.status == "not_converged":
         return ["not given: it is read from the closed form, which does not govern here"]
