@@ -126,9 +126,8 @@ def lint(
         }  # fmt: skip
         typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
         return
-    typer.echo(
-        f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]} (whether it forms a block, run says)"
-    )
+    head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
+    typer.echo(f"{head} (whether it forms a block, run says)")
     for name, value in read.assumed:
         typer.echo(f"     {name} is a distribution: run takes {value}")
     if read.defaults:
