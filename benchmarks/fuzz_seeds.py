@@ -147,6 +147,50 @@ rock: {unit_weight: 20}
 water: {pressures: {slip: 8 kPa}}
 """,
 }
+_RICH |= {
+    "rich topple": """\
+slopekit: 1
+kind: topple
+columns: {dip: 65, width: 2 m, heights: [4, 6, 8, 7, 5, 3], base_step: 0.5 m, thickness: 1 m, base: slate, sides: joint}
+strength:
+  slate: {c: 0, phi: {dist: normal, mean: 36, sd: 2}}
+  joint: {c: 5 kPa, phi: 40}
+rock: {unit_weight: 25}
+water: {pressures: {base: 5 kPa, sides: 2}}
+loads: {seismic: 0.1, forces: [{force: 20 kN, toward: 270/00, block: C1, at: [1, 0, 2]}]}
+support: {bolts: [{force: 200 kN, toward: 090/20, acts: passive, block: C2}]}
+analysis: {mechanisms: 2, stop_when: 1e-5}
+""",
+    "rich bench": """\
+slopekit: 1
+kind: bench
+slope: {face: 70/180, height: 8 m, upper: 5/180, length: 16 m, depth: 8 m, origin: [1000, 2000, 300]}
+sets:
+  S1: {plane: 30/175, spacing: {dist: lognormal, mean: 3 m, sd: 0.5}, scatter: 3, strength: rough}
+  S2: {plane: 85/265, spacing: 4 m, offset: 0.5 m, strength: joint, spacing_scatter: 20 %}
+  S3: {plane: 75/350, spacing: 4 m, strength: joint}
+strength: {rough: {c: 5 kPa, phi: 32}, joint: {c: 0, phi: 38}}
+rock: {density: 2600 kg/m3}
+cut: {max_blocks: 500, min_volume: 0.01 m3, seed: 7}
+water: {pressures: {S1: 2 kPa}}
+loads: {seismic: 0.05, forces: [{force: 50 kN, toward: 180/00, at: [1000, 2001, 306]}]}
+""",
+    "rich blocks": """\
+slopekit: 1
+kind: blocks
+section: {thickness: 2 m}
+contact_tolerance: 1 mm
+blocks:
+  base: {polygon: [[-7, 7], [0, 0], [12, 0], [12, -2], [-7, -2]], fixed: true}
+  B1: {polygon: [[0, 0], [0, 5], [-5, 5]], unit_weight: 20}
+  B2: {polygon: [[0, 0], [10, 0], [10, 5], [0, 5]]}
+strength: {joint: {c: 0, phi: 30}, smooth: {c: 0, phi: 0}}
+interfaces: {default: joint, B2/B1: smooth}
+rock: {unit_weight: 25}
+water: {pressures: {base/B1: 5 kPa}}
+loads: {seismic: {k: 0.1, toward: 090}, forces: [{force: 10, toward: 090/00, block: B1}]}
+""",
+}
 SEEDS = {name: path_of(name).read_text(encoding="utf-8") for name in names()} | _RICH
 
 _DIPS = ("0", "0.01", "1", "12", "25", "35", "45", "50", "60", "75", "89", "89.9", "89.99", "90")

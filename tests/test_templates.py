@@ -19,6 +19,9 @@ ANSWERS = {
     # N = (2000 + W) cos 40, T = (2000 + W) sin 40, W = 24 · 8² sin 40 cos 40 / 2: by hand
     "footing": ("slides_on_J1", 1.183727, 1e-6, "limit equilibrium by hand"),
     "paper-ellipsoid": ("rotates", 1.3436, 1e-3, "METHOD.md §5: true normals towards 1.3436"),
+    "goodman-bray": ("topples", 0.9999568, 1e-5, "Goodman & Bray: φ required 38.1512°, cases.json 5a"),
+    "blocks": ("slides", 3.291798, 1e-5, "cases.json 7c_two_block_1, closed form"),
+    "wall": ("slides", math.tan(math.radians(35)) / math.tan(math.radians(20)), 1e-5, "tan 35 / tan 20"),
     "sphere": ("rotates", 1.4016, 5e-4, "Hungr, Salgado & Byrne 1989 as recomputed in cases.json 6d"),
 }
 
@@ -41,7 +44,7 @@ def test_every_template_runs(name) -> None:
 
 def test_there_is_a_template_for_every_kind_and_every_example_of_the_paper() -> None:
     kinds = {sk.load(path_of(name)).kind for name in names()}
-    assert kinds == {"wedge", "plane", "footing", "surface"}
+    assert kinds == {"wedge", "plane", "footing", "surface", "bench", "blocks", "topple"}
     assert {"paper-wedge", "paper-footing", "paper-ellipsoid"} <= set(names())
 
 

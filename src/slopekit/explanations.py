@@ -57,6 +57,14 @@ EXPLANATIONS: Mapping[str, str] = {
     "slopekit refines by itself where moments open part of a joint.",
     "E132": "A stiffness is more than 0, in kN/m³ (kPa per metre); the shear stiffness may be clough-duncan.",
     "E133": "An option that takes one value was given twice. --force and --bolt may be repeated, the others may not.",
+    "E134": "The spacing of a joint set is the distance between its planes, square to them, and more than 0.",
+    "E135": "scatter is the standard deviation of the angle between a joint and its set's plane, 0 to 45 degrees; "
+    "spacing_scatter that of the distances, 0 to 100 % of the spacing.",
+    "E136": "Two sets with the same orientation, spacing and offset are the same planes twice.",
+    "E137": "Counts are whole numbers: mechanisms 1 to 1000, max_blocks 1 to 200 000, seed from 0, rows from 1.",
+    "E138": "min_volume is the smallest block that is kept as one of its own; smaller ones are joined to a neighbour.",
+    "E139": "The columns of a toppling slope dip into it, more than 0 and less than 90 degrees. The base of each "
+    "dips 90° less that angle out of the slope.",
     "E140": "Drawing needs the extra `plot`: in slopekit's folder, pip install '.[plot]'.",
     "E141": "Pictures are written as PNG: give a file name that ends in .png.",
     "E142": "A design of this kind has no such key here. The message names the nearest one, or the place where the key "
@@ -69,8 +77,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "elsewhere, as in J1.phi/J2.phi.",
     "E147": "There is no such file. The message names the nearest one in that folder.",
     "E148": "The path is a folder, or the system does not let slopekit read the file.",
-    "E149": "Design files and joint lists have at most 5 MB, 100 000 values and 100 levels. Meshes stand in files of "
-    "their own. A design that is nested this deep usually has a bracket left open.",
+    "E149": "Design files and joint lists have at most 5 MB, 200 000 values (five numbers of a list count as one) and "
+    "100 levels. Meshes stand in files of their own. A design nested this deep usually has a bracket left open.",
     "E150": "The file is not YAML 1.2. Line and column say where reading stopped; the slip is there or just above it: "
     "a bracket or quote left open, a tab, keys of one level indented differently, a ': ' inside text without quotes.",
     "E151": "A key may stand once in its group, and --set may set a path once: of two values one would be dropped.",
@@ -179,10 +187,12 @@ EXPLANATIONS: Mapping[str, str] = {
     "E172": "A mesh is an STL, OBJ, PLY, OFF or GLB file beside the design, of at most 400 000 triangles.",
     "E173": "Pictures are drawn of wedges; the other kinds follow.",
     "E174": "The first key of a design file says which version of the language it is written in: slopekit: 1.",
-    "E175": "kind says what the design is: wedge, plane, footing or surface.",
+    "E175": "kind says what the design is: wedge, plane, footing, surface, topple, bench or blocks.",
     "E176": "Each interface has one of the strengths under strength. With one strength it need not be named.",
     "E177": "`slopekit templates list` shows the templates there are.",
     "E178": "The file of a new design is there already; slopekit does not write over it.",
+    "E179": "In designs of many blocks water is dry or given by its mean pressures on the interfaces: those of a joint "
+    "set (S1: 5 kPa), of base and sides of columns, or of a pair of blocks (B1/B2: 5 kPa).",
     "E195": "A strength that no interface uses is mostly a slip in a name.",
     "E196": "The displacements and the all-pairs criterion take one stiffness for all joints. The limit factor and "
     "the closed forms do not depend on it.",
@@ -197,6 +207,54 @@ EXPLANATIONS: Mapping[str, str] = {
     "E217": "An open sheet is taken as the floor of the sliding mass: it must lie over its plan once.",
     "E218": "The profile is the ground surface as x, z in order, from one side to the other.",
     "E219": "The load of a footing stands on the top of the block, between the face and the end of the weak plane.",
+    "E240": "Width, height and thickness of columns and blocks are more than 0.",
+    "E241": "base_step is how much the base of each column lies above that of the one below, square to the base. A "
+    "step as high as a column would leave it no neighbour to lean on.",
+    "E242": "A polygon goes once around its block, either way, without crossing or touching itself, and encloses an "
+    "area. The first point may be repeated at the end.",
+    "E243": "Blocks are all polygons (x, z) of one section, with its thickness, or all closed meshes. A block is "
+    "one or the other.",
+    "E244": "fixed is true for bedrock, and false (or left out) for blocks that may move.",
+    "E245": "Blocks without bedrock would fall for ever. One that is fixed carries the others: "
+    "base: {polygon: [...], fixed: true}.",
+    "E246": "At least one block has to be free to move.",
+    "E247": "Interfaces have the names of their two blocks with a slash, either way round: B1/B2.",
+    "E248": "B1/B2 and B2/B1 are the same interface.",
+    "E249": "Where there are several strengths, interfaces that are not named need one: interfaces: {default: joint}.",
+    "E250": "A force or bolt acts on a block that moves. Columns are named C1, C2, ... from the toe upward, in several "
+    "rows C1-1 (column 1 of row 1), C1-2, ...",
+    "E251": "With several blocks a load says which one it acts on: block: B1. In a bench, whose blocks are cut later, "
+    "a force may give a point in its block (at:), a bolt its head.",
+    "E252": "Columns and polygons are a section in x (east) and z (up): forces and bolts act in it, toward 090 or 270 "
+    "with any plunge. For loads along y give the blocks as meshes.",
+    "E253": "A seismic load acts toward 090 or 270 in a section. Columns slide toward 270 and benches toward the dip "
+    "direction of the face; the user's own blocks do not say which way they fall.",
+    "E254": "Faces nearer than contact_tolerance touch: a length, more than 0, and small beside the blocks.",
+    "E260": "Columns and blocks have sizes above 0, friction angles from 0 to below 90 degrees and no negative "
+    "cohesion; each column of a stepped base is higher than the step to the next.",
+    "E261": "An active block pushes a passive one only where its base dips more than that of the passive block.",
+    "E262": "An earthquake or a toe force that lifts a column off its base leaves the theory of toppling columns.",
+    "E227": "The corners of a block go round it once. Where the outline crosses or touches itself the list has two "
+    "corners exchanged, or one block is two: give each its own outline. A hole is cut by splitting the block.",
+    "E228": "A block needs an area (a polygon) or a volume (a mesh): at least three corners not on one line, "
+    "or the triangles of a closed surface, all coordinates finite.",
+    "E229": "A block's mesh has to be closed: each edge between exactly two triangles, all of them anticlockwise seen "
+    "from outside. A mesh that is wholly inside out is turned. Repair it in the program that made it: fill holes, "
+    "unify normals, one body per mesh.",
+    "E230": "Faces nearer than the contact tolerance touch. It has to be much smaller than the smallest block; leave "
+    "it out for 1e-5 of the mean block size.",
+    "E231": "Columns have heights, a width and a thickness of more than 0, and dip into the slope by more than 0 and "
+    "up to 90 degrees: 90 is upright on a level base.",
+    "E220": "The number of blocks grows with the third power of 1 / spacing, time and memory with the number of blocks "
+    "(about 0.1 ms and 10 kB each to cut). Blocks much smaller than the mechanism you look for add little: take larger "
+    "spacings, a shorter or lower bench, or raise max_blocks.",
+    "E221": "The face of a bench dips between 1 and 90 degrees. An overhanging face is cut by kind: blocks.",
+    "E222": "The upper slope starts at the crest and has to stay above the level of the toe, as far as the bench is "
+    "modelled, and to be flatter than the face.",
+    "E223": "Height, length and depth of a bench are more than 0.",
+    "E224": "The volumes of the blocks must sum to the bench, each joint face must have its other side, and corners "
+    "must lie on their planes. This is a bug of ours: please report it. Another offset of a joint set may avoid it.",
+    "E225": "Blocks smaller than min_volume are joined to neighbours; nothing is left when the whole bench is smaller.",
     "W320": "`run` takes one value of each distribution, its mean. `prob` draws them all.",
     "W321": "Plane failure is computed in the section square to the face; a plane that strikes a little differently is "
     "taken by its true dip.",
@@ -208,6 +266,47 @@ EXPLANATIONS: Mapping[str, str] = {
     "normals are turned square to the motion that comes nearest, by the angle given; far from it the mass must dilate.",
     "W326": "With each facet's own normal a mass interlocks with its surface. Use true or smoothed normals.",
     "W327": "What a joint list holds beside its joints, and strengths of the design where the list has its own.",
+    "E255": "A passive bolt is strength that is divided by the factor of safety and pulls only as the movement "
+    "draws it out. In assemblies bolts act as loads (active) only.",
+    "E256": "Every block reaches an outer face of the model, behind which the rock goes on, or is named fixed: "
+    "nothing is left that could move. Closer joints, or a longer and deeper bench, give blocks that are "
+    "free.",
+    "E257": "Two blocks of the design lie in each other. Where they do, their faces do not meet and carry "
+    "nothing, so no factor of safety would mean anything. Overlaps below a thousandth of the smaller "
+    "block are reported and left (W333).",
+    "E504": "The stiffness of so many blocks in space does not fit into memory as a band. Take fewer or larger "
+    "blocks, or a shorter bench.",
+    "E505": "The equations of the blocks could not be factorised. This is a bug of ours: please report it with "
+    "the design.",
+    "W333": "Blocks overlap by less than a thousandth of the smaller one. Faces beyond the tolerance do not "
+    "touch: see whether contacts are missing.",
+    "W334": "Faces of two blocks are parallel and nearly touch, but lie farther apart than the contact tolerance: "
+    "they carry nothing. Move the corners, or give contact_tolerance.",
+    "W335": "A strength or a water pressure is given for two blocks that share no contact.",
+    "W336": "Cells smaller than cut.min_volume (at least 1e-9 of the bench) are joined to the neighbour with "
+    "which they share the largest face, so that no sliver governs the answer.",
+    "W337": "Planes of the sets that lie on each other, or on a face of the bench, within 1e-6 of its size are "
+    "one plane.",
+    "W338": "Blocks at the ends, the back and the bottom are held, because the rock goes on there. Where the "
+    "mechanism touches them, the size of the model may matter: make it longer or deeper and compare.",
+    "W339": "In large benches blocks deep below the free surface are held while the first mechanism is looked "
+    "for; one more layer is then set free to see that it changes nothing. That is a check, not a proof: a "
+    "mechanism that only shows when many more layers move would be missed.",
+    "W340": "Goodman & Bray's method does not cover this design, or its forces are not admissible: the table may "
+    "be shown, it is not compared.",
+    "W341": "The static bound lets joints dilate with their reduced friction angle; where it lies far above the "
+    "limit, blocks lock by dilation that real joints at large slip do not have. Programs that assume "
+    "normality give the bound.",
+    "W342": "Two blocks touch in a corner, with no edge or face in common. Such a contact has no area and carries "
+    "nothing.",
+    "W343": "The triangles of a mesh were ordered the wrong way round: its volume came out negative. It was "
+    "turned.",
+    "W344": "One mesh file holds several closed surfaces. They are one rigid block: give each its own file if "
+    "they are not.",
+    "W345": "A mesh that crosses itself cannot be intersected with its neighbours: whether they overlap is not "
+    "known.",
+    "W346": "A block that shares no contact with any other falls if it is not fixed; the factor of safety of the "
+    "others does not depend on it.",
 }  # fmt: skip
 
 

@@ -1,6 +1,6 @@
-"""Loads on one block: weight, water, seismic, forces, bolts, each where it acts.
+"""Loads on blocks: weight, water, seismic, forces, bolts, each where it acts.
 
-Everything that does not depend on the strength becomes one force and one moment about the centroid. Passive bolts
+Everything that does not depend on the strength becomes one force and one moment about each centroid. Passive bolts
 stay apart: their capacity is strength, and is divided by the strength reduction factor.
 """
 
@@ -13,6 +13,7 @@ import numpy as np
 from slopekit.arrays import Floats, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block
+from slopekit.geometry.patches import Assembly
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,3 +169,50 @@ def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | 
     if length is not None and length <= leaves:
         message = f"{name} is {length:.4g} m long and leaves the block after {leaves:.4g} m: it is too short"
         raise GeometryError([Fault("E212", message, where, "It needs its anchorage behind the joint on top of that.")])
+
+
+@dataclass(frozen=True, slots=True)
+class AssemblyLoads:
+    """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
+
+    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch.
+    """
+
+    forces: Floats
+    moments: Floats
+    weights: Floats
+    water: Floats
+
+
+def assembly_loads(
+    assembly: Assembly,
+    unit_weights: Floats,
+    seismic: Floats,
+    pressures: Floats,
+    pushes: Sequence[tuple[int, PointForce]] = (),
+) -> AssemblyLoads:
+    """Add up the loads on the blocks of an assembly.
+
+    Parameters
+    ----------
+    unit_weights : (n,) kN/m³
+    seismic : (3,) parts of the weight, acting at the centroids
+    pressures : (k,) mean water pressure on each patch (kPa), even over it
+    pushes : forces and the blocks they act on
+    """
+    weights = unit_weights * assembly.volumes
+    forces = weights[:, None] * (np.array([0.0, 0.0, -1.0]) + seismic)
+    moments = np.zeros_like(forces)
+    patches = assembly.patches
+    water = pressures * patches.areas
+    for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
+        at = np.flatnonzero((side >= 0) & (water != 0.0))
+        if len(at):
+            push = sign * water[at, None] * patches.normals[at]
+            np.add.at(forces, side[at], push)
+            np.add.at(moments, side[at], np.cross(patches.centroids[at] - assembly.centroids[side[at]], push))
+    for block, push_on in pushes:
+        forces[block] += push_on.force
+        if push_on.at is not None:
+            moments[block] += np.cross(push_on.at - assembly.centroids[block], push_on.force)
+    return AssemblyLoads(frozen(forces), frozen(moments), frozen(weights), frozen(water))

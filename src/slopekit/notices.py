@@ -71,6 +71,23 @@ def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
+def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """What a reader must know of the inputs, whatever the kind."""
+    for name, value in design.assumed:
+        yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+    if design.left_out:
+        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
+    if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
+        yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+    if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
+        yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
+    if any(strength.tension_kpa for strength in strengths):
+        yield Notice("W329", "the tensile strength acts in the displacements only: the limit counts none")
+    strongest = max(strength.cohesion_kpa for strength in strengths)
+    if strongest > 5000.0:
+        yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
+
+
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
     analysis, model, block = facts.analysis, facts.model, _BLOCKS.get(design.kind, "block")

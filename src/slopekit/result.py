@@ -9,6 +9,7 @@ from slopekit._version import __version__
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
+from slopekit.findings import Findings
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -16,6 +17,7 @@ STATUSES: Mapping[str, str] = {
     "slides_on_J1": "slides on J1, J2 has lost contact",
     "slides_on_J2": "slides on J2, J1 has lost contact",
     "slides_up": "slides up the slope: the loads drive it upward",
+    "slides": "slides",
     "rotates": "turns while it slides",
     "topples": "topples: where its joints open, nothing is left to hold it",
     "lifted": "is pushed off both planes",
@@ -23,6 +25,8 @@ STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: nothing drives it",
     "not_converged": "the analysis did not converge: no number",
 }
+#: Kinds of many blocks.
+ASSEMBLIES = ("bench", "blocks", "topple")
 #: Where another kind than the wedge means something else by a status.
 _OF_KIND: Mapping[tuple[str, str], str] = {
     ("plane", "slides_on_J1"): "slides on its plane",
@@ -32,6 +36,17 @@ _OF_KIND: Mapping[tuple[str, str], str] = {
     ("surface", "slides_on_J1"): "slides on its slip surface without turning",
     ("surface", "rotates"): "turns on its slip surface",
     ("surface", "lifted"): "is pushed off its slip surface",
+} | {
+    (kind, status): text
+    for kind in ASSEMBLIES
+    for status, text in {
+        "slides": "blocks slide",
+        "topples": "blocks topple",
+        "rotates": "blocks turn as they slide",
+        "falls": "blocks fall: nothing holds them, whatever the strength",
+        "lifted": "blocks are lifted off: no strength holds them",
+        "no_driving_force": "stands: every block stands without any strength",
+    }.items()
 }
 
 
@@ -275,6 +290,7 @@ class Result:
     node_pairs: NodePairState = field(repr=False)
     methods: Mapping[str, float | None] = field(default_factory=dict)
     series: tuple[ReductionStep, ...] = ()
+    findings: Findings | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -322,6 +338,23 @@ class Result:
             return 4
         return 1 if self.accepted is False else 0
 
+    def _mechanism(self) -> dict[str, Any] | None:
+        if self.findings is not None:
+            blocks = self.findings.mechanisms[0].blocks if self.findings.mechanisms else ()
+            return {
+                "blocks": [block.name for block in blocks],
+                "how": [block.how for block in blocks],
+                "displacement": [block.displacement.tolist() for block in blocks],
+                "rotation": [block.rotation.tolist() for block in blocks],
+            } if blocks else None  # fmt: skip
+        if self.mechanism is None:
+            return None
+        return {
+            "blocks": [_BLOCKS.get(self.kind, self.kind)],
+            "displacement": self.mechanism.displacement.tolist(),
+            "rotation": self.mechanism.rotation.tolist(),
+        }
+
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""
         model, one, pairs = self.model, self.at_factor_one, self.all_pairs
@@ -358,11 +391,7 @@ class Result:
                 "residual": model.residual,
                 "left_out": list(model.left_out),
             },
-            "mechanism": None if self.mechanism is None else {
-                "blocks": [_BLOCKS.get(self.kind, self.kind)],
-                "displacement": self.mechanism.displacement.tolist(),
-                "rotation": self.mechanism.rotation.tolist(),
-            },
+            "mechanism": self._mechanism(),
             "at_factor_one": None if one is None else {
                 "displacement_m": one.movement.displacement.tolist(),
                 "rotation_rad": one.movement.rotation.tolist(),
@@ -384,6 +413,7 @@ class Result:
                 }
                 for step in self.series
             ],
+            "assembly": None if self.findings is None else self.findings.to_dict(),
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in self.governs],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),

@@ -10,6 +10,7 @@ from slopekit.errors import DesignError, Fault
 # factor to the unit that a bare number has; None marks angles in radians, which are refused by name
 _UNITS: Mapping[str, Mapping[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254},
+    "volume": {"m3": 1.0, "cm3": 1e-6, "dm3": 1e-3, "ft3": 0.028316846592},
     "pressure": {"kpa": 1.0, "pa": 1e-3, "mpa": 1e3, "kn/m2": 1.0, "psf": 0.04788025898, "psi": 6.894757293},
     "unit weight": {"kn/m3": 1.0, "n/m3": 1e-3, "mn/m3": 1e3, "pcf": 0.1570874638, "lbf/ft3": 0.1570874638},
     "density": {"kg/m3": 1.0, "t/m3": 1e3, "g/cm3": 1e3},
@@ -20,8 +21,8 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
     "ratio": {"%": 1e-2, "g": 1.0},
 }
 _BARE = {
-    "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "degrees",
-    "stiffness": "kN/m3", "acceleration": "m/s2", "ratio": "no unit",
+    "length": "m", "volume": "m3", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN",
+    "angle": "degrees", "stiffness": "kN/m3", "acceleration": "m/s2", "ratio": "no unit",
 }  # fmt: skip
 _LARGEST = 1e18
 _SPELLED = {
@@ -37,7 +38,7 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     Parameters
     ----------
     value : number or str
-    kind : one of length, pressure, unit weight, density, force, angle, stiffness, acceleration, ratio
+    kind : one of length, volume, pressure, unit weight, density, force, angle, stiffness, acceleration, ratio
     name : what it is, for the message
 
     Raises

@@ -3,18 +3,22 @@
 `python -m benchmarks.fuzz` runs ten thousand of the same kind; here the designs that take longest are left out.
 """
 
+import re
+
 import pytest
 
+import slopekit as sk
 from benchmarks.fuzz import outcomes, report, shares
 from benchmarks.fuzz_mutations import case
-from benchmarks.fuzz_seeds import SEEDS
+from benchmarks.fuzz_seeds import SEEDS, write_files
 
 _COUNT, _SEED = 400, 3
 _SLOW = (
     "ground surface", "surface", "cylinder", "sheet surface", "sphere", "paper-ellipsoid", "facet surface",
     "pressed wedge", "pressed plane", "rich footing",
 )  # fmt: skip
-_NAMES = tuple(name for name in SEEDS if name not in _SLOW)
+_OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text))
+_NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS))
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +50,23 @@ def test_a_healthy_share_reaches_each_stage(found) -> None:
 def test_a_file_of_a_seed_is_always_the_same() -> None:
     assert [case(k, 1) for k in range(20)] == [case(k, 1) for k in range(20)]
     assert len({case(k, 1).content for k in range(50)}) > 45
+
+
+def test_files_of_many_blocks_are_read_or_refused(tmp_path) -> None:
+    """Reading alone: whatever is wrong has a code and a place."""
+    write_files(tmp_path)
+    read, codes = 0, set()
+    for index in range(400):
+        content = case(index, _SEED, _OF_BLOCKS).content
+        path = tmp_path / "case.yaml"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode("utf-8", "surrogatepass"))
+        try:
+            design = sk.load(path)
+        except sk.DesignError as error:
+            codes.update(error.codes or ("without a code",))
+            continue
+        assert len(design.input_hash()) == 64
+        read += 1
+    assert read >= 100
+    assert "without a code" not in codes
+    assert len(codes) >= 25

@@ -13,6 +13,7 @@ def analyse(design: Design) -> Result:
     GeometryError
         Where no block can be formed.
     """
+    from slopekit.design.blocky import AssemblyDesign
     from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 
     if isinstance(design, WedgeDesign):
@@ -31,4 +32,8 @@ def analyse(design: Design) -> Result:
         from slopekit.analysis.surface import analyse_surface
 
         return analyse_surface(design)
+    if isinstance(design, AssemblyDesign):
+        from slopekit.analysis.assembly import analyse_assembly
+
+        return analyse_assembly(design)
     raise TypeError(f"no analysis for {type(design).__name__}")

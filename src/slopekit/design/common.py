@@ -43,10 +43,14 @@ class Seismic:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid)."""
+    """A force on the block: east, north, up (kN), and the point it acts at (None: the centroid).
+
+    `block` names the block of an assembly.
+    """
 
     components_kn: tuple[float, float, float]
     at_m: tuple[float, float, float] | None = None
+    block: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,7 @@ class Bolt:
     acts: Literal["active", "passive"] = "active"
     head_m: tuple[float, float, float] | None = None
     length_m: float | None = None
+    block: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,17 +3,16 @@
 Every value keeps its place, so that each fault names its line and column, whatever finds it.
 """
 
-import hashlib
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from slopekit.design.common import Design, MeshFile
-from slopekit.design.document import read_bytes, read_document
+from slopekit.design.common import Design
+from slopekit.design.document import read_document
 from slopekit.design.inputs import NAMES, Inputs
+from slopekit.design.named_files import beside, mesh_file
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reading import wedge_design
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 Overrides = Sequence[tuple[str, object]]
 _PATHS = frozenset(NAMES.values())
-_MOST_MESH_BYTES = 200_000_000
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides = ()) -> Design:
@@ -149,7 +147,7 @@ def _joints_from_csv(inputs: Inputs, node: Node, count: int) -> list[str]:
     file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
     assert file is not None
     try:
-        survey = read_joints(_beside(inputs, file), convention.text if convention is not None else None)
+        survey = read_joints(beside(inputs, file), convention.text if convention is not None else None)
     except DesignError as error:
         # a list that cannot be opened, or a convention that is none, is a slip in the design; a bad row is the list's
         slips = dict.fromkeys(("E147", "E148", "E149"), file) | ({} if convention is None else {"E192": convention})
@@ -199,24 +197,6 @@ def _csv_strengths(inputs: Inputs, node: Node, file: Node, chosen: "Sequence[Joi
                 inputs.left_out.append(f"{key} of the design for {joint.name}: {file.text} has its own")
         inputs.given[key] = values if len(values) > 1 else values[0]
         inputs.spelling.places[key] = [file] * len(values) if len(values) > 1 else file
-
-
-def _beside(inputs: Inputs, node: Node) -> Path:
-    """A file that the design names, relative to the design's own folder."""
-    named = Path(node.text or "")
-    return named if named.is_absolute() or inputs.document.path is None else inputs.document.path.parent / named
-
-
-def _mesh(inputs: Inputs, node: Node) -> MeshFile | None:
-    path = _beside(inputs, node)
-    try:
-        content = read_bytes(path, _MOST_MESH_BYTES)
-    except DesignError as error:
-        fault = error.faults[0]
-        advice = fault.advice or "It is looked for beside the design file."
-        inputs.fault("E172", f"the mesh {node.text} cannot be read: {fault.message}", node, advice)
-        return None
-    return MeshFile(path.name, hashlib.sha256(content).hexdigest(), str(path), str(node.place))
 
 
 # -- the kinds --------------------------------------------------------------------------------------------------------
@@ -312,7 +292,7 @@ def _surface(inputs: Inputs) -> Design:
         if node is not None and node.text is not None:
             if holder is not None and holder.get(other) is not None:
                 inputs.fault("E112", f"{holder.path} has mesh and {other}", node, "Give one of the two.")
-            inputs.given[key] = _mesh(inputs, node)
+            inputs.given[key] = mesh_file(inputs, node)
             inputs.spelling.places[key] = node
         elif holder is not None and holder.get(other) is None:
             inputs.fault("E143", f"{holder.path}.{other} is missing", holder, f"Add {other}: or mesh:.")
@@ -323,8 +303,27 @@ def _surface(inputs: Inputs) -> Design:
     return surface_design(inputs.given, inputs.spelling)
 
 
+def _topple(inputs: Inputs) -> Design:
+    from slopekit.design.reading_blocky import topple_design
+
+    return topple_design(inputs)
+
+
+def _bench(inputs: Inputs) -> Design:
+    from slopekit.design.reading_blocky import bench_design
+
+    return bench_design(inputs)
+
+
+def _blocks(inputs: Inputs) -> Design:
+    from slopekit.design.reading_blocks import blocks_design
+
+    return blocks_design(inputs)
+
+
 _KINDS: Mapping[str, Callable[[Inputs], Design]] = {
-    "wedge": _wedge, "plane": _plane, "footing": _footing, "surface": _surface,
+    "wedge": _wedge, "plane": _plane, "footing": _footing, "surface": _surface, "topple": _topple, "bench": _bench,
+    "blocks": _blocks,
 }  # fmt: skip
 
 __all__ = ["design_of", "load"]

@@ -13,12 +13,14 @@ from slopekit.design.structure import is_distribution
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import number
 
-_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
+BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
 _UNITS_OF = {
     "c": "pressure", "phi": "angle", "dilation": "angle", "tension": "pressure", "normal": "stiffness",
     "shear": "stiffness", "density": "density", "unit_weight": "unit weight", "gravity": "acceleration",
     "height": "length", "distance": "length", "depth": "length", "length": "length", "k": "ratio", "fill": "ratio",
-    "force": "force", "load": "force", "dip": "angle", "at": "length",
+    "force": "force", "load": "force", "dip": "angle", "at": "length", "width": "length", "heights": "length",
+    "base_step": "length", "thickness": "length", "spacing": "length", "offset": "length", "scatter": "angle",
+    "min_volume": "volume", "contact_tolerance": "length", "pressures": "pressure",
 }  # fmt: skip
 
 
@@ -124,12 +126,13 @@ class Inputs:
         if node.elements or isinstance(node.value, list):
             return [self.value(below) for below in node.elements]
         text = node.text
-        return float(text) if text is not None and _NUMBER.match(text) else text
+        return float(text) if text is not None and BARE_NUMBER.match(text) else text
 
     def centre(self, node: Node) -> Any:
         from slopekit.design.distributions import read_distribution, read_orientation  # only where a value scatters
 
-        kind = _UNITS_OF.get(node.name, "ratio")
+        above = node.path.rpartition(".")[0].rpartition(".")[2]  # of the third height: heights
+        kind = _UNITS_OF.get(node.name) or _UNITS_OF.get(above, "ratio")
         try:
             if node.name in ("plane", "face", "upper", "toward"):
                 middle = read_orientation(node, node.path).centre
@@ -177,7 +180,7 @@ class Inputs:
     def short_names(self) -> list[str]:
         """Names of the variables for a correlation: their paths, and `J1.phi` for the φ of J1's strength."""
         names = list(self.variables)
-        joints = self.at("joints")
+        joints = self.at("joints") or self.at("sets")
         for joint, below in joints.items() if joints is not None else ():
             strength = below.get("strength")
             name = strength.text if strength is not None else self.only_strength()
@@ -185,7 +188,8 @@ class Inputs:
                 if f"strength.{name}.{key}" in self.variables:
                     names.append(f"{joint}.{key}")
             names += [f"{joint}.plane"] if f"joints.{joint}.plane" in self.variables else []
-        names += [path.removeprefix("strength.") for path in self.variables if path.startswith("strength.")]
+        for group in ("strength.", "sets."):
+            names += [path.removeprefix(group) for path in self.variables if path.startswith(group)]
         return names
 
     def only_strength(self) -> str | None:
@@ -260,7 +264,11 @@ class Inputs:
             numbers = [cache[value.path] for value in present]
             self.given[key] = numbers if len(used) > 1 else numbers[0]
             self.spelling.places[key] = present if len(used) > 1 else present[0]
-        stiff = [node for own in used if (node := own.get("stiffness")) is not None]
+        self.take_stiffness(used)
+
+    def take_stiffness(self, strengths: Sequence[Node]) -> None:
+        """The stiffness that is one for all of these strengths; E196 where it is not."""
+        stiff = [node for own in strengths if (node := own.get("stiffness")) is not None]
         if len({str(node.plain()) for node in stiff}) > 1:
             other = stiff[-1]
             advice = "Give both strengths the same stiffness; the limit factor does not depend on it."

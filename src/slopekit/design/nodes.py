@@ -18,7 +18,7 @@ from slopekit.orientation import Line, Plane
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
 Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"
 
-MAX_VALUES = 100_000
+MAX_VALUES = 200_000
 MAX_DEPTH = 100
 WIDTH = 80
 NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")

@@ -28,24 +28,22 @@ _ROCK = Section(
     {"density": Leaf(number=True, example="2600 kg/m3"), "unit_weight": _NUMBER, "gravity": _NUMBER},
     example="{density: 2600 kg/m3}",
 )
-_LOADS = Section({
-    "seismic": AnyOf((Leaf(number=True, example="0.1"), Section({"k": _NUMBER, "toward": Leaf()}, required=("k",)))),
-    "forces": ListOf(AnyOf((
-        Leaf(example="500 kN@180/10"),
-        _POINT,
-        Section({"force": AnyOf((_NUMBER, _POINT)), "toward": Leaf(orientation=True), "at": _POINT},
-                required=("force",)),
-    ))),
-})  # fmt: skip
-_SUPPORT = Section({
-    "bolts": ListOf(AnyOf((
-        Leaf(example="200 kN@000/10,passive"),
-        Section(
-            {"force": _NUMBER, "head": _POINT, "toward": Leaf(orientation=True), "length": _NUMBER, "acts": Leaf()},
-            required=("force", "toward"),
-        ),
-    ))),
-})  # fmt: skip
+_SEISMIC = AnyOf((Leaf(number=True, example="0.1"), Section({"k": _NUMBER, "toward": Leaf()}, required=("k",))))
+_FORCE: Mapping[str, Spec] = {"force": AnyOf((_NUMBER, _POINT)), "toward": Leaf(orientation=True), "at": _POINT}
+_LOADS = Section(
+    {
+        "seismic": _SEISMIC,
+        "forces": ListOf(AnyOf((Leaf(example="500 kN@180/10"), _POINT, Section(_FORCE, required=("force",))))),
+    }
+)
+_BOLT: Mapping[str, Spec] = {
+    "force": _NUMBER, "head": _POINT, "toward": Leaf(orientation=True), "length": _NUMBER, "acts": Leaf(),
+}  # fmt: skip
+_SUPPORT = Section(
+    {
+        "bolts": ListOf(AnyOf((Leaf(example="200 kN@000/10,passive"), Section(_BOLT, required=("force", "toward"))))),
+    }
+)
 _WATER = AnyOf((
     Leaf(example="dry"),
     Section({
@@ -87,6 +85,37 @@ def _kind(own: Mapping[str, Spec], required: tuple[str, ...], analysis: Section)
         "correlation": _CORRELATION,
     }  # fmt: skip
     return Section(shared | dict(own), required=("slopekit", "kind", *required))
+
+
+# -- designs of many blocks: loads name their block, water is given by its pressures -----------------------------------
+
+_BLOCK = Leaf(example="B1")
+_LOADS_ON_BLOCKS = Section({
+    "seismic": _SEISMIC,
+    "forces": ListOf(AnyOf((
+        Leaf(example="500 kN@180/10"), _POINT, Section({**_FORCE, "block": _BLOCK}, required=("force",)),
+    ))),
+})  # fmt: skip
+_BOLTS_IN_BLOCKS = Section({
+    "bolts": ListOf(AnyOf((
+        Leaf(example="200 kN@000/10,passive"), Section({**_BOLT, "block": _BLOCK}, required=("force", "toward")),
+    ))),
+})  # fmt: skip
+_ANALYSIS_OF_BLOCKS = Section({
+    "criterion": Leaf(example="limit"), "agree_within": _NUMBER, "stop_when": _NUMBER, "mechanisms": _NUMBER,
+})  # fmt: skip
+
+
+def _pressures(of: Spec) -> Spec:
+    """Water of blocks; mode and fill are known here only so that the reader can say why they are not taken."""
+    return AnyOf((Leaf(example="dry"), Section({"mode": Leaf(example="dry"), "fill": _NUMBER, "pressures": of})))
+
+
+def _blocky(own: Mapping[str, Spec], pressures: Spec, required: tuple[str, ...]) -> Section:
+    loads: dict[str, Spec] = {
+        "water": _pressures(pressures), "loads": _LOADS_ON_BLOCKS, "support": _BOLTS_IN_BLOCKS,
+    }  # fmt: skip
+    return _kind(loads | dict(own), (*required, "strength"), _ANALYSIS_OF_BLOCKS)
 
 
 SPECS: Mapping[str, Section] = {
@@ -144,5 +173,51 @@ SPECS: Mapping[str, Section] = {
             "water": _WATER, "loads": _LOADS, "support": _SUPPORT,
         },
         ("slope", "slip", "strength", "rock"), _analysis(),
+    ),
+    "topple": _blocky(
+        {
+            "columns": Section(
+                {"dip": Leaf(number=True, example="60"), "width": Leaf(number=True, example="10 m"),
+                 "heights": ListOf(_NUMBER, 1, example="[4, 10, 16]"), "base_step": _NUMBER, "thickness": _NUMBER,
+                 "rows": _NUMBER, "base": Leaf(), "sides": Leaf()},
+                required=("dip", "width", "heights"),
+                example="{dip: 60, width: 10 m, heights: [4, 10, 16], base_step: 1 m}",
+            ),
+        },
+        Section({"base": _NUMBER, "sides": _NUMBER}, example="{base: 5 kPa, sides: 3 kPa}"),
+        ("columns", "rock"),
+    ),
+    "bench": _blocky(
+        {
+            "slope": Section(
+                {"face": _PLANE, "height": Leaf(number=True, example="15 m"), "upper": _PLANE, "length": _NUMBER,
+                 "depth": _NUMBER, "origin": _POINT},
+                required=("face", "height"), example="{face: 70/180, height: 15 m, length: 30 m}",
+            ),
+            "sets": Named(
+                Section(
+                    {"plane": Leaf(orientation=True, example="45/170"), "spacing": Leaf(number=True, example="2 m"),
+                     "offset": _NUMBER, "strength": Leaf(), "scatter": _NUMBER, "spacing_scatter": _NUMBER},
+                    required=("plane", "spacing"), example="{plane: 45/170, spacing: 2 m}",
+                ),
+                1, example="{S1: {plane: 45/170, spacing: 2 m}}",
+            ),
+            "cut": Section({"max_blocks": _NUMBER, "min_volume": _NUMBER, "seed": _NUMBER}),
+        },
+        Named(_NUMBER, example="{S1: 5 kPa}"), ("slope", "sets", "rock"),
+    ),
+    "blocks": _blocky(
+        {
+            "section": Section({"thickness": _NUMBER}), "contact_tolerance": _NUMBER,
+            "blocks": Named(
+                Section({
+                    "polygon": ListOf(ListOf(Leaf(), 2, 2, example="[0, 5]"), 3, example="[[0, 0], [2, 0], [2, 1]]"),
+                    "mesh": Leaf(example="block.stl"), "unit_weight": _NUMBER, "fixed": Leaf(example="true"),
+                }, example="{polygon: [[0, 0], [2, 0], [2, 1]]}"),
+                1, example="{B1: {polygon: [[0, 0], [2, 0], [2, 1]]}}",
+            ),
+            "interfaces": Named(Leaf(example="joint"), pairs=True, example="{default: joint, B1/B2: smooth}"),
+        },
+        Named(_NUMBER, pairs=True, example="{B1/B2: 5 kPa}"), ("blocks",),
     ),
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from slopekit.design.nodes import (
@@ -45,28 +46,99 @@ _IN_WORDS = (
 )  # fmt: skip
 
 
+# lists of numbers, and lists of those, in one line: ruamel would make some twenty steps of every number
+_NUMBER = r" *[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)? *"
+_LIST = rf"\[{_NUMBER}(?:,{_NUMBER})*\]"
+NUMBERS = re.compile(rf"(?<![^\s\[{{,:])(?:{_LIST}|\[ *{_LIST} *(?:, *{_LIST} *)*\])")
+_TOKEN = re.compile(r"[\[\]]|[^\[\], ]+")
+_STAND_IN = "\ue000"
+_LARGE = 20_000
+_NUMBERS_TO_A_VALUE = 5
+
+
 class Source:
     """The lines of a file, for the places of its values."""
 
     def __init__(self, name: str, text: str) -> None:
         self.name, self.lines = printable(name), LINE_END.split(text)
+        self.shown = -1, ""  # the line that places were asked of last, as they show it
 
     def place(self, line: int, column: int) -> Place:
         """The place of a line and a column, both from 0."""
-        text = self.lines[line] if line < len(self.lines) else ""
         begin = 0 if column < WIDTH - 20 else column - WIDTH // 2
-        part = ("…" if begin else "") + text[begin : begin + 4 * WIDTH].strip()
-        return Place(self.name, line + 1, column + 1, cut(printable(part)))
+        if begin or line != self.shown[0]:
+            text = self.lines[line] if line < len(self.lines) else ""
+            part = cut(printable(("…" if begin else "") + text[begin : begin + 4 * WIDTH].strip()))
+            if begin:
+                return Place(self.name, line + 1, column + 1, part)
+            self.shown = line, part
+        return Place(self.name, line + 1, column + 1, self.shown[1])
 
 
 def composed(text: str, source: Source) -> Any:
-    """ruamel's node tree; whatever it raises becomes a fault."""
+    """ruamel's node tree; whatever it raises becomes a fault.
+
+    In a large text each list of numbers goes through ruamel as one word of the same length, which `_Numbers` then
+    stands for: ten thousand polygons take a second instead of ten. Where such a word turns up anywhere but as a value
+    of its own, or anything is wrong, the text itself is read.
+    """
+    if len(text) > _LARGE and _STAND_IN not in text:
+        try:
+            return _composed(NUMBERS.sub(lambda found: _STAND_IN * len(found.group()), text), source, text)
+        except _NotAlone:
+            pass
+        except DesignError as error:
+            if error.codes == ("E149",):
+                raise
+    return _composed(text, source)
+
+
+class _NotAlone(Exception):
+    """The stand-in of a list of numbers is part of something else."""
+
+
+@dataclass(frozen=True, slots=True)
+class _At:
+    line: int
+    column: int
+
+
+@dataclass(slots=True)
+class _Numbers:
+    """What the tree builder looks at in a node of ruamel's: a number, or a list."""
+
+    value: "str | list[_Numbers]"
+    start_mark: _At
+    tag: str = "tag:yaml.org,2002:str"
+    anchor: None = None
+    style: None = None
+
+
+def _numbers(text: str, at: _At) -> _Numbers:
+    """A list of numbers (or of such lists) that stands in one line."""
+    items: list[_Numbers] = []
+    above: list[list[_Numbers]] = []
+    holder = items
+    for found in _TOKEN.finditer(text, 1):
+        token = found.group()
+        if token == "]":
+            holder = above.pop() if above else items
+            continue
+        inner: list[_Numbers] = []
+        holder.append(_Numbers(inner if token == "[" else token, _At(at.line, at.column + found.start())))
+        if token == "[":
+            above.append(holder)
+            holder = inner
+    return _Numbers(items, at)
+
+
+def _composed(text: str, source: Source, original: str = "") -> Any:
     from ruamel.yaml import YAML  # 18 ms, needed for files only
     from ruamel.yaml.composer import Composer
     from ruamel.yaml.error import MarkedYAMLError, YAMLError, YAMLStreamError
 
     class Counting(Composer):
-        values = 0
+        values = 0.0
 
         def compose_node(self, parent: Any, index: Any) -> Any:
             self.values += 1
@@ -74,6 +146,19 @@ def composed(text: str, source: Source) -> Any:
                 mark = self.parser.peek_event().start_mark
                 fail_large(source.place(mark.line, mark.column), deep=self.values <= MAX_VALUES)
             return super().compose_node(parent, index)
+
+        def compose_scalar_node(self, anchor: Any) -> Any:
+            node = super().compose_scalar_node(anchor)
+            if not original or _STAND_IN not in node.value:
+                return node
+            mark = node.start_mark
+            found = NUMBERS.match(original, mark.index)
+            if found is None or node.style or anchor is not None or node.value != _STAND_IN * len(found.group()):
+                raise _NotAlone
+            self.values += found.group().count(",") / _NUMBERS_TO_A_VALUE
+            if self.values > MAX_VALUES:
+                fail_large(source.place(mark.line, mark.column), deep=False)
+            return _numbers(found.group(), _At(mark.line, mark.column))
 
     yaml = YAML(typ="safe", pure=True)
     yaml.Composer = Counting

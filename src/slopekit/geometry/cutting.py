@@ -11,20 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64
+from manifold3d import Mesh64
 
 from slopekit.arrays import Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.half_spaces import far_box, half_space
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
-_BOX_TRIANGLES = np.array(
-    [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
-     [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]], dtype=np.uint64,
-)  # fmt: skip
-_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-_SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +65,12 @@ def cut_wedge(rock: RockMass) -> Block:
     scaled_offsets = (rock.offsets - rock.normals @ centre) / lengths
     scaled_normals = scaled_normals / lengths[:, None]
 
-    body = _tagged(_SQUARE_BOX * 1.5, np.repeat(np.arange(_FAR, _FAR + 6), 2))
+    body = far_box(1.5, _FAR)
     for plane in (FACE, UPPER):
-        body = body.split(_cutter(scaled_normals[plane], float(scaled_offsets[plane]), plane))[1]
+        body = body.split(half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK))[1]
     pieces = [body]
     for plane in (J1, J2, *range(CRACK, len(rock.normals))):
-        cutter = _cutter(scaled_normals[plane], float(scaled_offsets[plane]), plane)
+        cutter = half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK)
         pieces = [part for piece in pieces for part in piece.split(cutter) if not part.is_empty()]
     wedges = []
     for piece in pieces:
@@ -110,34 +105,13 @@ def cut_convex(normals: Floats, offsets: Floats, outline: Floats) -> Block:
     scaled = normals * half
     lengths = np.sqrt((scaled**2).sum(axis=1))
     at = (offsets - normals @ centre) / lengths
-    piece = _tagged(_SQUARE_BOX * 1.5, np.repeat(np.arange(_FAR, _FAR + 6), 2))
+    piece = far_box(1.5, _FAR)
     for plane, (normal, offset) in enumerate(zip(scaled / lengths[:, None], at, strict=True)):
-        piece = piece.split(_cutter(normal, float(offset), plane))[1]
+        piece = piece.split(half_space(normal, float(offset), plane, _CUTTER_BACK))[1]
     mesh = piece.to_mesh64()
     if piece.is_empty() or int(np.asarray(mesh.face_id).max()) >= _FAR:
         raise GeometryError([Fault("E208", "the planes enclose no block")])
     return _block(mesh, normals, offsets, centre, half)
-
-
-def _tagged(vertices: Floats, face_ids: Ints) -> Manifold:
-    mesh = Mesh64(np.ascontiguousarray(vertices), _BOX_TRIANGLES, face_id=face_ids.astype(np.uint64))
-    manifold = Manifold(mesh)
-    if manifold.status() != Error.NoError:
-        raise GeometryError([Fault("E208", f"the cutter is not a closed body ({manifold.status()})")])
-    return manifold
-
-
-def _cutter(normal: Floats, offset: float, plane: int, size: float = 12.0) -> Manifold:
-    """The half-space above a plane as a box whose first face lies on it and carries the plane's id."""
-    other = np.zeros(3)
-    other[np.argmin(np.abs(normal))] = 1.0
-    across = np.cross(normal, other)
-    across /= math.sqrt(float(across @ across))
-    axes = np.array([across, np.cross(normal, across)])
-    base = normal * offset + size * (_SQUARE @ axes)
-    ids = np.full(12, _CUTTER_BACK)
-    ids[:2] = plane
-    return _tagged(np.concatenate([base, base + size * normal]), ids)
 
 
 def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half: Floats) -> Block:

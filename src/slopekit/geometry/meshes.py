@@ -26,6 +26,8 @@ def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, boo
 
     try:
         mesh = trimesh.load(path, force="mesh", process=True)
+        if isinstance(mesh, trimesh.Trimesh):  # vertices of a GLB with their own normals are one place all the same
+            mesh.merge_vertices(merge_tex=True, merge_norm=True)
     except Exception as error:  # trimesh's readers raise whatever their format makes them stumble over
         reason = f"{type(error).__name__}: {error}".splitlines()[0][:120]
         advice = "STL, OBJ, PLY, OFF and GLB are read."

@@ -1,5 +1,6 @@
 """Words for the sheet that differ by kind of design: planes, sizes, numbers as a person writes them."""
 
+from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design, Strength
 from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
@@ -26,11 +27,7 @@ def planes(result: Result) -> tuple[str, list[str]]:
 def size(result: Result) -> list[str]:
     """Height, volume, weight."""
     design, geometry = result.design, result.geometry
-    weight = f"weight {size_number(result.forces.weight)} kN  unit weight {design.unit_weight_kn_m3:.5g} kN/m³"
-    if design.density_kg_m3 is not None:
-        weight += f" ({design.density_kg_m3:.5g} kg/m³)"
-    if not design.unit_weight_kn_m3:
-        weight = "weight left out"
+    weight = weight_in_words(result)
     volume = f"volume {size_number(geometry.volume_m3)} m³"
     if isinstance(geometry, WedgeGeometry) and isinstance(design, WedgeDesign):
         heights = f"height {size_number(design.height_m)} m (total {size_number(geometry.total_height_m)} m)"
@@ -46,10 +43,21 @@ def size(result: Result) -> list[str]:
     return [f"{heights}  {volume}  {weight}"]
 
 
+def weight_in_words(result: Result) -> str:
+    """The weight of what moves, and the unit weight it comes from."""
+    design = result.design
+    if not design.unit_weight_kn_m3:
+        return "weight left out"
+    density = "" if design.density_kg_m3 is None else f" ({design.density_kg_m3:.5g} kg/m³)"
+    return f"weight {size_number(result.forces.weight)} kN  unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"
+
+
 def dilates(design: Design) -> bool:
     """Whether any joint of the design dilates as it slips."""
     if isinstance(design, WedgeDesign):
         return any(design.dilation_deg)
+    if isinstance(design, AssemblyDesign):
+        return any(strength.dilation_deg for _, strength in design.strengths)
     strength = getattr(design, "strength", None)
     return isinstance(strength, Strength) and bool(strength.dilation_deg)
 

@@ -1,0 +1,240 @@
+"""Assemblies of blocks: benches cut by joint sets, the user's own blocks, rows of columns.
+
+scene -> loads -> the mechanisms one after the other -> what they say of each block -> Result.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene
+from slopekit.analysis.motions import mechanism
+from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
+from slopekit.arrays import frozen
+from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
+from slopekit.errors import Notice
+from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.loads import AssemblyLoads, assembly_loads
+from slopekit.notices import common_notices
+from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
+from slopekit.preie.untied import UntiedSearch, all_blocks_untied
+from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
+
+_FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
+_ENDS = {
+    "count": "more mechanisms were not asked for",
+    "stands": "what is left stands without any strength",
+    "gone": "nothing is left that could move",
+    "not_converged": "the last one did not settle, so what comes after it is not known",
+}
+
+
+def analyse_assembly(design: AssemblyDesign) -> Result:
+    """Analyse a bench, blocks or columns.
+
+    Raises
+    ------
+    GeometryError, DesignError
+        Where no blocks can be formed, or loads act on none.
+    """
+    clock = Clock()
+    scene = assembly_scene(design, clock)
+    assembly = scene.assembly
+    with clock("loads"):
+        loads = assembly_loads(assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    with clock("solve"):
+        ravelling = ravel(
+            assembly, loads, joint_strength(scene.strengths), design.mechanisms, design.stop_when, scene.idle
+        )
+    with clock("mechanisms"):
+        found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+    with clock("all_pairs"):
+        untied = _untied(design, scene, loads, found)
+    status = found[0].status if found else "no_driving_force"
+    limit = found[0].fos if found else None
+    bound = found[0].static_bound if found else None
+    with clock("closed_form"):
+        closed, table = _closed_form(design, found)
+    difference, agree = compare(limit, status, closed, design.agree_within)
+    findings = Findings(
+        found, _factors(ravelling, scene, found), _standing(ravelling, scene), len(assembly),
+        int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
+    )  # fmt: skip
+    parts = ravelling.parts
+    first = ravelling.failures[0].parts if ravelling.failures else ()
+    size = ModelSize(
+        int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
+        sum(len(part.model.control_area) for part in parts), 0, None, _left_out(design, scene, parts),
+        max((part.limit.passes for part in first), default=0), found[0].change if found else 0.0,
+    )  # fmt: skip
+    return Result(
+        design=design, status=status,
+        fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None),
+        difference=difference, agree=agree, moments_govern=False, forces_only=None,
+        static_bound_proved=bound is not None, geometry=_geometry(scene), forces=_forces(scene, loads, parts),
+        model=size, mechanism=None, at_factor_one=None, governs=(),
+        all_pairs=None if untied is None else AllPairs(
+            untied.bracket, untied.lost_equilibrium, tuple((factor, failed) for factor, _, failed in untied.history)
+        ),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed)), node_pairs=_node_pairs(scene, parts),
+        findings=findings, timing_s=clock.done(),
+    )  # fmt: skip
+
+
+def _untied(
+    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, found: Sequence[Mechanism]
+) -> UntiedSearch | None:
+    """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
+    if design.criterion != "all-pairs" or not found or not found[0].fos:
+        return None
+    model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
+    return None if model is None else all_blocks_untied(model, joint_stiffness(design), found[0].fos)
+
+
+def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
+    """The factor at which each block fails; None where no strength holds it."""
+    out: dict[str, float | None] = {}
+    for failure, one in zip(ravelling.failures, found, strict=True):
+        for block in failure.blocks.tolist():
+            out[scene.names[block]] = one.fos
+    return out
+
+
+def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
+    left = int(ravelling.left.sum())
+    moving = int((~scene.assembly.fixed).sum())
+    return f"{left} of {moving} blocks are left; {_ENDS[ravelling.ended]}"
+
+
+def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
+    """Conservation: what the geometry balanced, and how well the forces at the limit do."""
+    checks = dict(scene.checks)
+    worst = 0.0
+    for part in ravelling.parts:
+        model, limit = part.model, part.limit
+        if limit.factor is None or len(model.control_area) == 0:
+            continue
+        off = model.forces_on_blocks(limit.normal_force, limit.friction) + model.load
+        worst = max(worst, float(np.abs(off).max()) / float(np.abs(model.load).max()))
+    checks["largest_unbalanced_force"] = worst
+    return checks
+
+
+def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:
+    """What was not modelled, with the proof or the check that lets it be."""
+    said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
+    if len(parts) > 1:
+        said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
+    for part in parts:
+        if part.held:
+            said.append(
+                f"{part.held} blocks deeper than {part.layers} layers below the free surface were held; setting "
+                f"another layer free changed the factor by {part.change:.1g} (a check, not a proof)"
+            )
+        if part.at_rest:
+            said.append(
+                f"{part.at_rest} blocks that the first mechanism leaves at rest were held when its factor was settled"
+            )
+    if scene.assembly.in_section:
+        bonded = any(strength.cohesion_kpa for strength in scene.strengths)
+        ends = "three node pairs a contact where it has cohesion, else its two ends" if bonded else (
+            "node pairs at the ends of the contacts only: without cohesion their middle carries nothing else"
+        )  # fmt: skip
+        said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
+    return tuple(said)
+
+
+def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
+    assembly = scene.assembly
+    patches = assembly.patches
+    free = ~assembly.fixed
+    if scene.outlines:
+        heights = np.concatenate([outline[:, 1] for outline in scene.outlines.values()])
+    else:
+        heights = assembly.vertices[assembly.triangles.ravel(), 2]
+    areas = np.bincount(patches.joint, patches.areas, len(scene.joints))
+    offset = scene.origin[[0, 2]]
+    return AssemblyGeometry(
+        float(assembly.volumes[free].sum()), float(np.ptp(heights)),
+        dict(zip(scene.joints, areas.tolist(), strict=True)), scene.names, tuple(assembly.fixed.tolist()),
+        scene.thickness, frozen(assembly.centroids + scene.origin),
+        {name: frozen(outline + offset) for name, outline in scene.outlines.items()},
+        frozen(assembly.vertices + scene.origin), assembly.triangles, assembly.triangle_block,
+    )  # fmt: skip
+
+
+def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -> Forces:
+    """Weight of the moving blocks; normal forces at the limit and water by joint."""
+    patches = scene.assembly.patches
+    count = len(scene.joints)
+    normal = np.zeros(count)
+    known = True
+    for part in parts:
+        if len(part.model.control_area) == 0:
+            continue
+        known = known and part.limit.factor is not None
+        joint = patches.joint[part.patch][part.model.pair_contact]
+        normal += np.bincount(joint, part.limit.normal_force * part.model.force_scale, count)
+    water = np.bincount(patches.joint, loads.water, count)
+    return Forces(
+        float(loads.weights[~scene.assembly.fixed].sum()),
+        {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
+        dict(zip(scene.joints, water.tolist(), strict=True)), None, None,
+    )  # fmt: skip
+
+
+def _node_pairs(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
+    joint = scene.assembly.patches.joint
+    sound = [part for part in parts if len(part.model.control_area)]
+    if not sound:
+        none = np.zeros(0)
+        return NodePairState(np.zeros((0, 3)), none.astype(np.int64), none, none)
+    return NodePairState(
+        frozen(np.concatenate([part.model.points for part in sound]) + scene.origin),
+        np.concatenate([joint[part.patch][part.model.pair_contact] for part in sound]),
+        frozen(np.concatenate([part.model.control_area * part.model.area_scale for part in sound])),
+        frozen(np.concatenate([part.limit.normal_force * part.model.force_scale for part in sound])),
+    )
+
+
+def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[ClosedForm, tuple[Column, ...]]:
+    """Goodman & Bray's columns, where their method applies."""
+    if not isinstance(design, ToppleDesign):
+        return ClosedForm(None, "", "there is no closed form for these blocks: the static bound judges"), ()
+    from slopekit.analysis.columns import goodman_bray
+
+    return goodman_bray(design, found[0] if found else None)
+
+
+def _notices(
+    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism], closed: ClosedForm
+) -> Iterator[Notice]:
+    yield from scene.notices
+    yield from common_notices(design, scene.strengths)
+    if not found:
+        return
+    first, limit = found[0], ravelling.failures[0].limit
+    if first.fos and not first.change <= design.stop_when:
+        yield Notice("W317", f"the passes did not settle: their factors still swing by {first.change * 100:.2g} %")
+    if first.fos and first.static_bound is None:
+        yield Notice("W309", "the static bound was not found: dilating joints would wedge these blocks fast")
+    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
+        more = (first.static_bound / first.fos - 1.0) * 100.0
+        yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
+                     "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
+    if (limit.bond == 0.0).any():
+        share = float(1.0 - limit.bond.mean())
+        yield Notice("W307", f"the mechanism opens contacts, which lose their cohesion ({share * 100:.2g} % of the "
+                     "node pairs): the factor of safety jumps where that happens")  # fmt: skip
+    if isinstance(design, BenchDesign):
+        patches, fixed = scene.assembly.patches, np.append(scene.assembly.fixed, True)
+        moves = np.zeros(len(fixed), dtype=bool)
+        moves[ravelling.failures[0].blocks] = True
+        if ((moves[patches.plus] & fixed[patches.minus]) | (moves[patches.minus] & fixed[patches.plus])).any():
+            yield Notice("W338", "the first mechanism touches blocks that are bedrock only because the model ends "
+                         "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
+    if any(part.held for part in ravelling.parts):
+        yield Notice("W339", "deep blocks were held to find the first mechanism near the free surface: checked by "
+                     "setting one more layer free, not proved (see MODEL)")  # fmt: skip
+    if isinstance(design, ToppleDesign) and closed.why_not:
+        yield Notice("W340", closed.why_not)

@@ -1,0 +1,122 @@
+"""Reading a mechanism of many blocks: how each block moves, which interfaces govern, what the contacts do."""
+
+import numpy as np
+
+from slopekit.analysis.assembly_scene import AssemblyScene
+from slopekit.arrays import Bools, Floats
+from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.preie.passes import Outcome
+from slopekit.preie.ravelling import Failure, Part
+
+_TURNS = 0.05  # rotation beyond this part of a block's motion counts
+_OPENS = 1e-5  # opening beyond this part of the fastest motion counts
+_CLOSED = 1e-9  # normal force below this part of the largest is none
+_SLIPS = 1e-4
+_MOST_INTERFACES = 12
+
+
+def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
+    """A failure in words: status, factor, blocks and governing interfaces."""
+    limit = failure.limit
+    size = np.cbrt(scene.assembly.volumes) / 2.0
+    blocks = []
+    for block, motion in zip(failure.blocks.tolist(), failure.motion, strict=True):
+        how = _how(motion, float(size[block]), limit.outcome)
+        blocks.append(BlockMotion(scene.names[block], how, motion[:3], motion[3:]))
+    blocks.sort(key=lambda block: -float(np.abs(block.displacement).max()))
+    ways = {block.how for block in blocks}
+    if limit.outcome is Outcome.NOT_CONVERGED:
+        status = "not_converged"
+    elif limit.outcome is Outcome.LIFTED:
+        status = next((way for word, way in _WITHOUT if word in ways), "falls")
+    elif "topples" in ways:
+        status = "topples"
+    elif "rotates" in ways:
+        status = "rotates"
+    else:
+        upward = all(motion[2] > _TURNS for motion in failure.motion)
+        status = "slides_up" if upward else "slides"
+    counts: dict[str, int] = {"stick": 0, "slip": 0, "open": 0}
+    interfaces: list[GoverningInterface] = []
+    total = 0.0
+    for part in failure.parts:
+        for mode, count in _modes(part).items():
+            counts[mode] += count
+        found, lost = _interfaces(part, scene)
+        interfaces, total = interfaces + found, total + lost
+    interfaces.sort(key=lambda interface: -interface.share)
+    governing = tuple(
+        GoverningInterface(
+            found.name, found.joint, found.mode, found.share / max(total, 1e-300), found.normal_kn, found.area_m2
+        )
+        for found in interfaces[:_MOST_INTERFACES]
+    )  # fmt: skip
+    return Mechanism(status, limit.factor, limit.static_bound, limit.change, tuple(blocks), governing, counts)
+
+
+_WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))
+
+
+def _how(motion: Floats, size: float, outcome: Outcome) -> str:
+    """How a block moves: its top goes ahead where it topples, its bottom where it turns back under itself."""
+    moved, turned = motion[:3], motion[3:] * size
+    speed, spin = float(np.sqrt(moved @ moved)), float(np.sqrt(turned @ turned))
+    if spin > _TURNS * max(speed, spin):
+        up = np.array([0.0, 0.0, 1.0])
+        top, bottom = moved + np.cross(turned, up), moved - np.cross(turned, up)
+        flat = top[:2] @ top[:2] - bottom[:2] @ bottom[:2]
+        return "topples" if flat > 0.0 else "rotates"
+    if outcome is Outcome.LIFTED:
+        return "lifts" if moved[2] > 0.0 else "falls"
+    return "slides"
+
+
+def _states(part: Part) -> tuple[Bools, Bools, Floats]:
+    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,)."""
+    model, limit = part.model, part.limit
+    opening, slip = model.opening_and_slip(limit.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
+    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > _OPENS * fastest
+    opened |= limit.normal_force <= _CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
+    slips = (size > _SLIPS * fastest)[model.group_of_pair] & ~opened
+    return opened, slips, size
+
+
+def _modes(part: Part) -> dict[str, int]:
+    if len(part.model.control_area) == 0:
+        return {}
+    opened, slips, _ = _states(part)
+    return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
+
+
+def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
+    """Interfaces between two blocks that lose work in the mechanism, with the work, and all work."""
+    model, limit = part.model, part.limit
+    if len(model.control_area) == 0 or limit.factor is None:
+        return [], 0.0
+    opened, _, size = _states(part)
+    carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
+    lost = carried * size
+    work = np.bincount(model.group_contact, lost, len(model.plus))
+    normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
+    area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
+    open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
+    chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
+    found: dict[tuple[str, str], list[float]] = {}
+    patches = scene.assembly.patches
+    for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
+        patch = int(part.patch[k])
+        name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
+        entry = found.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
+        for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
+            entry[at] += float(value)
+    return [
+        GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
+        for (name, joint), (share, force, area_, gone) in found.items()
+    ], float(work.sum())
+
+
+def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:
+    names = [scene.names[side] if side >= 0 else "bedrock" for side in (plus, minus)]
+    return "/".join(names)

@@ -1,0 +1,344 @@
+"""Toppling of columns on a stepped base, per metre: each column in turn stands, topples or slides.
+
+Sources: Goodman & Bray (1976), Toppling of rock slopes, ASCE Specialty Conf. Rock Engineering, Boulder, 201-234;
+Wyllie & Mah (2004), Rock Slope Engineering, ch. 9. An earthquake is a second part of the weight. The points of
+application come from the heights of the neighbours, not from the shape of the slope.
+
+Column 1 is the toe, n the highest. The base of each column dips ψ out of the slope and lies a step b above the one
+below it; P_n is the force between columns n and n + 1, square to the sides, whose friction is fully used.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from slopekit.closed_form.search import first_loss
+from slopekit.errors import DesignError, Fault
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+_ROUNDING = 1e-14  # of what is added up: less than this is nothing
+_HOLDS = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ColumnSlope:
+    """Columns on a stepped base, their strength and their loads.
+
+    Attributes
+    ----------
+    heights_m : (n,) m, along the columns, from the toe up
+    width_m : of every column; step_m : of the base between two columns, square to the bases, 0 or more
+    base_dip_deg : of the bases out of the slope, ψ (90° less the dip of the columns)
+    unit_weight_kn_m3 : kN/m³
+    friction_angle_deg : of the bases; side_friction_angle_deg : of the sides, None: the same
+    cohesion_kpa : of the bases, where a column slides. The sides have none: it would come and go with the contact.
+    seismic : horizontal, out of the slope, and seismic_up : upward, parts of the weight
+    toe_force_kn : kN per metre on column 1, into the slope; it is not divided by the factor of safety
+    toe_force_plunge_deg : degrees below the horizontal
+    toe_force_height_m : m, of its line above the base at the outer side of column 1; None: half way up
+
+    Raises
+    ------
+    DesignError
+        E260 sizes or strengths that make no row of columns, E262 the loads lift a column off its base.
+    """
+
+    heights_m: ArrayLike
+    width_m: float
+    step_m: float
+    base_dip_deg: float
+    unit_weight_kn_m3: float
+    friction_angle_deg: float
+    side_friction_angle_deg: float | None = None
+    cohesion_kpa: float = 0.0
+    seismic: float = 0.0
+    seismic_up: float = 0.0
+    toe_force_kn: float = 0.0
+    toe_force_plunge_deg: float = 0.0
+    toe_force_height_m: float | None = None
+
+    def __post_init__(self) -> None:
+        faults = _faults(self)
+        if faults:
+            raise DesignError(faults)
+        heights = np.array(self.heights_m, dtype=np.float64)
+        heights.setflags(write=False)
+        object.__setattr__(self, "heights_m", heights)
+        off = _Row.of(self).off
+        if not np.all(off > 0.0):
+            lifted = ", ".join(str(i + 1) for i in np.flatnonzero(off <= 0.0)[:5])
+            message = f"weight, earthquake and toe force together lift column {lifted} off its base"
+            raise DesignError([Fault("E262", message, "", "Give a smaller seismic coefficient or toe force.")])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TopplingTable:
+    """The table of Goodman & Bray, a row for each column from the toe up; nan where a row has no such number.
+
+    Attributes
+    ----------
+    heights_m : (n,) y; upper_contact_m : (n,) M, height of P_n, nan for the highest column
+    lower_contact_m : (n,) L, height of P_(n-1); for column 1 as if a column of no height stood below, -b
+    topple_force_kn, slide_force_kn : (n,) P_(n-1) that just keeps the column from toppling, from sliding; below 0 it
+        needs none. Column 1 has nothing to topple against: nan, see toe_moment_knm. ±inf: no force between sides
+        that rough makes a difference (tan φ tan φ_side ≥ 1), and +inf in all rows below
+    force_kn : (n,) P_(n-1), 0 or more; modes : stable, topple or slide
+    normal_kn, shear_kn : (n,) R and S on the base; base_holds : (n,) R ≥ 0 and |S| ≤ R tan φ + c Δx. A tall column
+        that leans on the top of a low one lifts off or slips back: there the method's forces are not to be trusted
+    toe_force_kn : P_0, what column 1 still needs, along its base and at its top if it topples; below 0 it stands
+    toe_moment_knm : of column 1 about its toe, above 0 it topples
+    """
+
+    heights_m: Floats
+    upper_contact_m: Floats
+    lower_contact_m: Floats
+    topple_force_kn: Floats
+    slide_force_kn: Floats
+    force_kn: Floats
+    modes: tuple[str, ...]
+    normal_kn: Floats
+    shear_kn: Floats
+    base_holds: Bools
+    toe_force_kn: float
+    toe_moment_knm: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClosedFormToppling:
+    """Factor of safety of a row of columns.
+
+    Attributes
+    ----------
+    status : slides or topples (what column 1 does at the limit), no_driving_force, or held (at any strength)
+    factor : None where nothing is lost; 0.0 where no friction is enough
+    bracket : last factor that stands, first that does not; residual_kn : P_0 at the factor
+    friction_required_deg : of the bases, for a factor of 1
+    table : at the strength divided by the factor; as given where there is no factor above 0
+    """
+
+    status: str
+    factor: float | None
+    bracket: tuple[float, float]
+    residual_kn: float
+    friction_required_deg: float | None
+    table: TopplingTable
+
+
+def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
+    """Forces and modes of all columns with the strength (tan φ and c) divided by a factor.
+
+    Formula: P_t = (P_n (M_n - Δx tan φ_s) + (D_n y_n - N_n Δx) / 2) / L_n and
+    P_s = P_n + (D_n - N_n tan φ - c Δx) / (1 - tan φ tan φ_s), P_(n-1) = max(P_t, P_s, 0); D and N are the loads along
+    and square to the base, M_n = min(y_n, y_(n+1) + b), L_n = min(y_(n-1) - b, y_n). A toe force T at L_1 plunging δ
+    takes T cos(ψ + δ) from D_1, T cos(ψ + δ) L_1 from the moment and adds T sin(ψ + δ) to N_1 (Goodman & Bray 1976;
+    Wyllie & Mah 2004, §9.4).
+
+    Raises
+    ------
+    DesignError
+        E260 the factor is not above 0.
+
+    >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 38.15)
+    >>> table = toppling_table(columns)
+    >>> round(table.toe_force_kn, 3), table.modes.count("topple"), table.modes[:3]
+    (1.182, 10, ('slide', 'slide', 'slide'))
+    """
+    row = _Row.of(slope)
+    chain = row.chain(_one(factor))
+    topple, slide, force = chain.topple[:, 0], chain.slide[:, 0], chain.force[:, 0]
+    above = np.append(force[1:], 0.0)
+    with np.errstate(invalid="ignore"):  # infinite forces
+        normal = row.off + (above - force) * row.side / factor
+        shear = row.down + (above - force)
+        size = abs(row.off) + abs(row.down) + above + force
+        spare = normal * row.tangent / factor + row.bond / factor - abs(shear)
+        holds = (normal >= -_HOLDS * size) & (spare >= -_HOLDS * size)
+    modes = tuple(
+        "stable" if p <= 0.0 else "topple" if s <= t < math.inf else "slide"
+        for t, s, p in zip(topple, slide, force, strict=True)
+    )
+    upper = np.append(row.upper[:-1], np.nan)
+    needed = max(float(topple[0]), float(slide[0]))
+    arrays = (row.heights, upper, row.lower, np.append(np.nan, topple[1:]), slide, force)
+    for array in (*arrays, normal, shear, holds):
+        array.setflags(write=False)
+    return TopplingTable(*arrays, modes, normal, shear, holds, needed, float(chain.toe_moment[0]))
+
+
+def toppling_factor_of_safety(slope: ColumnSlope) -> ClosedFormToppling:
+    """The factor by which tan φ of bases and sides, and c, may be divided before column 1 needs a force at the toe.
+
+    The toe force is an active load and stays. Only forces decide; look at `base_holds` of the table for the bases.
+
+    Formula: P_0(F) = 0 (Wyllie & Mah 2004, §9.4.5).
+
+    >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 38.6598)
+    >>> found = toppling_factor_of_safety(columns)
+    >>> found.status, round(found.factor, 4), round(found.friction_required_deg, 4)
+    ('slides', 1.0184, 38.1512)
+    """
+    row = _Row.of(slope)
+    bracket = first_loss(lambda factors: row.chain(factors).force[0] <= 0.0)
+    low, high = bracket
+    if low == 0.0 or math.isinf(high):
+        table = toppling_table(slope)
+        if low == 0.0:
+            toe = row.chain(np.array([high]))
+            status = "topples" if toe.topple[0, 0] >= toe.slide[0, 0] else "slides"
+            return ClosedFormToppling(status, 0.0, bracket, table.toe_force_kn, None, table)
+        status = "held" if np.any(row.down > 0.0) else "no_driving_force"
+        return ClosedFormToppling(status, None, bracket, table.toe_force_kn, None, table)
+    lost = row.chain(np.array([high]))
+    status = "topples" if lost.topple[0, 0] >= lost.slide[0, 0] else "slides"
+    table = toppling_table(slope, low)
+    required = math.degrees(math.atan(row.tangent / low))
+    return ClosedFormToppling(status, low, bracket, table.toe_force_kn, required, table)
+
+
+def toe_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
+    """The toe force (kN per metre, at the plunge and height of the slope's own) that gives a factor of safety.
+
+    0.0 where none is needed, inf where no pull in that direction is enough.
+
+    Raises
+    ------
+    DesignError
+        E260 the factor is not above 0.
+
+    Formula: the larger of T = (P_1 (1 - tan φ tan φ_s) + D_1 - N_1 tan φ - c Δx) / (cos(ψ + δ) + sin(ψ + δ) tan φ)
+    and T = (P_1 (M_1 - Δx tan φ_s) + (D_1 y_1 - N_1 Δx) / 2) / (L_1 cos(ψ + δ)) (Wyllie & Mah 2004, §9.4.4).
+
+    >>> columns = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10, 1, 30, 25, 33.0239)
+    >>> round(toe_force_required(columns), 3)
+    2012.857
+    """
+    row = _Row.of(slope)
+    chain = row.chain(_one(factor))
+    along, into = row.pull
+    hold = along + into * row.tangent / factor
+    slid, tipped = float(chain.toe_excess[0]), float(chain.toe_moment[0])
+    slid += slope.toe_force_kn * hold
+    tipped += slope.toe_force_kn * along * row.pull_height
+    force = 0.0
+    for needed, gain in ((slid, hold), (tipped, along * row.pull_height)):
+        if needed > 0.0:
+            force = max(force, needed / gain if gain > 0.0 else math.inf)
+    return force
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Chain:
+    """Forces (n, m) for m factors, from the highest column down; column 1: its overturning moment and excess shear."""
+
+    topple: Floats
+    slide: Floats
+    force: Floats
+    toe_moment: Floats
+    toe_excess: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Row:
+    """The slope as arrays in the frame of the bases: down along them, off square to them and into the rock."""
+
+    heights: Floats
+    width: float
+    upper: Floats
+    lower: Floats
+    down: Floats
+    off: Floats
+    moment: Floats
+    tangent: float
+    side: float
+    bond: float
+    pull: tuple[float, float]
+    pull_height: float
+
+    @classmethod
+    def of(cls, slope: ColumnSlope) -> "_Row":
+        heights = np.array(slope.heights_m, dtype=np.float64)
+        dip, width = math.radians(slope.base_dip_deg), slope.width_m
+        weight = slope.unit_weight_kn_m3 * width * heights
+        down = weight * ((1.0 - slope.seismic_up) * math.sin(dip) + slope.seismic * math.cos(dip))
+        off = weight * ((1.0 - slope.seismic_up) * math.cos(dip) - slope.seismic * math.sin(dip))
+        moment = (down * heights - off * width) / 2.0
+        turned = dip + math.radians(slope.toe_force_plunge_deg)
+        pull = math.cos(turned), math.sin(turned)
+        at = heights[0] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m
+        down[0] -= slope.toe_force_kn * pull[0]
+        off[0] += slope.toe_force_kn * pull[1]
+        moment[0] -= slope.toe_force_kn * pull[0] * at
+        upper = np.minimum(heights, np.append(heights[1:], 0.0) + slope.step_m)
+        lower = np.minimum(heights, np.append(0.0, heights[:-1]) - slope.step_m)
+        side = slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg
+        base_tangent, side_tangent = (math.tan(math.radians(angle)) for angle in (slope.friction_angle_deg, side))
+        bond = slope.cohesion_kpa * width
+        strength = base_tangent, side_tangent, bond
+        return cls(heights, width, upper, lower, down, off, moment, *strength, pull, float(at))
+
+    def chain(self, factors: Floats) -> _Chain:
+        """All columns for each factor (m,)."""
+        base, side, bond = self.tangent / factors, self.side / factors, self.bond / factors
+        locks = 1.0 - base * side
+        topple, slide, forces = (np.empty((self.heights.size, factors.size)) for _ in range(3))
+        push = np.zeros(factors.size)
+        for i in range(self.heights.size - 1, -1, -1):
+            down, off = self.down[i], self.off[i]
+            with np.errstate(invalid="ignore", divide="ignore"):  # sides that lock, forces without end
+                moment = push * (self.upper[i] - self.width * side) + self.moment[i]
+                size = push * (self.upper[i] + self.width * side) + abs(down) * self.heights[i] + abs(off) * self.width
+                moment = np.where(abs(moment) <= _ROUNDING * size, 0.0, moment)
+                excess = push * locks + down - off * base - bond
+                size = push * (1.0 + base * side) + abs(down) + off * base + bond
+                excess = np.where(abs(excess) <= _ROUNDING * size, 0.0, excess)
+                endless = np.isinf(push)
+                moment, excess = (np.where(endless, np.inf, value) for value in (moment, excess))
+                topple[i] = moment / (self.lower[i] if i else self.heights[0])
+                slide[i] = np.where(
+                    locks > 0.0, excess / locks, np.where(excess == 0.0, 0.0, np.copysign(np.inf, excess))
+                )
+            push = np.maximum(np.maximum(topple[i], slide[i]), 0.0)
+            forces[i] = push
+        return _Chain(topple, slide, forces, moment, excess)
+
+
+def _one(factor: float) -> Floats:
+    if not (math.isfinite(factor) and factor > 0.0):
+        raise DesignError([Fault("E260", f"the factor that divides the strength is {factor}, it is above 0")])
+    return np.array([factor])
+
+
+def _faults(slope: ColumnSlope) -> list[Fault]:
+    """Everything that is wrong with sizes and strengths."""
+    numbers = {
+        "the width": (slope.width_m, 0.0, math.inf, "above 0 m"),
+        "the step": (slope.step_m, -math.ulp(0.0), math.inf, "0 m or more"),
+        "the dip of the bases": (slope.base_dip_deg, -math.ulp(0.0), 90.0, "from 0 to below 90 degrees"),
+        "the unit weight": (slope.unit_weight_kn_m3, 0.0, math.inf, "above 0 kN/m³"),
+        "the friction angle": (slope.friction_angle_deg, -math.ulp(0.0), 90.0, "from 0 to below 90 degrees"),
+        "the friction angle of the sides": (
+            slope.friction_angle_deg if slope.side_friction_angle_deg is None else slope.side_friction_angle_deg,
+            -math.ulp(0.0), 90.0, "from 0 to below 90 degrees",
+        ),
+        "the cohesion": (slope.cohesion_kpa, -math.ulp(0.0), math.inf, "0 kPa or more"),
+        "the seismic coefficient": (slope.seismic, -math.ulp(0.0), math.inf, "0 or more, out of the slope"),
+        "the upward seismic coefficient": (slope.seismic_up, -1.0, 1.0, "between -1 and 1"),
+        "the toe force": (slope.toe_force_kn, -math.ulp(0.0), math.inf, "0 kN or more, into the slope"),
+        "the plunge of the toe force": (slope.toe_force_plunge_deg, -180.0, 180.0, "between -180 and 180 degrees"),
+        "the height of the toe force": (slope.toe_force_height_m or 0.0, -math.ulp(0.0), math.inf, "0 m or more"),
+    }  # fmt: skip
+    faults = [
+        Fault("E260", f"{name} is {value:.6g}, it is {allowed}")
+        for name, (value, low, high, allowed) in numbers.items()
+        if not low < value < high
+    ]
+    heights = np.array(slope.heights_m, dtype=np.float64)
+    if heights.ndim != 1 or not heights.size or not np.all(np.isfinite(heights) & (heights > 0.0)):
+        return [*faults, Fault("E260", "the heights are a list of one or more numbers above 0 m, from the toe up")]
+    for i in np.flatnonzero(heights[:-1] <= slope.step_m)[:5]:
+        message = f"column {i + 1} is {heights[i]:.6g} m high, no more than the step of {slope.step_m:.6g} m"
+        faults.append(Fault("E260", message + f": it does not touch column {i + 2}", "", "Leave it out."))
+    return faults

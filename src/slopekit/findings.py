@@ -1,0 +1,198 @@
+"""What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from slopekit.arrays import Floats, Ints
+
+#: How a block can move, in words.
+MOTIONS: Mapping[str, str] = {
+    "slides": "slides",
+    "topples": "topples",
+    "rotates": "turns",
+    "falls": "falls",
+    "lifts": "is lifted",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class BlockMotion:
+    """A moving block: how it moves (a key of `MOTIONS`), displacement of its centroid and rotation about it, (3,) each.
+
+    The fastest motion of the mechanism (translation, or rotation times the size of a block) is 1.
+    """
+
+    name: str
+    how: str
+    displacement: Floats
+    rotation: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class GoverningInterface:
+    """An interface that resists the mechanism.
+
+    Attributes
+    ----------
+    name : the two blocks; joint : its strength or set
+    mode : slip, or open where it opens on part of its area
+    share : of the work that the mechanism loses in friction and cohesion
+    normal_kn : normal force; area_m2
+    """
+
+    name: str
+    joint: str
+    mode: str
+    share: float
+    normal_kn: float
+    area_m2: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanism:
+    """One mechanism of a sequence.
+
+    Attributes
+    ----------
+    status : as of a result; fos, static_bound : None where there is none
+    change : relative change of the factor in the last passes; 0 where Newton settled it
+    blocks : those that move, the fastest first; interfaces : those that govern, the largest share first
+    pairs_by_mode : node pairs that stick, slip and are open
+    """
+
+    status: str
+    fos: float | None
+    static_bound: float | None
+    change: float
+    blocks: tuple[BlockMotion, ...]
+    interfaces: tuple[GoverningInterface, ...]
+    pairs_by_mode: Mapping[str, int]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The mechanism as JSON values."""
+        return {
+            "status": self.status,
+            "fos": self.fos,
+            "static_bound": self.static_bound,
+            "change": self.change,
+            "blocks": [
+                {
+                    "name": block.name, "how": block.how, "displacement": block.displacement.tolist(),
+                    "rotation": block.rotation.tolist(),
+                }
+                for block in self.blocks
+            ],
+            "interfaces": [
+                {
+                    "name": interface.name, "joint": interface.joint, "mode": interface.mode,
+                    "share": interface.share, "normal_kn": interface.normal_kn, "area_m2": interface.area_m2,
+                }
+                for interface in self.interfaces
+            ],
+            "pairs_by_mode": dict(self.pairs_by_mode),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A row of Goodman & Bray's table: column n from the toe, with the mode that PRE-IE gives it beside theirs.
+
+    y height (m); M, L arms of the forces on its upper and lower side (m); the rest in kN.
+    """
+
+    n: int
+    y: float
+    m: float | None
+    l: float | None  # noqa: E741  (Goodman & Bray's letter)
+    p_topple: float | None
+    p_slide: float | None
+    p: float
+    r: float
+    s: float
+    mode: str
+    mode_preie: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """The row as JSON values."""
+        return {
+            "n": self.n, "y_m": self.y, "M_m": self.m, "L_m": self.l, "P_topple_kn": self.p_topple,
+            "P_slide_kn": self.p_slide, "P_kn": self.p, "R_kn": self.r, "S_kn": self.s, "mode": self.mode,
+            "mode_preie": self.mode_preie,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What was found of an assembly.
+
+    Attributes
+    ----------
+    mechanisms : in the order in which they happen; the first is the result's
+    factor_by_block : the factor at which each block fails, by name, in the order of failure; None: without a number
+    standing : how many blocks are left after the last mechanism, and why the sequence ends there
+    blocks, fixed : numbers of blocks, and of those that are bedrock; components : groups that touch only through it
+    checks : what was checked with its figure (volume error, area error, largest unbalanced force, ...)
+    table : Goodman & Bray's columns, empty for other kinds
+    """
+
+    mechanisms: tuple[Mechanism, ...]
+    factor_by_block: Mapping[str, float | None]
+    standing: str
+    blocks: int
+    fixed: int
+    contacts: int
+    components: int
+    checks: Mapping[str, float]
+    table: tuple[Column, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The findings as JSON values."""
+        return {
+            "mechanisms": [mechanism.to_dict() for mechanism in self.mechanisms],
+            "factor_by_block": dict(self.factor_by_block),
+            "standing": self.standing,
+            "blocks": self.blocks,
+            "fixed": self.fixed,
+            "contacts": self.contacts,
+            "components": self.components,
+            "checks": dict(self.checks),
+            "table": [column.to_dict() for column in self.table],
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class AssemblyGeometry:
+    """The blocks that were analysed.
+
+    Attributes
+    ----------
+    volume_m3 : of the moving blocks; total_height_m : of them all
+    areas_m2 : contact area by joint
+    outlines_m : (k, 2) x, z of each block by name, for sections; empty in space
+    vertices_m, triangles, triangle_block : of the blocks' boundaries in space
+    centroids_m : (n, 3); names : (n,); fixed : which of them are bedrock
+    """
+
+    volume_m3: float
+    total_height_m: float
+    areas_m2: Mapping[str, float]
+    names: tuple[str, ...]
+    fixed: tuple[bool, ...]
+    thickness_m: float | None
+    centroids_m: Floats = field(repr=False)
+    outlines_m: Mapping[str, Floats] = field(repr=False)
+    vertices_m: Floats = field(repr=False)
+    triangles: Ints = field(repr=False)
+    triangle_block: Ints = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The geometry as JSON values; shapes are left out (a bench has thousands)."""
+        return {
+            "volume_m3": self.volume_m3,
+            "total_height_m": self.total_height_m,
+            "areas_m2": dict(self.areas_m2),
+            "thickness_m": self.thickness_m,
+            "blocks": len(self.names),
+            "fixed_blocks": sum(self.fixed),
+        }

@@ -1,0 +1,276 @@
+"""The user's own blocks as polygons of a vertical section: where they touch, overlap, or nearly touch.
+
+Edges of two blocks that run opposite ways along one line share a contact: a segment patch. The candidates come from
+the boxes of the edges (`box_search`), everything else is done for all of them at once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.geometry.box_search import box_pairs
+from slopekit.geometry.clipping import are_apart, clip_convex, polygon_sums
+from slopekit.geometry.fit import Gaps, Overlaps
+from slopekit.geometry.outlines import Outlines, check_outlines, clean_outlines, convex_pieces
+from slopekit.geometry.patches import Assembly, Patches
+
+_OPPOSITE = -0.99  # cosine between edges that can lie on each other; how far apart they are decides
+_NEAR = 0.01  # of the mean block size: what is nearer than this and does not touch is reported
+_SAME = 1e-3  # of the tolerance: an outline comes this near to itself
+
+
+@dataclass(frozen=True, slots=True)
+class SectionCut:
+    """Blocks of a section with their contacts, and how well they fit together.
+
+    Attributes
+    ----------
+    assembly : in_section; volumes are areas times thickness, y = 0, patches have two corners and joint 0. The plus
+        block is the one that is not fixed, else the later one
+    outlines : (k, 2) x and z of each block, anticlockwise, without repeated corners or corners on a straight line
+    tolerance : m; edges nearer than this touch
+    contact_length : m of all patches
+    free_length : m of all edges less what is in contact, both sides counted: the outer boundary where there is no gap
+    overlaps, gaps : between blocks of which one at least is not fixed
+    point_contacts : how many pairs of blocks touch with a corner only: they have no patch
+    untouching : blocks that share no patch with any other
+    """
+
+    assembly: Assembly
+    outlines: tuple[Floats, ...]
+    tolerance: float
+    contact_length: float
+    free_length: float
+    overlaps: Overlaps
+    gaps: Gaps
+    point_contacts: int
+    untouching: Ints
+
+
+def section_assembly(
+    polygons: Sequence[Floats], fixed: Bools, thickness: float, tolerance: float | None = None,
+    names: Sequence[str] | None = None,
+) -> SectionCut:  # fmt: skip
+    """The blocks of a section and their contacts.
+
+    Parameters
+    ----------
+    polygons : (k, 2) x and z of each block in m, either way round, convex or not
+    fixed : (n,) blocks that are bedrock
+    thickness : m, along y
+    tolerance : m, edges nearer than this touch; None for 1e-5 of the mean size (square root of the area) of the blocks
+    names : of the blocks, for messages
+
+    Raises
+    ------
+    GeometryError
+        E227 an outline crosses itself, E228 it encloses no area, E230 the tolerance is as large as a block.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> cut = section_assembly([square, square + [0.5, 1.0]], np.array([True, False]), thickness=2.0)
+    >>> cut.assembly.patches.areas.tolist(), cut.assembly.patches.normals.tolist()
+    ([1.0], [[0.0, 0.0, 1.0]])
+    """
+    called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(polygons))]
+    outlines, tolerance = clean_outlines(polygons, tolerance, called)
+    bedrock = np.asarray(fixed, dtype=bool)
+    reach = _NEAR * float(np.sqrt(outlines.areas).mean())
+    edges = _Edges(outlines, bedrock)
+    first, second = edges.candidates(max(reach, tolerance))
+    own = edges.block[first] == edges.block[second]
+    crossing = edges.crossing(first[own], second[own], _SAME * tolerance / 2.0)
+    check_outlines(outlines, tolerance, crossing, called)
+    first, second = first[~own], second[~own]
+
+    faced = edges.facing(first, second)
+    touches = (faced.most <= tolerance) & (faced.least >= -tolerance) & (faced.length > tolerance)
+    patches = _patches(faced, touches, outlines.origin, thickness)
+    pieces, counts, owner = convex_pieces(outlines)
+    movable = ~bedrock[faced.plus] | ~bedrock[faced.minus]
+    near = movable & (faced.most > tolerance) & (faced.most <= reach) & (faced.least >= -tolerance)
+    near &= (faced.length > reach) & (faced.least + faced.most > 0.0)
+    near[near] = ~_filled(faced, near, pieces, owner, tolerance)
+    gaps = Gaps(
+        np.sort(np.stack([faced.plus[near], faced.minus[near]], axis=1), axis=1), frozen(faced.least[near]),
+        frozen(faced.most[near]), frozen(faced.length[near]),
+    )  # fmt: skip
+    count = len(outlines)
+    touched = np.zeros(count, dtype=bool)
+    touched[patches.plus] = touched[patches.minus] = True
+    contact_length = float(faced.length[touches].sum())
+    empty = np.zeros((0, 3))
+    centroids = _in_space(outlines.centroids + outlines.origin)
+    assembly = Assembly(
+        frozen(outlines.areas * thickness), frozen(centroids), bedrock, patches, True, frozen(empty),
+        empty.astype(np.int64), np.zeros(0, dtype=np.int64),
+    )  # fmt: skip
+    return SectionCut(
+        assembly, tuple(frozen(outlines.outline(k)) for k in range(count)), tolerance, contact_length,
+        float(edges.length.sum()) - 2.0 * contact_length, _overlaps(pieces, counts, owner, bedrock, tolerance), gaps,
+        edges.point_contacts(first, second, tolerance, patches), np.flatnonzero(~touched),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Facing:
+    """Pairs of edges that run opposite ways beside each other.
+
+    Attributes
+    ----------
+    plus, minus : (n,) blocks
+    ends : (n, 2, 2) m, the ends of the length that they share, halfway between them
+    normal : (n, 2) unit, into the plus block
+    length : (n,) m that they share; least, most : (n,) m apart at the ends, negative where they lie in each other
+    """
+
+    plus: Ints
+    minus: Ints
+    ends: Floats
+    normal: Floats
+    length: Floats
+    least: Floats
+    most: Floats
+
+
+class _Edges:
+    """All edges of all outlines, the block to the left of each."""
+
+    def __init__(self, outlines: Outlines, fixed: Bools) -> None:
+        self.after, self.block, self.fixed = outlines.after, outlines.block, fixed
+        self.start = outlines.corners
+        self.end = self.start[self.after]
+        along = self.end - self.start
+        self.length = np.sqrt((along * along).sum(axis=1))
+        self.direction = along / self.length[:, None]
+        self.convex = outlines.are_convex()[self.block]
+
+    def candidates(self, reach: float) -> tuple[Ints, Ints]:
+        """Pairs of edges whose boxes come within `reach`, but for those of one convex block."""
+        low, high = np.minimum(self.start, self.end) - reach / 2.0, np.maximum(self.start, self.end) + reach / 2.0
+        first, second = box_pairs(low, high)
+        wanted = (self.block[first] != self.block[second]) | ~self.convex[first]
+        return first[wanted], second[wanted]
+
+    def crossing(self, first: Ints, second: Ints, distance: float) -> Ints:
+        """Blocks of which two edges that are not neighbours cross or come within `distance`."""
+        apart = (self.after[first] != second) & (self.after[second] != first)
+        a, b = first[apart], second[apart]
+        ends = [(a, self.start[b]), (a, self.end[b]), (b, self.start[a]), (b, self.end[a])]
+        sides = [self._across(edge, point) for edge, point in ends]
+        meets = (sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0)
+        for edge, point in ends:
+            meets |= self._distance(edge, point) <= distance
+        return np.unique(self.block[a[meets]])
+
+    def facing(self, first: Ints, second: Ints) -> _Facing:
+        """What pairs of edges share that run opposite ways."""
+        opposite = (self.direction[first] * self.direction[second]).sum(axis=1) < _OPPOSITE
+        first, second = first[opposite], second[opposite]
+        later = self.block[first] > self.block[second]
+        turned = np.where(self.fixed[self.block[first]] == self.fixed[self.block[second]], later,
+                          ~self.fixed[self.block[first]])  # fmt: skip
+        plus, minus = np.where(turned, first, second), np.where(turned, second, first)
+        mean = self.direction[minus] - self.direction[plus]
+        mean /= np.sqrt((mean * mean).sum(axis=1))[:, None]
+        normal = np.stack([mean[:, 1], -mean[:, 0]], axis=1)  # out of the minus block, to the right of its edge
+        base = self.start[minus]
+        reach = [((corner - base) * mean).sum(axis=1) for corner in (self.end[minus], self.end[plus], self.start[plus])]
+        lower, upper = np.maximum(0.0, reach[1]), np.minimum(reach[0], reach[2])
+        shared = upper > lower
+        plus, minus, mean, normal, base = plus[shared], minus[shared], mean[shared], normal[shared], base[shared]
+        places = np.stack([lower[shared], upper[shared]], axis=1)
+        off_minus = places * self._slope(minus, mean, normal)[:, None]
+        far = self.end[plus] - base
+        off_plus = (far * normal).sum(axis=1)[:, None] + (places - (far * mean).sum(axis=1)[:, None]) * (
+            self._slope(plus, mean, normal)[:, None]
+        )
+        apart = off_plus - off_minus
+        middle = (off_plus + off_minus) / 2.0
+        ends = base[:, None] + places[:, :, None] * mean[:, None] + middle[:, :, None] * normal[:, None]
+        return _Facing(
+            self.block[plus], self.block[minus], ends, normal, places[:, 1] - places[:, 0], apart.min(axis=1),
+            apart.max(axis=1),
+        )  # fmt: skip
+
+    def point_contacts(self, first: Ints, second: Ints, tolerance: float, patches: Patches) -> int:
+        """How many pairs of blocks touch in a corner and share no patch."""
+        count = len(self.fixed)
+        edge, other = np.concatenate([first, second]), np.concatenate([second, first])
+        touches = self._distance(edge, self.start[other]) <= tolerance
+        a, b = self.block[edge[touches]], self.block[other[touches]]
+        with_patch = np.minimum(patches.plus, patches.minus) * count + np.maximum(patches.plus, patches.minus)
+        return len(np.setdiff1d(np.minimum(a, b) * count + np.maximum(a, b), with_patch))
+
+    def _slope(self, edge: Ints, mean: Floats, normal: Floats) -> Floats:
+        """How much an edge rises along `normal` per length along `mean`."""
+        direction = self.direction[edge]
+        slope: Floats = (direction * normal).sum(axis=1) / (direction * mean).sum(axis=1)
+        return slope
+
+    def _across(self, edge: Ints, point: Floats) -> Floats:
+        step, along = point - self.start[edge], self.direction[edge]
+        across: Floats = along[:, 0] * step[:, 1] - along[:, 1] * step[:, 0]
+        return across
+
+    def _distance(self, edge: Ints, point: Floats) -> Floats:
+        step = point - self.start[edge]
+        place = np.clip((step * self.direction[edge]).sum(axis=1), 0.0, self.length[edge])
+        away = step - place[:, None] * self.direction[edge]
+        distance: Floats = np.sqrt((away * away).sum(axis=1))
+        return distance
+
+
+def _in_space(points: Floats) -> Floats:
+    """x and z (..., 2) as x, y = 0 and z."""
+    return np.stack([points[..., 0], np.zeros(points.shape[:-1]), points[..., 1]], axis=-1)
+
+
+def _patches(faced: _Facing, touches: Bools, origin: Floats, thickness: float) -> Patches:
+    order = np.flatnonzero(touches)
+    order = order[np.lexsort((faced.plus[order], faced.minus[order]))]
+    corners = _in_space(faced.ends[order] + origin)
+    count = len(order)
+    return Patches(
+        faced.plus[order], faced.minus[order], np.zeros(count, dtype=np.int64), frozen(_in_space(faced.normal[order])),
+        frozen(faced.length[order] * thickness), frozen(corners.mean(axis=1)), frozen(corners.reshape(-1, 3)),
+        2 * np.arange(count + 1),
+    )  # fmt: skip
+
+
+def _filled(faced: _Facing, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
+    """Whether the middle of a gap lies in a third block: what fills a thin joint is no gap."""
+    middle = faced.ends[near].mean(axis=1)
+    filled = np.zeros(len(middle), dtype=bool)
+    if len(middle):
+        lowest = np.concatenate([pieces.min(axis=1), middle])
+        highest = np.concatenate([pieces.max(axis=1), middle])
+        piece, point = box_pairs(lowest, highest)
+        mixed = (piece < len(pieces)) & (point >= len(pieces))
+        piece, point = piece[mixed], point[mixed] - len(pieces)
+        third = (owner[piece] != faced.plus[near][point]) & (owner[piece] != faced.minus[near][point])
+        piece, point = piece[third], point[third]
+        filled[point[~are_apart(pieces[piece], middle[point][:, None], tolerance)]] = True
+    return filled
+
+
+def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance: float) -> Overlaps:
+    lowest, highest = pieces.min(axis=1) + tolerance / 2.0, pieces.max(axis=1) - tolerance / 2.0
+    first, second = box_pairs(lowest, np.maximum(lowest, highest))
+    a, b = owner[first], owner[second]
+    wanted = (a != b) & ~(fixed[a] & fixed[b])
+    first, second = first[wanted], second[wanted]
+    wanted = ~are_apart(pieces[first], pieces[second], tolerance)
+    first, second = first[wanted], second[wanted]
+    shared, corners = clip_convex(pieces[first], counts[first], pieces[second])
+    areas, _, around = polygon_sums(shared, corners)
+    a, b = np.minimum(owner[first], owner[second]), np.maximum(owner[first], owner[second])
+    pair, which = np.unique(a * len(fixed) + b, return_inverse=True)
+    area: Floats = np.bincount(which, areas, minlength=len(pair)).astype(np.float64)
+    boundary = np.bincount(which, around, minlength=len(pair))
+    depth = area / np.maximum(boundary / 2.0, 1e-300)
+    pairs = np.stack([pair // len(fixed), pair % len(fixed)], axis=1)
+    return Overlaps(pairs, frozen(area), frozen(depth))

@@ -1,0 +1,265 @@
+"""Closed triangle meshes as one flat array: checked, turned outward, measured, and their flat faces put together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.errors import Fault
+from slopekit.geometry.fit import contact_tolerance, refuse, size_faults
+
+_FLAT = 0.1  # of the contact tolerance: triangles of a face lie this near to its plane
+_MOST_CORNERS = 12  # of a convex face that is taken whole; others stay in triangles
+_BENT = 1e-6  # sine of an angle that two sides of a face turn by
+
+
+@dataclass(frozen=True, slots=True)
+class Solids:
+    """Closed meshes of blocks, their triangles anticlockwise seen from outside.
+
+    Attributes
+    ----------
+    origin : (3,) taken from all coordinates; vertices : (v, 3) m, without origin
+    triangles : (t, 3); block : (t,) of each triangle; vertex_block : (v,)
+    volumes : (n,) m³; centroids : (n, 3) m, without origin
+    turned : blocks whose mesh was inside out; shells : (n,) closed surfaces of each block that hang together in nothing
+    """
+
+    origin: Floats
+    vertices: Floats
+    triangles: Ints
+    block: Ints
+    vertex_block: Ints
+    volumes: Floats
+    centroids: Floats
+    turned: Ints
+    shells: Ints
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """Flat convex pieces of the blocks' faces.
+
+    Attributes
+    ----------
+    corners : (p, k, 3) m, anticlockwise seen from outside, short ones filled up with their last corner
+    counts : (p,) how many of the k; normals : (p, 3) unit, outward; block : (p,)
+    """
+
+    corners: Floats
+    counts: Ints
+    normals: Floats
+    block: Ints
+
+
+def clean_solids(
+    meshes: Sequence[tuple[Floats, Ints]], tolerance: float | None, names: Sequence[str]
+) -> tuple[Solids, float]:
+    """The meshes with equal vertices merged, every triangle turned outward, and the tolerance.
+
+    Parameters
+    ----------
+    meshes : vertices (v, 3) m and triangles (t, 3) of each block
+    tolerance : m; None for 1e-5 of the mean size (cube root of the volume) of the blocks
+
+    Raises
+    ------
+    GeometryError
+        E228 a mesh is empty or encloses no volume; E229 it is not closed, or some of its triangles are turned inward;
+        E230 the tolerance is not more than 0, or no smaller than a tenth of a block.
+    """
+    faults = [
+        Fault("E228", f"the mesh of {name} has no triangles of three vertices, all of them numbers")
+        for name, (points, corners) in zip(names, meshes, strict=True)
+        if np.ndim(points) != 2 or len(corners) == 0 or not np.isfinite(points).all()
+    ]
+    if not meshes:
+        faults.append(Fault("E228", "there are no blocks"))
+    refuse(faults)
+    count = len(meshes)
+    vertices = np.concatenate([np.asarray(points, dtype=np.float64) for points, _ in meshes])
+    first = np.cumsum([0] + [len(points) for points, _ in meshes])
+    triangles = np.concatenate([np.asarray(t, dtype=np.int64) + k for (_, t), k in zip(meshes, first, strict=False)])
+    block = np.repeat(np.arange(count), [len(corners) for _, corners in meshes])
+    rounding = 8.0 * float(np.spacing(np.abs(vertices).max()))
+    origin = np.round((vertices.min(axis=0) + vertices.max(axis=0)) / 2.0)
+    vertices, triangles, block, vertex_block = _merged(vertices - origin, triangles, block, first)
+    refuse(_open(triangles, block, len(vertices), names))
+    shell = _components(len(vertices), triangles[:, [0, 1]], triangles[:, [1, 2]])
+    used = np.unique(triangles)
+    shells = np.bincount(vertex_block[used[np.unique(shell[used], return_index=True)[1]]], minlength=count)
+    apex = vertices[triangles[np.searchsorted(block, np.arange(count)), 0]]
+    a, b, c = (vertices[triangles[:, k]] - apex[block] for k in range(3))
+    part = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+    volumes = np.bincount(block, part, minlength=count)
+    size = np.cbrt(np.abs(volumes))
+    tolerance = contact_tolerance(tolerance, size, rounding)
+    empty = np.flatnonzero(size <= tolerance).tolist()
+    refuse([Fault("E228", f"the mesh of {names[k]} encloses no volume") for k in empty])
+    refuse(size_faults(size, tolerance, names))
+    moment = np.stack([np.bincount(block, m, minlength=count) for m in (part[:, None] * (a + b + c)).T / 4.0], axis=1)
+    inside_out = volumes < 0.0
+    triangles = np.where(inside_out[block][:, None], triangles[:, ::-1], triangles)
+    return Solids(
+        origin, vertices, triangles, block, vertex_block, np.abs(volumes), moment / volumes[:, None] + apex,
+        np.flatnonzero(inside_out), shells,
+    ), tolerance  # fmt: skip
+
+
+def convex_faces(solids: Solids, tolerance: float) -> Pieces:
+    """Flat faces: triangles in one plane put together where they make a convex polygon, the others by themselves."""
+    vertices, triangles = solids.vertices, solids.triangles
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    vector = np.cross(b - a, c - a)
+    length = np.sqrt((vector * vector).sum(axis=1))
+    longest = np.maximum(np.maximum(_size(b - a), _size(c - b)), _size(a - c))
+    solid = length > longest * tolerance * 1e-3  # needles have no normal of their own, and no area to touch with
+    normal = np.where(solid[:, None], vector / np.where(solid, length, 1.0)[:, None], 0.0)
+    edge, partner = _partners(triangles, len(vertices))
+    opposite = vertices[triangles[partner % len(triangles), (partner // len(triangles) + 2) % 3]]
+    one, two = edge % len(triangles), partner % len(triangles)
+    off = np.abs(np.einsum("ni,ni->n", opposite - a[one], normal[one]))
+    flat = solid[one] & (off <= _FLAT * tolerance) & ((normal[one] * normal[two]).sum(axis=1) > 0.9)
+    flat &= solid[two]
+    face = _components(len(triangles), one[flat], two[flat])
+    groups = int(face.max()) + 1
+    # the plane of a face: mean normal and, relative to its first corner, whether all of its corners lie in it
+    total: Floats = np.stack([np.bincount(face, vector[:, k], minlength=groups) for k in range(3)], axis=1)
+    unit = total / np.maximum(_size(total), 1e-300)[:, None]
+    base = np.zeros(groups, dtype=np.int64)
+    base[face[::-1]] = np.arange(len(triangles))[::-1]
+    height = [np.abs(((vertices[triangles[:, k]] - a[base[face]]) * unit[face]).sum(axis=1)) for k in range(3)]
+    uneven = np.bincount(face, np.max(height, axis=0) > 2.0 * _FLAT * tolerance, minlength=groups) > 0
+    inner = np.zeros(3 * len(triangles), dtype=bool)
+    inner[edge[face[one] == face[two]]] = True
+    outline, counts, simple = _outlines(triangles, face, inner, groups, vertices, unit)
+    whole = simple & ~uneven & (_size(total) > 0.0)
+    whole &= (counts >= 3) & (counts <= _MOST_CORNERS)
+    loose = np.flatnonzero(~whole[face] & solid)
+    width = max(int(counts[whole].max(initial=3)), 3)
+    outline = np.pad(outline, ((0, 0), (0, max(width - outline.shape[1], 0))))
+    place = np.minimum(np.arange(width), counts[whole][:, None] - 1)
+    corners = np.concatenate([
+        np.take_along_axis(outline[whole], place, axis=1),
+        np.pad(triangles[loose], ((0, 0), (0, width - 3)), mode="edge"),
+    ])  # fmt: skip
+    return Pieces(
+        vertices[corners], np.concatenate([counts[whole], np.full(len(loose), 3)]),
+        np.concatenate([unit[whole], normal[loose]]),
+        np.concatenate([solids.block[base[whole]], solids.block[loose]]),
+    )  # fmt: skip
+
+
+def _size(vectors: Floats) -> Floats:
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
+
+
+def _components(count: int, first: Ints, second: Ints) -> Ints:
+    first, second = first.ravel(), second.ravel()
+    links = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+
+
+def _merged(vertices: Floats, triangles: Ints, block: Ints, first: Ints) -> tuple[Floats, Ints, Ints, Ints]:
+    """Equal vertices of one block merged, and triangles dropped that have one vertex twice."""
+    owner = np.repeat(np.arange(len(first) - 1), np.diff(first)).astype(np.float64)
+    order = np.lexsort((vertices[:, 2], vertices[:, 1], vertices[:, 0], owner))
+    rows = np.column_stack([owner, vertices])[order]
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    index = np.empty(len(rows), dtype=np.int64)
+    index[order] = np.cumsum(new) - 1
+    triangles = index[triangles]
+    kept = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    merged = rows[new]
+    return np.ascontiguousarray(merged[:, 1:]), triangles[kept], block[kept], merged[:, 0].astype(np.int64)
+
+
+def _half_edges(triangles: Ints) -> tuple[Ints, Ints]:
+    """Start and end of the edges: the first of every triangle, then the second of every triangle, then the third."""
+    return triangles.T.ravel(), np.roll(triangles, -1, axis=1).T.ravel()
+
+
+def _open(triangles: Ints, block: Ints, count: int, names: Sequence[str]) -> list[Fault]:
+    """Faults of meshes of which some edge has not exactly one partner that runs the other way."""
+    start, end = _half_edges(triangles)
+    owner = np.tile(block, 3)
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    _, which, times = np.unique(low * count + high, return_inverse=True, return_counts=True)
+    forward = np.bincount(which, start < end)
+    alone, many = times == 1, times > 2
+    same_way = (times == 2) & (forward != 1)
+    faults = []
+    kinds = (
+        (alone, "is not closed", "edges bound one triangle only"),
+        (many, "is not the surface of one body", "edges bound more than two triangles"),
+        (same_way, "has triangles turned inward", "edges lie between triangles of opposite sense"),
+    )
+    for bad, what, why in kinds:
+        if bad.any():
+            edges = np.bincount(owner[bad[which]], 1.0 / times[which[bad[which]]], minlength=len(names))
+            faults += [
+                Fault("E229", f"the mesh of {names[k]} {what}: {round(float(edges[k]))} {why}")
+                for k in np.flatnonzero(edges).tolist()
+            ]
+    missing = np.setdiff1d(np.arange(len(names)), block).tolist()
+    return faults + [Fault("E228", f"the mesh of {names[k]} encloses no volume") for k in missing]
+
+
+def _partners(triangles: Ints, count: int) -> tuple[Ints, Ints]:
+    """For each half edge, the one that runs the other way: indices into the half edges."""
+    start, end = _half_edges(triangles)
+    there, back = np.argsort(start * count + end), np.argsort(end * count + start)
+    return there, back
+
+
+def _outlines(
+    triangles: Ints, face: Ints, inner: Bools, groups: int, vertices: Floats, unit: Floats
+) -> tuple[Ints, Ints, Bools]:
+    """Corners (g, k) of the faces in order, how many, and whether each is one convex loop; all faces walked at once."""
+    start, end = _half_edges(triangles)
+    rim = np.flatnonzero(~inner)
+    of, start, end = np.tile(face, 3)[rim], start[rim], end[rim]
+    count = len(vertices)
+    key = of * count + start
+    order = np.argsort(key)
+    of, start, end, key = of[order], start[order], end[order], key[order]
+    sizes = np.bincount(of, minlength=groups)
+    begin = np.cumsum(sizes) - sizes
+    doubled = np.bincount(of[1:][key[1:] == key[:-1]], minlength=groups) > 0  # a rim that touches itself
+    following = np.minimum(np.searchsorted(key, of * count + end), len(key) - 1)
+    active = np.flatnonzero((sizes >= 3) & ~doubled & (sizes <= 8 * _MOST_CORNERS))
+    simple, early = np.zeros(groups, dtype=bool), np.zeros(groups, dtype=bool)
+    walk = np.zeros((groups, int(sizes[active].max(initial=3))), dtype=np.int64)
+    at = begin[active].copy()
+    for step in range(walk.shape[1]):
+        on = step < sizes[active]
+        walk[active[on], step] = at[on]
+        at[on] = following[at[on]]
+        closed = on & (at == begin[active])
+        simple[active[closed & (sizes[active] == step + 1)]] = True
+        early[active[closed & (sizes[active] != step + 1)]] = True  # a hole or a second loop
+    simple &= ~early
+    row, column = np.nonzero(np.arange(walk.shape[1]) < np.where(simple, sizes, 0)[:, None])
+    edge = walk[row, column]
+    last = walk[row, np.where(column > 0, column - 1, sizes[row] - 1)]
+    along, before = vertices[end[edge]] - vertices[start[edge]], vertices[end[last]] - vertices[start[last]]
+    turn = (np.cross(before, along) * unit[row]).sum(axis=1) / np.maximum(_size(before) * _size(along), 1e-300)
+    folds = (turn < -_BENT) | ((np.abs(turn) <= _BENT) & ((before * along).sum(axis=1) < 0.0))
+    simple[row[folds]] = False
+    corner = turn > _BENT
+    row, vertex = row[corner], start[edge[corner]]
+    counts = np.bincount(row, minlength=groups)
+    simple &= _turns(row, turn[corner], (before * along).sum(axis=1)[corner], groups)
+    outline = np.zeros((groups, int(counts.max(initial=3))), dtype=np.int64)
+    outline[row, np.arange(len(row)) - (np.cumsum(counts) - counts)[row]] = vertex
+    return outline, counts, simple
+
+
+def _turns(row: Ints, sine: Floats, product: Floats, groups: int) -> Bools:
+    """Whether convex loops go round once: at most three corners of a convex polygon turn by more than 90 degrees."""
+    sharp = np.bincount(row, (product < 0.0) & (sine > 0.0), minlength=groups)
+    return np.asarray(sharp <= 3)

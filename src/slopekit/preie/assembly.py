@@ -1,0 +1,269 @@
+"""The PRE-IE model of many rigid blocks as arrays: moving blocks, contacts between them, node pairs on the contacts.
+
+The mixed system is that of `preie.model` (eq. 23, Sheng et al. 2023). Its rows are kept in two factors: a contact
+turns the unknowns of its two blocks into one relative rigid motion at its centroid, in its own axes, and each node
+pair reads its opening and slip off that motion. Bedrock and fixed blocks have no unknowns.
+
+In a vertical section a flat contact slips as one: its node pairs share one friction force. In space every node pair
+has its own.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.errors import Fault, SolverError
+from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.preie.model import JointStrength, local_axes
+
+_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
+_SQUARE_ENOUGH = 1e-9  # a four-cornered patch this near to a parallelogram, in parts of its size, is one
+
+
+@dataclass(frozen=True, slots=True)
+class AssemblyModel:
+    """A scaled model of n moving blocks with u unknowns each: 6 in space, 3 in a vertical section.
+
+    Attributes
+    ----------
+    plus, minus : (k,) moving blocks on the two sides of each contact, -1 for bedrock
+    plus_motion, minus_motion : (k, u, u) relative motion of the contact per unknown of the block on that side
+    pair_contact : (m,) the contact of each node pair, ascending; normal_rows : (m, u) its opening per motion
+    group_contact : (g,) the contact of each friction force, ascending; slip_rows : (g, t, u) its slip per motion
+    group_first : (g,) first node pair of each friction force
+    control_area : (m,) in parts of the mean; cohesion : (m,) strength forces c A in parts of the force scale
+    tan_friction, tan_dilation : (g,)
+    patch : (k,) index of the contact's patch
+    points : (m, 3) m, where the node pairs lie
+    moving : (n,) indices of the moving blocks in the assembly
+    load : (n, u) generalised forces in parts of the force scale
+    length_scale : m; force_scale : kN; area_scale : m²
+    kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
+    """
+
+    plus: Ints
+    minus: Ints
+    plus_motion: Floats
+    minus_motion: Floats
+    pair_contact: Ints
+    normal_rows: Floats
+    group_contact: Ints
+    slip_rows: Floats
+    group_first: Ints
+    control_area: Floats
+    cohesion: Floats
+    tan_friction: Floats
+    tan_dilation: Floats
+    patch: Ints
+    points: Floats
+    moving: Ints
+    load: Floats
+    length_scale: float
+    force_scale: float
+    area_scale: float
+    kinematics: Any
+    statics: Any
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of one block."""
+        return int(self.load.shape[1])
+
+    @property
+    def group_of_pair(self) -> Ints:
+        """The friction force that each node pair shares in, (m,)."""
+        counts = np.diff(np.append(self.group_first, len(self.control_area)))
+        return np.repeat(np.arange(len(self.group_first)), counts)
+
+    def by_group(self, of_pairs: Floats) -> Floats:
+        """Sums over the node pairs of each friction force: (m,) to (g,)."""
+        sums: Floats = np.add.reduceat(of_pairs, self.group_first)
+        return sums
+
+    def opening_and_slip(self, velocity: Floats) -> tuple[Floats, Floats]:
+        """Opening (m,) of the node pairs and slip (g, t) of the friction forces for motions (n, u) of the blocks."""
+        pairs = len(self.control_area)
+        found: Floats = self.kinematics @ velocity.ravel()
+        return found[:pairs], found[pairs:].reshape(len(self.group_first), -1)
+
+    def forces_on_blocks(self, normal: Floats, friction: Floats) -> Floats:
+        """Generalised forces (n, u) of normal forces (m,) and friction forces (g, t): Bᵀ f."""
+        forces: Floats = self.statics @ np.concatenate([normal, friction.ravel()])
+        return forces.reshape(self.load.shape)
+
+
+def build_assembly(
+    patches: Patches, fixed: Bools, centroids: Floats, forces: Floats, moments: Floats, strength: JointStrength,
+    in_section: bool, fewest_pairs: bool = True,
+) -> AssemblyModel:  # fmt: skip
+    """The model of an assembly of blocks.
+
+    Parameters
+    ----------
+    fixed : (b,) blocks without unknowns
+    centroids : (b, 3) m; forces : (b, 3) kN; moments : (b, 3) kNm about the centroids
+    strength : indexed by `patches.joint`
+    in_section : the blocks move in their x-z section only
+    fewest_pairs : in a section, contacts without cohesion get no pairs but their ends
+
+    Raises
+    ------
+    SolverError
+        E502 there is nothing to solve.
+    """
+    moving = np.flatnonzero(~fixed)
+    index = np.full(len(fixed) + 1, BEDROCK)
+    index[moving] = np.arange(len(moving))
+    plus, minus = index[patches.plus], index[patches.minus]
+    kept = np.flatnonzero((plus >= 0) | (minus >= 0))
+    force_scale = math.sqrt(float((forces[moving] ** 2).sum()) / max(len(moving), 1))
+    if len(kept) == 0 or not force_scale > 0.0:
+        raise SolverError([Fault("E502", "the model has no node pairs or no load")])
+    plus, minus, normals = plus[kept], minus[kept], patches.normals[kept].copy()
+    turned = plus < 0  # the plus side always moves
+    plus[turned], minus[turned], normals[turned] = minus[turned], plus[turned], -normals[turned]
+    middle = patches.centroids[kept]
+    length = math.sqrt(float(patches.areas[kept].mean()))
+    axes = _section_axes(normals) if in_section else local_axes(normals)
+    where, pair_contact, areas = (_segment_pairs if in_section else _polygon_pairs)(
+        patches, kept, strength.cohesion if fewest_pairs else np.ones_like(strength.cohesion)
+    )
+    offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
+    joint = patches.joint[kept]
+    if in_section:
+        normal_rows = np.stack([np.ones(len(offsets)), np.zeros(len(offsets)), -offsets[:, 1]], axis=1)
+        group_contact = np.arange(len(kept))
+        slip_rows = np.tile(np.array([[[0.0, 1.0, 0.0]]]), (len(kept), 1, 1))
+    else:
+        a, b, none, one = offsets[:, 1], offsets[:, 2], np.zeros(len(offsets)), np.ones(len(offsets))
+        normal_rows = np.stack([one, none, none, none, b, -a], axis=1)
+        group_contact = pair_contact
+        slip_rows = np.stack(
+            [np.stack([none, one, none, -b, none, none], 1), np.stack([none, none, one, a, none, none], 1)], axis=1
+        )
+    first = np.searchsorted(pair_contact, np.arange(len(kept))) if in_section else np.arange(len(where))
+    area_scale = float(areas.mean())
+    of_group = joint[group_contact]
+    load = np.concatenate([forces[moving], moments[moving] / length], axis=1) / force_scale
+    plus_motion = _motion(axes, (middle - centroids[moving[plus]]) / length, in_section)
+    minus_motion = -_motion(axes, (middle - centroids[moving[minus]]) / length, in_section)
+    minus_motion = minus_motion * (minus >= 0)[:, None, None]
+    kinematics = _kinematics(
+        np.concatenate([normal_rows, slip_rows.reshape(-1, slip_rows.shape[2])]),
+        np.concatenate([pair_contact, np.repeat(group_contact, slip_rows.shape[1])]),
+        plus, minus, plus_motion, minus_motion, len(moving),
+    )  # fmt: skip
+    return AssemblyModel(
+        plus=plus, minus=minus, plus_motion=frozen(plus_motion), minus_motion=frozen(minus_motion),
+        kinematics=kinematics, statics=kinematics.T.tocsr(),
+        pair_contact=pair_contact, normal_rows=frozen(normal_rows), group_contact=group_contact,
+        slip_rows=frozen(slip_rows), group_first=first, control_area=frozen(areas / area_scale),
+        cohesion=frozen(strength.cohesion[joint[pair_contact]] * areas / force_scale),
+        tan_friction=frozen(strength.tan_friction[of_group]), tan_dilation=frozen(strength.tan_dilation[of_group]),
+        patch=kept, points=frozen(where), moving=moving,
+        load=frozen(load[:, [0, 2, 4]] if in_section else load),
+        length_scale=length, force_scale=force_scale, area_scale=area_scale,
+    )  # fmt: skip
+
+
+def _kinematics(
+    rows: Floats, contact: Ints, plus: Ints, minus: Ints, plus_motion: Floats, minus_motion: Floats, blocks: int
+) -> Any:
+    """B as a sparse matrix: `rows` (r, u) read a motion of their contact."""
+    unknowns = rows.shape[1]
+    values, columns, places = [], [], []
+    for side, motion in ((plus, plus_motion), (minus, minus_motion)):
+        at = np.flatnonzero(side[contact] >= 0)
+        values.append(np.matmul(rows[at][:, None, :], motion[contact[at]])[:, 0, :].ravel())
+        columns.append((side[contact[at]][:, None] * unknowns + np.arange(unknowns)).ravel())
+        places.append(np.repeat(at, unknowns))
+    return sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(places), np.concatenate(columns))),
+        shape=(len(rows), blocks * unknowns),
+    )
+
+
+def _motion(axes: Floats, arms: Floats, in_section: bool) -> Floats:
+    """Motion of a point in the local axes, (k, u, u), of a block whose centroid lies `arms` (k, 3) before it."""
+    if in_section:
+        out = np.zeros((len(axes), 3, 3))
+        out[:, :2, 0], out[:, :2, 1] = axes[:, :2, 0], axes[:, :2, 2]
+        turn = np.stack([arms[:, 2], np.zeros(len(arms)), -arms[:, 0]], axis=1)  # e_y x arm
+        out[:, :2, 2] = np.einsum("kij,kj->ki", axes[:, :2], turn)
+        out[:, 2, 2] = 1.0
+        return out
+    out = np.zeros((len(axes), 6, 6))
+    out[:, :3, :3] = axes
+    out[:, :3, 3:] = np.cross(arms[:, None, :], axes)
+    out[:, 3:, 3:] = axes
+    return out
+
+
+def _section_axes(normals: Floats) -> Floats:
+    """Normal, tangent in the section and y of each contact, (k, 3, 3); the tangent is e_y x normal."""
+    axes = np.zeros((len(normals), 3, 3))
+    axes[:, 0] = normals
+    axes[:, 1, 0], axes[:, 1, 2] = normals[:, 2], -normals[:, 0]
+    axes[:, 2, 1] = 1.0
+    return axes
+
+
+def _segment_pairs(patches: Patches, kept: Ints, cohesion: Floats) -> tuple[Floats, Ints, Floats]:
+    """Ends of every contact, and its middle where there is cohesion to lose: points, contacts and control areas.
+
+    A flat contact slips as one, and without cohesion its ends carry whatever its middle could.
+    """
+    ends = patches.corners.reshape(-1, 2, 3)[kept]
+    with_middle = cohesion[patches.joint[kept]] > 0.0
+    counts = np.where(with_middle, 3, 2)
+    contact = np.repeat(np.arange(len(kept)), counts)
+    place = np.arange(len(contact)) - np.repeat(np.cumsum(counts) - counts, counts)
+    along = place / (counts[contact] - 1.0)
+    points = ends[contact, 0] * (1.0 - along)[:, None] + ends[contact, 1] * along[:, None]
+    share = np.where(with_middle[contact], _SIMPSON[np.minimum(place, 2)], 0.5)
+    return points, contact, patches.areas[kept][contact] * share
+
+
+def _polygon_pairs(patches: Patches, kept: Ints, _: Floats) -> tuple[Floats, Ints, Floats]:
+    """Node pairs of flat convex polygons: the triangle rule of METHOD.md §5, fanned from the first corner.
+
+    A parallelogram needs one pair in its middle instead of two: A/12 on each corner and 2A/3 there is exact to
+    degree two as well.
+    """
+    points, contact, areas = [], [], []
+    counts = np.diff(patches.first)[kept]
+    for count in np.unique(counts):
+        which = np.flatnonzero(counts == count)
+        corners = patches.corners[patches.first[kept[which]][:, None] + np.arange(count)]  # (p, count, 3)
+        size = np.abs(corners - corners[:, :1]).max(axis=(1, 2))
+        skew = np.abs(corners[:, 0] + corners[:, 2] - corners[:, 1] - corners[:, -1]).max(axis=1)
+        even = (skew < _SQUARE_ENOUGH * size) & (count == 4)
+        for chosen, is_even in ((which[even], True), (which[~even], False)):
+            if len(chosen) == 0:
+                continue
+            shape = corners[even] if is_even else corners[~even]
+            whole = patches.areas[kept[chosen]]
+            if is_even:
+                inner, share = shape.mean(axis=1)[:, None], np.full((len(shape), 1), 2.0 / 3.0)
+                outer = np.full((len(shape), 4), 1.0 / 12.0)
+            else:
+                a = shape[:, 1:-1] - shape[:, :1]
+                b = shape[:, 2:] - shape[:, :1]
+                parts = np.sqrt((np.cross(a, b) ** 2).sum(axis=2))  # (p, count - 2), twice the areas
+                parts = parts / parts.sum(axis=1)[:, None]
+                inner, share = shape[:, :1] + (a + b) / 3.0, 0.75 * parts
+                outer = np.zeros(shape.shape[:2])
+                outer[:, 0] = 1.0
+                outer[:, 1:-1] += parts
+                outer[:, 2:] += parts
+                outer = outer / 12.0
+            points.append(np.concatenate([shape, inner], axis=1).reshape(-1, 3))
+            areas.append((np.concatenate([outer, share], axis=1) * whole[:, None]).ravel())
+            contact.append(np.repeat(chosen, shape.shape[1] + inner.shape[1]))
+    owner = np.concatenate(contact)
+    order = np.argsort(owner, kind="stable")
+    return np.concatenate(points)[order], owner[order], np.concatenate(areas)[order]

@@ -1,0 +1,374 @@
+"""The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from slopekit.design.blocky import BenchDesign
+from slopekit.findings import MOTIONS, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.orientation import line_of
+from slopekit.result import Result, status_text
+from slopekit.views.assembly_words import (
+    Part,
+    counted,
+    design_in_words,
+    first_and_last,
+    in_order,
+    in_section,
+    names_in_runs,
+    water_in_words,
+)
+from slopekit.views.entries import (
+    OWN_WAY,
+    WEIGHT_ONLY,
+    accept,
+    all_pairs,
+    bolt_text,
+    factor_text,
+    force_text,
+    governs,
+    methods,
+    seismic,
+    series,
+    verdict,
+)
+from slopekit.views.toppling_rows import toppling_rows
+from slopekit.views.words import dilates, line_in_words, size_number, weight_in_words
+
+_PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
+_WAYS = {
+    "slides": "slide", "slides_up": "slide up", "topples": "topple", "rotates": "turn", "falls": "fall",
+    "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
+}  # fmt: skip
+_MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks"}
+_CLOSED_FORMS = {"topple": "Goodman & Bray closed form", "bench": "closed form", "blocks": "closed form"}
+_NO_CLOSED_FORM = {
+    "topple": "Goodman & Bray's method does not take this design (see NOTE)",
+    "bench": "there is none for blocks cut by joint sets",
+    "blocks": "there is none for blocks of any shape",
+}
+_MOST_LOADS = 8
+_MOST_INTERFACES = 6
+_SHARE = 1e-3  # of the work: less is not worth a line
+_WHOLE = 1e-6  # shares that add up to one but for this
+_SAME = 2e-5  # factors that differ by less than this part look the same
+_MOST_FACTORS = 6
+_FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
+#: What is checked, in words about its figure.
+_CHECKS: Mapping[str, str] = {
+    "volume_error": "the blocks' volumes add up to the rock's but for {} of it",
+    "area_error": "the two sides of the joints differ by {} of their area",
+    "plane_error_m": "corners at most {} m off their planes",
+    "largest_unbalanced_force": "largest unbalanced force {} of the load",
+}
+_MEASURED = 1e-2  # what is as large is no rounding error
+_UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
+
+
+def assembly_parts(result: Result, findings: Findings) -> Iterator[Part]:
+    """The parts of the sheet below its head line, in order; those without entries print nothing."""
+    order = _order(result)
+    first = findings.mechanisms[0] if findings.mechanisms else None
+    yield design_in_words(result.design, result.geometry.areas_m2)
+    yield Part("SIZE", _size(result, findings))
+    yield Part("LOADS", _loads(result))
+    yield Part("FORCES", _forces(result))
+    yield Part("STATUS", [_status(result, findings, order)])
+    yield Part("FoS", _factors(result))
+    yield Part("ALL PAIRS", all_pairs(result))
+    yield Part("ACCEPT", accept(result))
+    yield Part("MOVES", _moves(result, first))
+    yield Part("NEXT", _next(result, findings, order), hang=32)
+    yield Part("BY BLOCK", _by_block(findings, order))
+    yield Part("TABLE", toppling_rows(result, findings.table))
+    yield Part("METHODS", methods(result))
+    yield Part("SERIES", series(result))
+    yield Part("CHECKS", _checks(result, findings, first))
+    yield Part("MODEL", _model(result))
+    yield Part("TIME", [_time(result.timing_s)] if result.timing_s else [])
+    yield Part("GOVERNS", governs(result))
+    yield Part("DEFAULTS", _defaults(result))
+    yield Part("NOTE", [str(notice) for notice in result.warnings])
+
+
+def _order(result: Result) -> dict[str, int]:
+    geometry = result.geometry
+    names = geometry.names if isinstance(geometry, AssemblyGeometry) else ()
+    return {name: k for k, name in enumerate(names)}
+
+
+# -- what it is -----------------------------------------------------------------------------------------------------
+
+
+def _size(result: Result, findings: Findings) -> list[str]:
+    geometry = result.geometry
+    volume = f"volume {size_number(geometry.volume_m3)} m³"
+    height = ""
+    if isinstance(geometry, AssemblyGeometry):
+        height = f"height {size_number(geometry.total_height_m)} m  "
+    moving = findings.blocks - findings.fixed
+    bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
+    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
+    said = {one.name for one in result.design.sets} if isinstance(result.design, BenchDesign) else set()
+    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in said]
+    shown, rest, _ = first_and_last(areas, 6, 0)
+    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    return [
+        f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
+        f"{height}{volume}  {weight_in_words(result)}",
+        *([f"contact area  {listed}"] if listed else []),
+    ]
+
+
+def _loads(result: Result) -> list[str]:
+    design = result.design
+    entries = water_in_words(design) + seismic(design, in_section(design))
+    forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
+    for texts, what in ((forces, "force"), (bolts, "bolt")):
+        shown, rest, _ = first_and_last(texts, _MOST_LOADS, 0)
+        entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
+    return entries or [WEIGHT_ONLY]
+
+
+def _forces(result: Result) -> list[str]:
+    forces, areas = result.forces, result.geometry.areas_m2
+    parts = []
+    for joint, normal in forces.normal.items():
+        if normal is not None:
+            area = areas.get(joint)
+            parts.append(f"N' {joint} {size_number(normal)} kN" + (f" ({normal / area:.4g} kPa)" if area else ""))
+    shown, rest, _ = first_and_last(parts, 6, 0)
+    more = [f"... and {rest} more"] if rest else []
+    wet = [f"{name} {size_number(push)} kN" for name, push in forces.water.items() if push]
+    some, others, _ = first_and_last(wet, 6, 0)
+    water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
+    held = [
+        f"{what} {size_number(value)} kN"
+        for what, value in (("driving", forces.driving), ("resisting", forces.resisting))
+        if value is not None
+    ]
+    return ["  ".join([*shown, *more, water, *held])]
+
+
+# -- the answer -----------------------------------------------------------------------------------------------------
+
+
+def _status(result: Result, findings: Findings, order: Mapping[str, int]) -> str:
+    if not findings.mechanisms or not findings.mechanisms[0].blocks:
+        return result.status_text
+    first = findings.mechanisms[0]
+    words = _motions(first, order)
+    still = findings.blocks - findings.fixed - len(first.blocks)
+    if still > 0:
+        words += f", {still} {'stays' if still == 1 else 'stay'}"
+    return _joined(result.status_text, words)
+
+
+def _joined(status: str, words: str) -> str:
+    return f"{status}{';' if ':' in status else ':'} {words}" if words else status
+
+
+def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
+    """How many blocks move in which way, and which: the most frequent way first."""
+    ways: dict[str, list[str]] = {}
+    for block in mechanism.blocks:
+        ways.setdefault(block.how, []).append(block.name)
+    words = []
+    for how, names in sorted(ways.items(), key=lambda way: -len(way[1])):
+        verb = MOTIONS.get(how, how) if len(names) == 1 else _PLURALS.get(how, how)
+        words.append(f"{len(names)} {verb} ({names_in_runs(in_order(names, order))})")
+    return ", ".join(words)
+
+
+def _factors(result: Result) -> list[str]:
+    fos, dilating = result.fos, dilates(result.design)
+    compared = fos.closed_form is not None or result.agree is not None
+    limit = f"{factor_text(fos.limit)}  limit, PRE-IE{', joints dilate as given' if dilating else ''}"
+    if fos.limit is None:
+        limit += f" ({result.status_text})"
+    entries = [limit + (f"       {verdict(result)}" if compared else "")]
+    if compared:
+        zero = ", zero dilation" if dilating else ""
+        entries.append(f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}")
+    else:
+        instead = "; judge by the static bound" if fos.static_bound is not None else ""
+        entries.append(f"  none  closed form: {_NO_CLOSED_FORM[result.kind]}{instead}")
+    if fos.static_bound is not None:
+        above = ""
+        if fos.limit:
+            more = (fos.static_bound / fos.limit - 1.0) * 100
+            above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
+        proved = "" if result.static_bound_proved else ", not proved"
+        entries.append(
+            f"{factor_text(fos.static_bound)}  static bound (joints free to dilate; upper bound{proved}){above}"
+        )
+    elif fos.limit is not None:
+        entries.append("  none  static bound: not found")
+    if fos.all_pairs_failed is not None:
+        entries.append(
+            f"{factor_text(fos.all_pairs_failed)}  all pairs failed (no block is tied to bedrock by sticking pairs; "
+            "depends on the stiffness)"
+        )
+    elif result.design.criterion == "all-pairs":
+        entries.append("  none  all pairs failed: asked for, and not found")
+    return entries
+
+
+def _moves(result: Result, first: Mechanism | None) -> list[str]:
+    """The first mechanism: the fastest block, the interfaces that govern, the node pairs."""
+    if first is None or not first.blocks:
+        return []
+    fastest = first.blocks[0]
+    goes = ""
+    if float(np.abs(fastest.displacement).max()) > 0.0:
+        axis = " (x is 090)" if in_section(result.design) else ""
+        goes = f" toward {line_in_words(line_of(fastest.displacement))}{axis}"
+    entries = [f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}"]
+    entries += _governing(first.interfaces)
+    entries += _pairs(first.pairs_by_mode)
+    return entries
+
+
+def _governing(interfaces: Sequence[GoverningInterface]) -> list[str]:
+    """The interfaces that govern with their shares; those left out by the rest of the work."""
+    if not interfaces:
+        return []
+    shown = [one for one in interfaces[:_MOST_INTERFACES] if one.share >= _SHARE] or interfaces[:1]
+    wide, joints, modes = (
+        max(map(len, words))
+        for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
+    )
+    entries = ["share of the work lost in friction and cohesion, by interface:"]
+    for one in shown:
+        pressure = f" ({one.normal_kn / one.area_m2:.4g} kPa)" if one.area_m2 else ""
+        entries.append(
+            f"{one.share * 100:5.1f} %  {one.name:<{wide}}  {one.joint:<{joints}}  "
+            f"{_MODES.get(one.mode, one.mode):<{modes}}  N' {size_number(one.normal_kn)} kN{pressure}"
+        )
+    rest = 1.0 - sum(one.share for one in shown)
+    if rest > _WHOLE:
+        are_all = sum(one.share for one in interfaces) > 1.0 - _WHOLE
+        which = f"and {len(interfaces) - len(shown)} more" if are_all else "the others"
+        share = f"{rest * 100:5.1f}" if rest >= _SHARE else f"{'< 0.1':>5}"
+        entries.append(f"{share} %  ... {which} together")
+    return entries
+
+
+def _pairs(by_mode: Mapping[str, int]) -> list[str]:
+    """How many node pairs stick, slip and are open, of all."""
+    if not by_mode:
+        return []
+    verbs = {"stick": "stick", "slip": "slip", "open": "are open"}
+    parts = [f"{count} {verbs.get(mode, mode)}" for mode, count in by_mode.items()]
+    return [f"of {sum(by_mode.values())} node pairs " + ", ".join(parts)]
+
+
+# -- what comes after -----------------------------------------------------------------------------------------------
+
+
+def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[str]:
+    """The mechanisms in the order in which they happen, and what is left."""
+    mechanisms = findings.mechanisms
+    left = [findings.standing] if findings.standing else []
+    if len(mechanisms) < 2:
+        return left
+    highest: float | None = None
+    rows = []
+    for k, one in enumerate(mechanisms, 1):
+        at_once = k > 1 and _follows_at_once(one, highest)
+        bound = "none" if one.static_bound is None else factor_text(one.static_bound)
+        text = _motions(one, order)
+        if one.fos is None or not text:
+            text = _joined(status_text(result.kind, one.status), text)
+        way = _WAYS.get(one.status, one.status)
+        rows.append(f"{k:>3}{factor_text(one.fos):>9}{bound:>9}  {way:<8} " + ("at once: " if at_once else "") + text)
+        highest = one.fos if highest is None else max(highest, one.fos or highest)
+    shown, between, last = first_and_last(rows, _FIRST_MECHANISMS, _LAST_MECHANISMS)
+    entries = ["  n      FoS    bound  mode     what fails, once all that failed before is taken away", *shown]
+    if between:
+        hidden = mechanisms[len(shown) : len(shown) + between]
+        blocks = sum(len(one.blocks) for one in hidden)
+        factors = [one.fos for one in hidden if one.fos is not None]
+        within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
+        entries.append(f"... {between} more: {counted(blocks, 'block')}{within} ...")
+    return [*entries, *last, *left]
+
+
+def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
+    """Whether a mechanism needs no further loss of strength than those before it."""
+    if one.fos is None:
+        return one.status in ("falls", "lifted")
+    return highest is not None and one.fos <= highest * (1.0 + _SAME)
+
+
+def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
+    """The lowest factors with the blocks that fail at them; without a number last."""
+    groups: dict[str, list[str]] = {}
+    numbers: dict[str, float] = {}
+    for name, factor in findings.factor_by_block.items():
+        shown = factor_text(factor).strip()
+        groups.setdefault(shown, []).append(name)
+        if factor is not None:
+            numbers[shown] = factor
+    if len(groups) < 2:
+        return []  # STATUS has said it
+    lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
+    parts = [f"{shown} {names_in_runs(in_order(groups.pop(shown), order), 2)}" for shown in lowest]
+    without = groups.pop("none", [])
+    if rest:
+        blocks = sum(len(names) for names in groups.values())
+        parts.append(f"... and {counted(blocks, 'block')} up to {factor_text(max(numbers.values()))}")
+    if without:
+        parts.append(f"without a number {names_in_runs(in_order(without, order), 2)}")
+    return [" | ".join(parts)]
+
+
+# -- the evidence ---------------------------------------------------------------------------------------------------
+
+
+def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list[str]:
+    entries = []
+    if first is not None and first.fos is not None:
+        passes = counted(result.model.passes, "pass", "passes")
+        settled = "settled exactly" if first.change == 0.0 else f"still moved by {first.change * 100:.2g} %"
+        entries.append(f"the limit {settled} after {passes}")
+    entries += [_check(name, value) for name, value in findings.checks.items()]
+    return ["; ".join(entries)] if entries else []
+
+
+def _check(name: str, value: float) -> str:
+    """A check in words; one that has none is named by its key, the unit at its end."""
+    if name in _CHECKS:
+        return _CHECKS[name].format(f"{value:.2g}")
+    shown = size_number(float(f"{value:.4g}")) if abs(value) >= _MEASURED or not value else f"{value:.2g}"
+    words, _, unit = name.rpartition("_")
+    if unit in _UNITS and words:
+        return f"{words.replace('_', ' ')} {shown} {_UNITS[unit]}"
+    return f"{name.replace('_', ' ')} {shown}"
+
+
+def _model(result: Result) -> list[str]:
+    model = result.model
+    left_out = ", ".join(model.left_out) or "nothing"
+    return [
+        f"{counted(model.moving_blocks, 'moving block')}, {counted(model.unknowns, 'unknown')}, "
+        f"{counted(model.node_pairs, 'node pair')}; left out: {left_out}"
+    ]
+
+
+def _time(timing_s: Mapping[str, float]) -> str:
+    parts = []
+    for name, seconds in timing_s.items():
+        if seconds > 5e-5:
+            shown = f"{seconds:.2f} s" if seconds >= 10.0 else f"{seconds * 1e3:.1f} ms"
+            parts.append(f"{name.replace('_', ' ')} {shown}")
+    return "  ".join(parts)
+
+
+def _defaults(result: Result) -> list[str]:
+    ours = {
+        "upper": "upper slope (level)", "length": "length (twice the height)", "depth": "depth (the height)",
+        "seismic.trend": f"seismic trend ({OWN_WAY[result.kind]})",
+    }  # fmt: skip
+    names = [ours.get(name, name) for name in result.design.defaults]
+    return [", ".join(names)] if names else []

@@ -1,0 +1,185 @@
+"""Entries that the sheets of one block and of many blocks share, and how they are folded."""
+
+import textwrap
+
+from slopekit.design.common import Bolt, Design, Force, Rule
+from slopekit.design.kinds import FootingDesign, PlaneDesign
+from slopekit.result import STATUSES, Result, status_text
+from slopekit.views.words import line_in_words, size_number
+
+WIDTH = 100
+LABEL = 10
+WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
+#: The way a seismic load acts where the design gives no trend.
+OWN_WAY = {
+    "wedge": "along the trend of the line of intersection", "plane": "out of the slope", "footing": "out of the face",
+    "surface": "the way the profile falls", "bench": "the way the face dips", "topple": "out of the slope",
+    "blocks": "the way the file says",
+}  # fmt: skip
+
+
+def block(label: str, entries: list[str], hang: int = 3) -> list[str]:
+    """A label and its entries, folded to the width of the sheet; what is folded hangs in by `hang`."""
+    lines: list[str] = []
+    for k, entry in enumerate(entries):
+        head = f"{label if k == 0 else '':<{LABEL}}"
+        indent = " " * (LABEL + hang)
+        lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
+    return lines
+
+
+def loads(result: Result) -> list[str]:
+    """What acts on one block beside its weight."""
+    design = result.design
+    entries = []
+    if isinstance(design, FootingDesign):
+        off = design.eccentricity_m
+        place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
+        entries.append(f"footing {size_number(design.load_kn)} kN, {place}")
+    if design.water.mode != "dry" or design.water.crack_fill:
+        entries.append(f"water {design.water.in_words()}")
+    elif isinstance(design, PlaneDesign) and design.crack is not None and design.crack.water_m:
+        entries.append(f"water {design.crack.water_m:.4g} m deep in the crack, falling to nothing at the toe")
+    entries += seismic(design, result.kind == "surface")
+    entries += [force_text(force) for force in design.forces]
+    entries += [bolt_text(bolt) for bolt in design.bolts]
+    return entries or [WEIGHT_ONLY]
+
+
+def seismic(design: Design, in_section: bool) -> list[str]:
+    """The seismic load, if there is one."""
+    if not design.seismic.coefficient:
+        return []
+    trend = design.seismic.trend_deg
+    toward = f"toward {trend:03.0f}" if trend is not None else OWN_WAY[design.kind]
+    toward += " (x is 090)" if trend is not None and in_section else ""
+    return [f"seismic {design.seismic.coefficient:.4g} g {toward}"]
+
+
+def force_text(force: Force) -> str:
+    """A force by its components, and where it acts."""
+    on = "" if force.block is None else f" on {force.block}"
+    at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
+    size = max(abs(part) for part in force.components_kn)
+    parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
+    return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
+
+
+def bolt_text(bolt: Bolt) -> str:
+    """A bolt by its force, its direction, and how it acts."""
+    role = "a load" if bolt.acts == "active" else "capacity divided by F"
+    on = "" if bolt.block is None else f" on {bolt.block}"
+    at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
+    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
+
+
+def methods(result: Result) -> list[str]:
+    """The methods of columns, which know other mechanics: printed beside, not compared."""
+    if not result.methods:
+        return []
+    names = {"fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
+             "all_equilibrium": "all equilibrium"}  # fmt: skip
+    found = [f"{names[name]} {factor_text(value).strip()}" for name, value in result.methods.items()]
+    return ["  ".join(found) + "   (other mechanics: not compared)"]
+
+
+def series(result: Result) -> list[str]:
+    """Displacements and failed pairs by strength reduction factor (the paper's Table 3)."""
+    if not result.series:
+        return []
+    horizontal = "x" if result.kind == "footing" else "horizontal"
+    entries = [f"factor   {horizontal + ' / mm':>16}{'up / mm':>12}{'failed of ' + str(result.model.node_pairs):>14}"]
+    for step in result.series:
+        if step.movement is None:
+            entries.append(f"{step.factor:6.4f}   {'does not come to rest':>28}{step.failed_pairs:>14}")
+            continue
+        x, y, z = (float(part) * 1e3 for part in step.movement.displacement)
+        across = x if horizontal == "x" else (x * x + y * y) ** 0.5
+        entries.append(f"{step.factor:6.4f}   {across:16.4f}{z:12.4f}{step.failed_pairs:14d}")
+    return entries
+
+
+def factor_text(value: float | None) -> str:
+    """A factor of safety with four decimals, six columns wide below 10."""
+    return "  none" if value is None else f"{value:.4f}" if value < 1e4 else f"{value:.4g}"
+
+
+def verdict(result: Result) -> str:
+    """Whether the limit agrees with the closed form, and by how much it differs."""
+    within = f"limit {result.design.agree_within * 100:g} %"
+    if result.agree is None:
+        return "not compared with the closed form"
+    against = "forces only against closed form: " if result.moments_govern else ""
+    word = "AGREE" if result.agree else "DISAGREE"
+    if result.difference is None:
+        return f"{against}{word} (no number from either)" if result.agree else f"{against}{word}"
+    percent = result.difference * 100
+    shown = "< 0.0001 %" if percent < 1e-4 else f"{percent:.4f} %"
+    return f"{against}difference {shown}   {word} ({within})"
+
+
+def all_pairs(result: Result) -> list[str]:
+    """The search of the paper's criterion: its bracket and the failed pairs of its trials."""
+    pairs = result.all_pairs
+    if pairs is None:
+        return []
+    low, high = pairs.bracket
+    if result.fos.all_pairs_failed is None:
+        rests = "the blocks rest" if result.findings is not None else "the block rests"
+        return [f"not found: the search met no factor at which {rests} on sticking pairs"]
+    stands = "the blocks still stand there" if result.findings is not None else "the block still stands there"
+    how = "equilibrium lost there" if pairs.lost_equilibrium else stands
+    entries = [f"bracket {low:.5f} to {high:.5f} ({how}); {result.design.stiffness.in_words()}"]
+    trials = sorted(pairs.history)
+    counts = [count for _, count in trials]
+    shown = [
+        f"{factor:.5f}: {count}"
+        for k, (factor, count) in enumerate(trials)
+        if k in (0, len(trials) - 1) or counts[k - 1] != count or counts[k + 1] != count
+    ]
+    entries.append(f"failed pairs of {result.model.node_pairs} by factor  " + "  ".join(shown))
+    return entries
+
+
+def accept(result: Result) -> list[str]:
+    """The acceptance rules, each with its judgement."""
+    return [f"{rule}{_judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
+
+
+def _judged_on(result: Result, rule: Rule) -> str:
+    return f" ({result.design.criterion})" if rule.name == "fos" else ""
+
+
+def _judgement(result: Result, rule: Rule) -> str:
+    if result.judged(rule):
+        return "MET"
+    if result.agree is False or result.status == "not_converged":
+        return "NOT MET (the methods disagree or did not converge: no number to judge)"
+    if result.fos.limit is None and result.status != "no_driving_force":
+        return "NOT MET (no factor of safety)"
+    if result.value_of(rule) is None:
+        return "NOT MET (there is no such number here)"
+    return "NOT MET"
+
+
+def times(count: int) -> str:
+    """How often, in words."""
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def governs(result: Result) -> list[str]:
+    """What changes the factor of safety most, by the closed form."""
+    if not result.governs:
+        return []
+    if result.moments_govern or result.status == "not_converged":
+        return ["not given: it is read from the closed form, which does not govern here"]
+    parts = []
+    base = result.fos.closed_form
+    for name, factor, status in result.governs:
+        if factor is None:
+            parts.append(f"{name}: {status_text(result.kind, status) if status in STATUSES else status}")
+        elif base is None or name == "full water":
+            parts.append(f"{name}: {factor:.2f}")
+        else:
+            parts.append(f"{name} {factor - base:+.2f}")
+    return [" | ".join(parts) + "   (closed form)"] if parts else []

@@ -1,0 +1,329 @@
+"""Assemblies end to end: factors, mechanisms, what is said, what is refused."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+import slopekit as sk
+from slopekit.errors import DesignError, GeometryError
+from slopekit.preie import ravelling
+
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+
+
+def turned(points, degrees: float):
+    """Points turned up by an angle about the origin: a level scene becomes one on an incline."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    return [[x * c - z * s, x * s + z * c] for x, z in points]
+
+
+def on_incline(outlines, dip: float, phi: float, c: float = 0.0, **more) -> dict:
+    """Blocks by name above a fixed base, the whole turned by the dip."""
+    blocks = {"base": {"polygon": turned([[-50, -5], [200, -5], [200, 0], [-50, 0]], dip), "fixed": True}}
+    blocks |= {name: {"polygon": turned(outline, dip)} for name, outline in outlines.items()}
+    design = {"slopekit": 1, "kind": "blocks", "blocks": blocks, "strength": {"joint": {"c": c, "phi": phi}},
+              "rock": {"unit_weight": 25}}  # fmt: skip
+    return design | more
+
+
+def box(x: float, z: float, wide: float, high: float) -> list[list[float]]:
+    return [[x, z], [x + wide, z], [x + wide, z + high], [x, z + high]]
+
+
+def codes(result) -> set[str]:
+    return {notice.code for notice in result.warnings}
+
+
+def test_one_block_on_an_incline_slides_as_the_textbook_says() -> None:
+    result = sk.run(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=3))
+    weight = 4 * 25
+    expected = (3 * 4 + weight * math.cos(math.radians(20)) * math.tan(math.radians(35))) / (
+        weight * math.sin(math.radians(20))
+    )
+    assert result.status == "slides"
+    assert result.fos.limit == pytest.approx(expected, rel=1e-6)
+    assert result.fos.static_bound == pytest.approx(expected, rel=1e-6)
+    assert result.findings.mechanisms[0].blocks[0].how == "slides"
+
+
+@pytest.mark.parametrize(("dip", "status"), [(44.9, "slides"), (45.1, "topples")])
+def test_a_square_block_tips_at_its_geometric_limit(dip, status) -> None:
+    """b/h = tan β: just below it slides at tan φ / tan β, just above no strength holds it."""
+    result = sk.run(on_incline({"B": SQUARE}, dip, 50))
+    assert result.status == status
+    if status == "slides":
+        assert result.fos.limit == pytest.approx(math.tan(math.radians(50)) / math.tan(math.radians(dip)), rel=1e-5)
+    else:
+        assert result.fos.limit is None
+        assert result.exit_code == 0
+
+
+def test_a_second_block_that_touches_nothing_changes_nothing() -> None:
+    alone = sk.run(on_incline({"B": box(0, 0, 4, 1)}, 20, 35))
+    both = sk.run(on_incline({"B": box(0, 0, 4, 1), "C": box(30, 0, 4, 1)}, 20, 35))
+    assert both.fos.limit == alone.fos.limit
+    far = sk.run(on_incline({"B": box(0, 0, 4, 1), "C": box(30, 8, 4, 1)}, 20, 35))
+    assert far.status == "falls"  # it hangs in the air, and says so
+    assert "W346" in codes(far)
+    assert far.findings.factor_by_block == {"C": None}
+
+
+def test_a_stack_on_an_incline() -> None:
+    """Every joint of a stack carries what lies on it: tan φ / tan β whatever the heights."""
+    stack = {f"B{k}": box(0, k, 30, 1) for k in range(6)}
+    result = sk.run(on_incline(stack, 30, 35))
+    assert result.fos.limit == pytest.approx(math.tan(math.radians(35)) / math.tan(math.radians(30)), rel=1e-6)
+
+
+def test_mechanisms_one_after_the_other() -> None:
+    """Three blocks with joints of their own fail in the order of their friction angles."""
+    design = on_incline({name: box(20 * k, 0, 4, 1) for k, name in enumerate("ABC")}, 20, 30)
+    design["strength"] = {name: {"c": 0, "phi": phi} for name, phi in zip("abc", (30, 25, 35), strict=True)}
+    design["interfaces"] = {"default": "a", "B/base": "b", "C/base": "c"}
+    design["analysis"] = {"mechanisms": 5}
+    findings = sk.run(design).findings
+    expected = {"B": 25, "A": 30, "C": 35}
+    assert list(findings.factor_by_block) == list(expected)
+    for name, phi in expected.items():
+        assert findings.factor_by_block[name] == pytest.approx(
+            math.tan(math.radians(phi)) / math.tan(math.radians(20)), rel=1e-6
+        )
+    assert "nothing is left" in findings.standing
+
+
+def test_what_stands_without_strength() -> None:
+    result = sk.run(on_incline({"B": SQUARE}, 0, 30))
+    assert result.status == "no_driving_force"
+    assert result.fos.limit is None
+    assert result.exit_code == 0
+
+
+def test_seismic_forces_bolts_and_water() -> None:
+    """By hand: T = W sin β + k W cos β, N = W cos β - k W sin β - u b; a bolt up the slope takes its pull off T."""
+    dip, phi, k, u, pull = 20.0, 35.0, 0.1, 2.0, 6.0
+    weight, wide = 100.0, 4.0
+    s, c = math.sin(math.radians(dip)), math.cos(math.radians(dip))
+    design = on_incline({"B": box(0, 0, 4, 1)}, dip, phi)
+    design["loads"] = {"seismic": {"k": k, "toward": 270}}
+    design["water"] = {"pressures": {"B/base": u}}
+    design["support"] = {"bolts": [{"force": pull, "toward": f"090/{-dip}", "block": "B", "acts": "active"}]}
+    expected = (weight * (c - k * s) - u * wide) * math.tan(math.radians(phi)) / (weight * (s + k * c) - pull)
+    result = sk.run(design)
+    assert result.fos.limit == pytest.approx(expected, rel=1e-6)
+    assert result.forces.weight == pytest.approx(weight)
+
+
+def test_gaps_overlaps_corners_and_names_that_do_not_touch() -> None:
+    gap = on_incline({"A": box(0, 0, 1, 1), "B": box(1.002, 0, 1, 1), "C": box(2.002, 1, 1, 1)}, 0, 30)
+    gap["strength"]["smooth"] = {"c": 0, "phi": 5}
+    gap["interfaces"] = {"default": "joint", "A/C": "smooth"}
+    said = {notice.code: notice.message for notice in sk.run(gap).warnings}
+    assert "A and B are 2 mm apart over 1 m" in said["W334"]
+    assert "A/C" in said["W335"]
+    assert "corner" in said["W342"]
+    with pytest.raises(GeometryError, match=r"A and B overlap by 0\.1 m²") as error:
+        sk.run(on_incline({"A": box(0, 0, 1, 1), "B": box(0.9, 0, 1, 1)}, 0, 30))
+    assert error.value.faults[0].code == "E257"
+    little = sk.run(on_incline({"A": box(0, 0, 1, 1), "B": box(0.9995, 0, 1, 1)}, 0, 30))
+    assert "A/B 0.0005 m²" in {n.code: n.message for n in little.warnings}["W333"]
+
+
+def test_meshes_are_blocks_too(tmp_path) -> None:
+    """Two cubes on a slab, one file inside out, one with two bodies: the same factor as in a section."""
+    slope = trimesh.transformations.rotation_matrix(math.radians(-20), [0, 1, 0])
+    parts = {
+        "base": trimesh.creation.box([60, 40, 2], trimesh.transformations.translation_matrix([0, 0, -1])),
+        "A": trimesh.creation.box([4, 4, 1], trimesh.transformations.translation_matrix([0, 0, 0.5])),
+        "B": trimesh.util.concatenate([
+            trimesh.creation.box([4, 4, 1], trimesh.transformations.translation_matrix([10, y, 0.5])) for y in (-8, 8)
+        ]),
+    }  # fmt: skip
+    for name, mesh in parts.items():
+        mesh.apply_transform(slope)
+        if name == "A":
+            mesh.invert()
+        mesh.export(tmp_path / f"{name}.obj")
+    text = "slopekit: 1\nkind: blocks\nblocks:\n"
+    text += "  base: {mesh: base.obj, fixed: true}\n  A: {mesh: A.obj}\n  B: {mesh: B.obj}\n"
+    text += "strength: {joint: {c: 0, phi: 35}}\nrock: {unit_weight: 25}\ncontact_tolerance: 1 mm\n"
+    (tmp_path / "cubes.yaml").write_text(text)
+    result = sk.run(tmp_path / "cubes.yaml")
+    assert result.fos.limit == pytest.approx(math.tan(math.radians(35)) / math.tan(math.radians(20)), rel=1e-6)
+    assert "W344" in codes(result)
+    assert result.geometry.volume_m3 == pytest.approx(48.0)
+
+
+BENCH = {
+    "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": 15, "upper": "0/180", "length": 30},
+    "sets": {"S1": {"plane": "45/170", "spacing": 5, "strength": "j"},
+             "S2": {"plane": "80/350", "spacing": 7, "offset": 0.5, "strength": "j"},
+             "S3": {"plane": "85/80", "spacing": 7, "strength": "j"}},
+    "strength": {"j": {"c": 0, "phi": 35}}, "rock": {"unit_weight": 26},
+}  # fmt: skip
+
+
+def test_a_bench_fails_by_its_key_block() -> None:
+    """A block on the set that daylights slides at tan φ / tan β; nothing is lost in the cutting."""
+    result = sk.run(BENCH)
+    findings = result.findings
+    assert result.status == "slides"
+    assert result.fos.limit == pytest.approx(math.tan(math.radians(35)), rel=1e-3)
+    assert findings.checks["volume_error"] < 1e-9
+    assert findings.checks["area_error"] < 1e-9
+    assert findings.blocks == findings.fixed + result.model.moving_blocks
+    assert "W338" in codes(result)
+    assert json.dumps(result.to_dict(), allow_nan=False)
+
+
+def test_a_bench_is_the_same_for_the_same_seed_and_wherever_it_lies() -> None:
+    scattered = json.loads(json.dumps(BENCH))
+    for joint_set in scattered["sets"].values():
+        joint_set |= {"scatter": 4, "spacing_scatter": 0.2, "spacing": 1.2 * joint_set["spacing"]}
+    scattered["cut"] = {"seed": 3, "min_volume": 0.05}
+    first, again = sk.run(scattered), sk.run(scattered)
+    assert first.to_dict()["assembly"] == again.to_dict()["assembly"]
+    assert "W336" in codes(first)
+    other = sk.run(scattered, set={"cut.seed": 4})
+    assert other.findings.blocks != first.findings.blocks
+    moved = sk.run(BENCH, set={"slope.origin": [5e5, 4e6, 1e3]})
+    assert moved.fos.limit == pytest.approx(sk.run(BENCH).fos.limit, rel=1e-6)
+
+
+def test_coincident_planes_and_benches_without_a_free_block() -> None:
+    double = json.loads(json.dumps(BENCH))
+    double["sets"]["S4"] = {"plane": "45/170", "spacing": 8, "strength": "j"}
+    result = sk.run(double)
+    assert "W337" in codes(result)
+    assert result.fos.limit == pytest.approx(sk.run(BENCH).fos.limit, rel=1e-6)
+    with pytest.raises(GeometryError, match="can move") as error:
+        sk.run(
+            BENCH,
+            set={f"sets.S{k}.{key}": size for k in (1, 2, 3) for key, size in (("spacing", 500), ("offset", 250))},
+        )
+    assert error.value.faults[0].code == "E256"
+
+
+def test_loads_on_a_bench_find_their_block() -> None:
+    free = sk.run(BENCH)
+    name = free.findings.mechanisms[0].blocks[0].name
+    at = free.geometry.centroids_m[free.geometry.names.index(name)]
+    held = sk.run(BENCH, set={"loads.forces": [{"force": [0, 0, -1.0], "at": at.tolist()}]})
+    assert held.fos.limit == pytest.approx(free.fos.limit, rel=1e-2)
+    for forces in ([{"force": [0, 0, -1], "at": [0, 900, 0]}], [{"force": [0, 0, -1], "block": "B99999"}]):
+        with pytest.raises(DesignError) as error:
+            sk.run(BENCH, set={"loads.forces": forces})
+        assert error.value.faults[0].code == "E250"
+    with pytest.raises(DesignError) as error:
+        sk.run(BENCH, set={"support.bolts": [{"force": 9, "toward": "000/10", "block": name, "acts": "passive"}]})
+    assert error.value.faults[0].code == "E255"
+
+
+def test_a_large_bench_is_looked_at_in_layers(monkeypatch) -> None:
+    """The same key block as when all blocks are free at once, and the result says what was held."""
+    free = sk.run(BENCH, set={"sets.S1.spacing": 3})
+    monkeypatch.setattr(ravelling, "_LAYERS_FROM", 5)
+    result = sk.run(BENCH, set={"sets.S1.spacing": 3})
+    assert result.fos.limit == pytest.approx(free.fos.limit, rel=2e-3)
+    assert "W339" in codes(result)
+    assert any("layers below the free surface" in said for said in result.model.left_out)
+
+
+COLUMNS = {
+    "slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "heights": [4, 8, 12, 10, 6], "base_step": 1},
+    "strength": {"j": {"c": 0, "phi": 38}}, "rock": {"unit_weight": 25},
+}  # fmt: skip
+
+
+def test_columns_agree_with_goodman_and_bray() -> None:
+    result = sk.run(COLUMNS)
+    assert result.fos.limit == pytest.approx(result.fos.closed_form, rel=1e-5)
+    assert result.agree
+    assert [row.mode for row in result.findings.table] == [row.mode_preie for row in result.findings.table]
+    rows = sk.run(COLUMNS, set={"columns.rows": 3})
+    assert rows.fos.limit == pytest.approx(result.fos.limit, rel=1e-6)
+    assert len(rows.findings.mechanisms[0].blocks) == 3 * len(result.findings.mechanisms[0].blocks)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"water": {"pressures": {"base": 1}}}, "without water"),
+        ({"loads.forces": [{"force": [1, 0, 0], "block": "C1"}]}, "without forces"),
+        ({"strength.j.dilation": 2}, "knows no dilation"),
+    ],
+)
+def test_columns_that_the_closed_form_does_not_cover(change, said) -> None:
+    result = sk.run(COLUMNS, set=change)
+    assert result.agree is None
+    assert any(notice.code == "W340" and said in notice.message for notice in result.warnings)
+
+
+def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> None:
+    """Strength divided by F fails at 1; c of 2 kPa so that bonds may break."""
+    design = on_incline({f"B{k}": box(2.0 * k, 0, 2, 1 + k) for k in range(4)}, 25, 40, c=2)
+    result = sk.run(design)
+    assert result.fos.limit <= result.fos.static_bound * (1 + 1e-9)
+    factor = result.fos.limit
+    phi = math.degrees(math.atan(math.tan(math.radians(40)) / factor))
+    again = sk.run(design, set={"strength.joint.phi": phi, "strength.joint.c": 2 / factor})
+    assert again.fos.limit == pytest.approx(1.0, rel=1e-3)
+    assert np.isfinite(replace(again, timing_s={}).fos.static_bound)
+
+
+def test_what_the_results_of_hard_scenes_say() -> None:
+    """Passes that swing, bonds that break, no bound, meshes that are inside out: each has its notice."""
+    from slopekit.analysis import assembly as room
+    from slopekit.analysis.assembly_scene import assembly_scene
+    from slopekit.analysis.motions import mechanism
+    from slopekit.analysis.stages import Clock, ClosedForm
+
+    design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
+    scene = assembly_scene(design, Clock())
+    strength = room.joint_strength(scene.strengths)
+    loads = room.assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures)
+    ravelling_ = room.ravel(scene.assembly, loads, strength)
+    failure = ravelling_.failures[0]
+    limit = replace(failure.limit, change=0.01, bond=np.array([1.0, 0.0, 1.0]), static_bound=None)
+    changed = replace(failure, parts=(replace(failure.parts[0], limit=limit, held=3, layers=2),))
+    sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
+    said = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
+    assert {notice.code for notice in said} == {"W317", "W307", "W309", "W339"}
+
+
+def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:
+    """cases.json 5a: 19 % between them; the table has 16 rows, P of column 10 is 2826.71 kN at full strength."""
+    from slopekit.design.templates import path_of
+
+    result = sk.run(path_of("goodman-bray"))
+    assert result.fos.static_bound == pytest.approx(1.19089, abs=1e-4)
+    assert "W341" in codes(result)
+    rows = result.findings.table
+    assert [row.mode_preie for row in rows] == ["slide"] * 3 + ["topple"] * 10 + ["stable"] * 3
+    assert [row.mode for row in rows] == [row.mode_preie for row in rows]
+    assert rows[9].p == pytest.approx(2826.71, rel=1e-3)
+
+
+def test_meshes_that_are_inside_out_or_cross_themselves() -> None:
+    """What the geometry found reaches the notices: W343 and W345, with names."""
+    from slopekit.analysis import assembly_scene as room
+    from slopekit.geometry.fit import Gaps
+
+    none = np.zeros((0, 2), dtype=np.int64)
+    gaps = Gaps(none, np.zeros(0), np.zeros(0), np.zeros(0))
+    assert room._fit(("A",), np.zeros(0), none, gaps, np.zeros(0, dtype=np.int64), "m", "m²") == []
+    assert room._listed(("A", "B"), np.array([1])) == "B"
+
+
+def test_the_papers_criterion_for_many_blocks() -> None:
+    """Even slip: every block of a low stack is untied where it slides, tan φ / tan β."""
+    stack = {f"B{k}": box(0, k, 30, 1) for k in range(3)}
+    result = sk.run(on_incline(stack, 30, 35, analysis={"criterion": "all-pairs"}))
+    expected = math.tan(math.radians(35)) / math.tan(math.radians(30))
+    found = result.fos.all_pairs_failed
+    assert result.all_pairs is not None
+    assert found is None or found == pytest.approx(expected, rel=2e-3)
+    assert result.all_pairs.bracket[1] == pytest.approx(expected, rel=2e-3)

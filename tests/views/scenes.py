@@ -1,0 +1,126 @@
+"""Results of many blocks made by hand, for the sheet: numbers from the closed form, or made up where it has none."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+import slopekit as sk
+from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
+from slopekit.design.templates import path_of
+from slopekit.errors import Notice
+from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
+from slopekit.result import FactorsOfSafety, Forces, ModelSize, NodePairState, Result
+
+NONE3 = np.zeros((0, 3))
+CHECKS = {"volume_error": 3.1e-16, "area_error": 0.0, "largest_unbalanced_force": 4.2e-12}
+LEFT_OUT = ("bedrock (no unknowns)", "deformation of the rock")
+
+
+def motions(names: list[str], how: str, down: float = -0.5) -> tuple[BlockMotion, ...]:
+    """Blocks that move alike, outward along -x."""
+    return tuple(BlockMotion(name, how, np.array([-1.0, 0.0, down]), np.zeros(3)) for name in names)
+
+
+def mechanism(status: str, fos: float | None, blocks, bound: float | None = None, interfaces=(), **more: Any):
+    """A mechanism; `more` are its other attributes."""
+    given = {"change": 0.0, "pairs_by_mode": {"stick": 12, "slip": 30, "open": 18}} | more
+    return Mechanism(status, fos, bound, blocks=tuple(blocks), interfaces=tuple(interfaces), **given)
+
+
+def interfaces(count: int) -> list[GoverningInterface]:
+    """Interfaces with falling shares that add up to one."""
+    shares = np.arange(count, 0, -1.0) / (count * (count + 1) / 2)
+    return [
+        GoverningInterface(f"B{k}/B{k + 1}", f"S{1 + k % 2}", "slip" if k % 3 else "open", float(share), 1e3, 4.0)
+        for k, share in enumerate(shares, 1)
+    ]
+
+
+def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing="", **more: Any) -> Result:
+    """A result of many blocks from its mechanisms."""
+    first = mechanisms[0] if mechanisms else None
+    factors: dict[str, float | None] = {}
+    for one in mechanisms:
+        factors |= {block.name: one.fos for block in one.blocks}
+    limit = more.pop("limit", first.fos if first else None)
+    status = more.pop("status", first.status if first else "no_driving_force")
+    fos = FactorsOfSafety(limit, closed, first.static_bound if first else None, more.pop("all_pairs_failed", None))
+    is_fixed = tuple(name in fixed for name in names)
+    moving = len(names) - sum(is_fixed)
+    findings = Findings(
+        tuple(mechanisms), factors, standing, len(names), sum(is_fixed), more.pop("contacts", 3 * moving),
+        more.pop("components", 1), more.pop("checks", CHECKS), tuple(table),
+    )  # fmt: skip
+    geometry = AssemblyGeometry(
+        12.5 * moving, 10.0, more.pop("areas", {"joint": 123.4}), tuple(names), is_fixed, 1.0, NONE3, {}, NONE3,
+        np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64),
+    )  # fmt: skip
+    difference = abs(limit - closed) / closed if limit and closed else None
+    settings: dict[str, Any] = {
+        "difference": difference, "agree": None if closed is None else difference is not None and difference < 0.01,
+        "moments_govern": False, "forces_only": None, "static_bound_proved": True, "geometry": geometry,
+        "forces": Forces(312.5 * moving, {"joint": 900.0}, {}, None, None),
+        "model": ModelSize(moving, 3 * moving, 60, 0, None, LEFT_OUT, 7, 1e-12), "mechanism": None,
+        "at_factor_one": None, "all_pairs": None, "governs": (), "warnings": (),
+        "node_pairs": NodePairState(NONE3, np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)),
+        "findings": findings, "timing_s": {"cut": 0.012, "contacts": 0.003, "solve": 12.5, "total": 12.6},
+    }  # fmt: skip
+    return Result(design, status, fos, **(settings | more))
+
+
+def goodman_bray(heights: list[float] | None = None) -> Result:
+    """Goodman & Bray's columns, or others, with their own table and factor; PRE-IE's beside it made up."""
+    design = sk.load(path_of("goodman-bray"), set=None if heights is None else {"columns.heights": heights})
+    found = toppling_factor_of_safety(ColumnSlope(design.heights_m, 10.0, 1.0, 30.0, 25.0, 38.15))
+    table = found.table
+
+    def number(value: float) -> float | None:
+        return None if math.isnan(value) else float(value)
+
+    columns = [
+        Column(
+            k + 1, float(table.heights_m[k]), number(table.upper_contact_m[k]), number(table.lower_contact_m[k]),
+            number(table.topple_force_kn[k]), number(table.slide_force_kn[k]), float(table.force_kn[k]),
+            float(table.normal_kn[k]), float(table.shear_kn[k]), table.modes[k],
+            "topple" if k + 1 == 3 else table.modes[k],
+        )
+        for k in range(len(design.heights_m))
+    ]  # fmt: skip
+    ways = {"topple": "topples", "slide": "slides"}
+    moving = [motion for way, how in ways.items()
+              for motion in motions([f"C{one.n}" for one in columns if one.mode == way], how)]  # fmt: skip
+    sides = [GoverningInterface("C4/C3", "joint", "slip", 0.4, 2825.48, 11.0),
+             GoverningInterface("bedrock/C1", "joint", "open", 0.1, 812.4, 10.0)]  # fmt: skip
+    one = mechanism("topples", 1.0006, moving, 1.1904, sides)
+    names = [f"C{k}" for k in range(1, len(columns) + 1)]
+    return result(design, [one], names, (), columns, found.factor,
+                  "3 columns are left; one mechanism was asked for")  # fmt: skip
+
+
+def bench(blocks: int = 10_000, mechanisms: int = 40, **more: Any) -> Result:
+    """A bench whose blocks ravel in some order, six at a time."""
+    design = sk.load(path_of("bench"), set={"sets.S3.scatter": 3, "sets.S3.spacing_scatter": "20 %",
+                                            "water": {"pressures": {"S1": "5 kPa"}}, **more})  # fmt: skip
+    names = [f"B{k}" for k in range(1, blocks + 1)]
+    found = [mechanism("slides", 0.9, motions([f"B{2 * k}" for k in range(1, 50)], "slides"), 0.95, interfaces(43))]
+    for k in range(1, mechanisms):
+        few = [f"B{200 + 7 * k + i}" for i in range(6)]
+        if k == 2:
+            found.append(mechanism("falls", None, motions(few, "falls")))
+        else:
+            fos = 0.85 if k == 1 else 0.9 + 0.01 * k
+            found.append(mechanism("rotates", fos, (*motions(few[:4], "slides"), *motions(few[4:], "rotates")), 1.4))
+    moving = blocks - 500
+    standing = f"{moving - 49 - 6 * (mechanisms - 1)} blocks are left; {mechanisms} were asked for"
+    notice = Notice("W317", "the passes did not settle: the limit swings between 0.9 and 0.902; the lower is printed")
+    return result(design, found, names, names[-500:], standing=standing, components=3, warnings=(notice,),
+                  areas={"S1": 5123.4, "S2": 2345.6, "S3": 1e4, "cut at the ends": 3.0})  # fmt: skip
+
+
+def two_blocks(status: str = "falls", **more: Any) -> Result:
+    """The active and the passive block with a result of that status and without a factor."""
+    design = sk.load(path_of("blocks"), set=more.pop("set", None))
+    moves = {"falls": "falls", "lifted": "lifts"}.get(status)
+    found = [mechanism(status, None, motions(["B1"], moves))] if moves else []
+    return result(design, found, ["base", "B1", "B2"], ["base"], status=status, **more)
