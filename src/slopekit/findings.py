@@ -107,9 +107,9 @@ class Column:
     l: float | None  # noqa: E741  (Goodman & Bray's letter)
     p_topple: float | None
     p_slide: float | None
-    p: float
-    r: float
-    s: float
+    p: float | None
+    r: float | None
+    s: float | None
     mode: str
     mode_preie: str
 

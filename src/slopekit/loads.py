@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.arrays import Bools, Floats, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.patches import Assembly
@@ -182,6 +182,22 @@ class AssemblyLoads:
     moments: Floats
     weights: Floats
     water: Floats
+
+
+def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
+    """The loads without the water on some patches (k,): a joint that a block has left stands open."""
+    at = np.flatnonzero(patches & (loads.water != 0.0))
+    if len(at) == 0:
+        return loads
+    forces, moments, water = loads.forces.copy(), loads.moments.copy(), loads.water.copy()
+    for side, sign in ((assembly.patches.plus, 1.0), (assembly.patches.minus, -1.0)):
+        own = at[side[at] >= 0]
+        push = sign * water[own, None] * assembly.patches.normals[own]
+        np.subtract.at(forces, side[own], push)
+        arms = assembly.patches.centroids[own] - assembly.centroids[side[own]]
+        np.subtract.at(moments, side[own], np.cross(arms, push))
+    water[at] = 0.0
+    return AssemblyLoads(frozen(forces), frozen(moments), loads.weights, frozen(water))
 
 
 def assembly_loads(

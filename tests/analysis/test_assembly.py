@@ -92,7 +92,7 @@ def test_mechanisms_one_after_the_other() -> None:
         assert findings.factor_by_block[name] == pytest.approx(
             math.tan(math.radians(phi)) / math.tan(math.radians(20)), rel=1e-6
         )
-    assert "nothing is left" in findings.standing
+    assert findings.standing == "none of 3 blocks is left"
 
 
 def test_what_stands_without_strength() -> None:
@@ -327,3 +327,29 @@ def test_the_papers_criterion_for_many_blocks() -> None:
     assert result.all_pairs is not None
     assert found is None or found == pytest.approx(expected, rel=2e-3)
     assert result.all_pairs.bracket[1] == pytest.approx(expected, rel=2e-3)
+
+
+def test_water_drains_from_joints_that_a_block_has_left() -> None:
+    """Once B1 has gone nothing pushes B2 back: tan φ / tan β of a dry block."""
+    design = on_incline({"B1": box(0, 0, 6, 1), "B2": box(6, 0, 6, 1)}, 20, 22)
+    design["water"] = {"pressures": {"B1/B2": 12}}
+    design["analysis"] = {"mechanisms": 2}
+    second = sk.run(design).findings.mechanisms[1]
+    assert second.fos == pytest.approx(math.tan(math.radians(22)) / math.tan(math.radians(20)), rel=1e-5)
+
+
+@pytest.mark.parametrize("phi", [0, 1])
+def test_nothing_stands_on_an_incline_without_strength(phi) -> None:
+    """c = φ = 0: no number, and surely not "stands"; with 1° the textbook's number."""
+    result = sk.run(on_incline({"B": box(0, 0, 2, 1)}, 30, phi))
+    if phi:
+        assert result.fos.limit == pytest.approx(math.tan(math.radians(1)) / math.tan(math.radians(30)), rel=1e-5)
+    else:
+        assert result.status == "falls"
+        assert result.fos.limit is None
+
+
+@pytest.mark.parametrize("c", [0, 1, 15, 25])
+def test_cohesion_does_not_keep_a_block_from_tipping(c) -> None:
+    """Joints carry no tension: beyond 45° a square block tips whatever its cohesion."""
+    assert sk.run(on_incline({"B": SQUARE}, 45.1, 60, c=c)).status == "topples"

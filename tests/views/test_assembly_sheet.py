@@ -256,7 +256,7 @@ def test_columns_in_rows_with_two_strengths() -> None:
     design = sk.load(path_of("topple"), set={"columns.rows": 3, "columns.heights": [5, 5], "columns.base_step": 0})
     words = " ".join(design_in_words(design, {}).entries)
     assert "2 columns in each of 3 rows side by side, C1 at the toe" in words
-    assert "bases dip 25° out of the slope, in one plane heights all 5 m" in words
+    assert "bases dip 16° out of the slope, in one plane heights all 5 m" in words
     assert "bases  bedding: c 0 kPa  φ 36° sides  joint: c 0 kPa  φ 40°" in words
 
 

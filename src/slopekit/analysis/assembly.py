@@ -51,8 +51,8 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
     with clock("all_pairs"):
         untied = _untied(design, scene, loads, found)
     status = found[0].status if found else "no_driving_force"
-    limit = found[0].fos if found else None
-    bound = found[0].static_bound if found else None
+    sure = bool(found) and found[0].status != "not_converged"
+    limit, bound = (found[0].fos, found[0].static_bound) if sure else (None, None)
     with clock("closed_form"):
         closed, table = _closed_form(design, found)
     difference, agree = compare(limit, status, closed, design.agree_within)
@@ -71,7 +71,9 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
         design=design, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
-        static_bound_proved=bound is not None, geometry=_geometry(scene), forces=_forces(scene, loads, parts),
+
+        static_bound_proved=bound is not None and not any(part.held or part.at_rest for part in first),
+        geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=None, governs=(),
         all_pairs=None if untied is None else AllPairs(
             untied.bracket, untied.lost_equilibrium, tuple((factor, failed) for factor, _, failed in untied.history)
@@ -92,17 +94,26 @@ def _untied(
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
-    """The factor at which each block fails; None where no strength holds it."""
+    """The factor at which each block fails as strength is reduced; None where no strength holds it.
+
+    A block that only the one before it held fails together with it, however low its own factor is then.
+    """
     out: dict[str, float | None] = {}
+    reached: float | None = None
     for failure, one in zip(ravelling.failures, found, strict=True):
+        reached = one.fos if reached is None else max(reached, one.fos or 0.0)
+        if one.status == "not_converged":
+            break
         for block in failure.blocks.tolist():
-            out[scene.names[block]] = one.fos
+            out[scene.names[block]] = reached
     return out
 
 
 def _standing(ravelling: Ravelling, scene: AssemblyScene) -> str:
     left = int(ravelling.left.sum())
     moving = int((~scene.assembly.fixed).sum())
+    if left == 0:
+        return f"none of {moving} blocks is left"
     return f"{left} of {moving} blocks are left; {_ENDS[ravelling.ended]}"
 
 
@@ -126,14 +137,17 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
     for part in parts:
-        if part.held:
+        if part.held and part.limit.factor is None:
+            said.append(f"{part.held} deeper blocks were not looked at: no strength holds a block nearer the surface")
+        elif part.held:
             said.append(
                 f"{part.held} blocks deeper than {part.layers} layers below the free surface were held; setting "
                 f"another layer free changed the factor by {part.change:.1g} (a check, not a proof)"
             )
         if part.at_rest:
             said.append(
-                f"{part.at_rest} blocks that the first mechanism leaves at rest were held when its factor was settled"
+                f"{part.at_rest} other blocks were held when the factor of the governing group was settled, and for "
+                "its static bound"
             )
     if scene.assembly.in_section:
         bonded = any(strength.cohesion_kpa for strength in scene.strengths)
@@ -141,6 +155,8 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
             "node pairs at the ends of the contacts only: without cohesion their middle carries nothing else"
         )  # fmt: skip
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
+    if design.mechanisms > 1 and scene.pressures.any():
+        said.append("water in joints that a block has left: they stand open")
     return tuple(said)
 
 
@@ -172,7 +188,7 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     for part in parts:
         if len(part.model.control_area) == 0:
             continue
-        known = known and part.limit.factor is not None
+        known = known and part.limit.factor is not None and not part.held and not part.at_rest
         joint = patches.joint[part.patch][part.model.pair_contact]
         normal += np.bincount(joint, part.limit.normal_force * part.model.force_scale, count)
     water = np.bincount(patches.joint, loads.water, count)
@@ -200,7 +216,7 @@ def _node_pairs(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
 def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[ClosedForm, tuple[Column, ...]]:
     """Goodman & Bray's columns, where their method applies."""
     if not isinstance(design, ToppleDesign):
-        return ClosedForm(None, "", "there is no closed form for these blocks: the static bound judges"), ()
+        return ClosedForm(None, "", "there is no closed form for these blocks"), ()
     from slopekit.analysis.columns import goodman_bray
 
     return goodman_bray(design, found[0] if found else None)
@@ -217,8 +233,9 @@ def _notices(
     if first.fos and not first.change <= design.stop_when:
         yield Notice("W317", f"the passes did not settle: their factors still swing by {first.change * 100:.2g} %")
     if first.fos and first.static_bound is None:
-        yield Notice("W309", "the static bound was not found: dilating joints would wedge these blocks fast")
-    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
+        yield Notice("W309", "the static bound was not found: joints free to dilate would wedge these blocks fast")
+    whole = not any(part.held or part.at_rest for part in ravelling.failures[0].parts)
+    if whole and first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip

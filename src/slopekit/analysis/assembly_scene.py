@@ -134,8 +134,14 @@ def _topple(design: ToppleDesign) -> AssemblyScene:
         np.full(len(assembly), design.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
         np.zeros(3), (), shown, {}, tuple(left_out), (), thickness=design.thickness_m,
-        idle=joint == RISER,
+        idle=joint == RISER if _falls_freely(design) else None,
     )  # fmt: skip
+
+
+def _falls_freely(design: ToppleDesign) -> bool:
+    """Whether nothing but weight and an earthquake out of the slope drives the columns: then no riser holds one."""
+    trend = design.seismic.trend_deg
+    return not design.forces and not design.bolts and (trend is None or trend > 180.0)
 
 
 def _blocks(design: BlocksDesign) -> AssemblyScene:

@@ -36,6 +36,13 @@ def goodman_bray(design: ToppleDesign, found: Mechanism | None) -> tuple[ClosedF
         ), ()
     ways = {block.name: _MODES[block.how] for block in found.blocks} if found is not None else {}
     columns = tuple(_columns(design, table, ways))
+    rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
+    if closed.factor and rough >= closed.factor**2:
+        why = (
+            f"at {closed.factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
+            "sliding has no meaning: not compared"
+        )
+        return ClosedForm(closed.factor, closed.status, why), columns
     if not table.base_holds.all():
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
         why = f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
@@ -64,8 +71,8 @@ def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -
         rows.append(
             Column(
                 k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
-                _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), float(table.force_kn[k]),
-                float(table.normal_kn[k]), float(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
+                _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
+                _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
             )
         )  # fmt: skip
     return rows

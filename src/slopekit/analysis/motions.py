@@ -25,7 +25,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
         blocks.append(BlockMotion(scene.names[block], how, motion[:3], motion[3:]))
     blocks.sort(key=lambda block: -float(np.abs(block.displacement).max()))
     ways = {block.how for block in blocks}
-    if limit.outcome is Outcome.NOT_CONVERGED:
+    if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
         status = "not_converged"
     elif limit.outcome is Outcome.LIFTED:
         status = next((way for word, way in _WITHOUT if word in ways), "falls")
@@ -51,7 +51,15 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
         )
         for found in interfaces[:_MOST_INTERFACES]
     )  # fmt: skip
-    return Mechanism(status, limit.factor, limit.static_bound, limit.change, tuple(blocks), governing, counts)
+    return Mechanism(
+        status,
+        limit.factor,
+        limit.static_bound,
+        max(part.limit.change for part in failure.parts),
+        tuple(blocks),
+        governing,
+        counts,
+    )
 
 
 _WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))

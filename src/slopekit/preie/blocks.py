@@ -9,7 +9,8 @@
 Where normal forces are not unique (hyperstatic walls) the load factor may depend on them: they are those of an even
 elastic bed, by its energy in the program.
 
-Pairs that the mechanism opens lose their cohesion, once the passes have settled; then all is done again.
+Pairs that the mechanism opens lose their cohesion, once the passes have settled, and do not get it back; then all is
+done again.
 """
 
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ _CLOSE = 3e-7  # complementarity of a settled load factor
 _INSIDE = 3.0  # how far inside a pass starts, in parts of what changed
 _SHED = 1e-3  # of the load: nothing balances it
 _BALANCED = 2e-2  # largest unbalanced force of a bound that says so
+_LOCKED = 100.0  # times the limit
 _HARDLY = 1e-3  # of the elastic give: the bound needs none
 _BOUND_PASSES, _SETTLED = 8, 1e-6
 _ACCURATE = 1e-5  # of the bound
@@ -36,6 +38,7 @@ _NO_STRENGTH = 1e-6  # tangent of a friction angle that stands for none
 _NOTHING = 1e-6  # a load factor below this: nothing drives it
 _OPENS = 1e-4  # of the fastest motion
 _PRESSED = 10.0  # an open pair opens so much more, in parts of the motion, than it carries, in parts of the mean
+_ROUGH = 2e-3  # a limit wanted no better need not be consistent: it tells the mechanism, not the number
 _CONSISTENT = 2e-2  # friction on a block that frozen strengths let exceed the true ones, in parts of its load
 _STEADY = 3  # passes that agree
 _ROUGHLY = 1e-2  # how well they have to while bonds still break
@@ -101,7 +104,7 @@ def limit_of_blocks(
         bonded = (bond > 0.0) & (model.cohesion > 0.0)
         state = _settled(program, state.at, _ROUGHLY if rough and bonded.any() else stop_when)
         steps, passes = steps + state.steps, passes + state.passes
-        if not state.settled:  # once more, from the forces of the static bound
+        if not state.settled and stop_when <= _ROUGH:  # once more, from the forces of the static bound
             bound = bound or _bound(program)
             again = _settled(program, replace(program.start, normal=bound.at.normal), stop_when)
             steps, passes = steps + again.steps, passes + again.passes
@@ -111,11 +114,13 @@ def limit_of_blocks(
             break
         rough = bool(opened.any())  # while bonds break their number need not be exact
         bond = np.where(opened, 0.0, bond)
+    else:
+        state = replace(state, settled=False, change=max(state.change, _ROUGHLY))  # bonds still break
     at = state.at
     if at.shed > _SHED:
         program.cohesion = model.by_group(model.cohesion * bond)
         whole = bound if bound is not None and bond.all() else _bound(program)
-        if _is_lifted(whole) or (not whole.settled and whole.at.shed > _SHED / 10.0):
+        if state.settled or _is_lifted(whole) or (not whole.settled and whole.at.shed > _SHED / 10.0):
             return _ended(model, Outcome.LIFTED, _released(program, whole.at), bond, passes, steps, whole.steps)
         return _ended(model, Outcome.NOT_CONVERGED, at, bond, passes, steps, whole.steps)
     if at.load_factor < _NOTHING:
@@ -173,6 +178,8 @@ def _bounded(limit: BlocksLimit, bound: ProgramResult) -> BlocksLimit:
     if limit.factor is None or not bound.settled or bound.at.load_factor < _NOTHING:
         return replace(limit, bound_steps=bound.steps)
     upper = 1.0 / bound.at.load_factor
+    if upper > _LOCKED * limit.factor:  # joints that dilate lock the blocks: no bound worth a number
+        return replace(limit, bound_steps=bound.steps)
     if limit.factor > upper > limit.factor * (1.0 - _ACCURATE):
         upper = limit.factor  # the forces of the limit are admissible: the bound is no lower, to the method's accuracy
     if limit.factor > upper * (1.0 + _ACCURATE):  # passes that did not settle: no admissible forces stand so long
@@ -221,11 +228,15 @@ def _settled(program: BlockProgram, last: Iterate, stop_when: float) -> _State:
         steps += found.steps
         at = found.at
         if at.shed > _SHED and found.settled:
+            if k == 0 or _sheds(
+                program, tolerance
+            ):  # not even friction of an elastic bed, a thousand times over, holds
+                return _State(at, True, 0.0, k + 1, steps)
             if factors:  # friction frozen at too little normal force: half way back
                 normal = 0.5 * (normal + last.normal)
                 trail, changed = (), 0.5
                 continue
-            break
+            return _State(at, False, np.inf, k + 1, steps)
         moved = float(np.abs(at.normal - normal).sum()) / max(float(np.abs(at.normal).sum()), 1e-300)
         changed, trail = max(moved, 1e-6), found.trail
         factor = at.load_factor
@@ -244,13 +255,27 @@ def _settled(program: BlockProgram, last: Iterate, stop_when: float) -> _State:
         recent = factors[-_STEADY:]
         change = (max(recent) - min(recent)) / max(recent)
         accept = next(max(stop_when, least) for most, least in _ACCEPT[model.unknowns] if k < most)
-        if len(factors) > _STEADY and change < accept and found.settled and _excess(program, at) < _CONSISTENT:
+        if (
+            len(factors) > _STEADY
+            and change < accept
+            and found.settled
+            and (stop_when > _ROUGH or _excess(program, at) < _CONSISTENT)
+        ):
             return _State(at, True, change, k + 1, steps)
     recent = factors[-2 * _STEADY :] or [last.load_factor]
     change = (max(recent) - min(recent)) / max(max(recent), 1e-300)
     at_end = found.at if found else last
     settled = change < _ACCEPT[model.unknowns][-1][1] and _excess(program, at_end) < _CONSISTENT
     return _State(at_end, settled, change, _MOST_PASSES, steps)
+
+
+def _sheds(program: BlockProgram, tolerance: float) -> bool:
+    """Whether nothing balances the load with friction of the normal forces of an elastic bed."""
+    model = program.model
+    summed = model.by_group(program.start.normal)
+    frozen = Strengths(np.zeros(len(summed)), program.cohesion + model.tan_friction * summed, summed)
+    found = program.solve(frozen, program.start, tolerance, _PASS_STEPS)
+    return found.settled and found.at.shed > 0.5
 
 
 def _excess(program: BlockProgram, at: Iterate) -> float:

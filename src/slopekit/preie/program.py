@@ -39,6 +39,7 @@ _SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the midd
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
 _OFF_FACTOR = 1e-4
+_SMOOTH = 1e-5  # tangents of friction angles below this hold nothing
 _RELEASES, _ROUGH, _LETS_GO, _PUSHES = 40, 1e6, 1e-9, 1e-6
 
 
@@ -140,12 +141,14 @@ class BlockProgram:
         are let go, one round after the other.
         """
         model = self.model
+        roughness = _ROUGH * (model.tan_friction > _SMOOTH)
         pressed = np.ones(len(self.give), dtype=bool)
         inertia = np.full(len(self.load), 1.0)
         velocity = self.load
         for _ in range(_RELEASES):
             springs = np.where(pressed, _ROUGH * model.control_area, 0.0)
-            rough = np.eye(model.slip_rows.shape[1]) * model.by_group(springs)[:, None, None]
+            held = roughness * (model.by_group(springs) > 0.0)
+            rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
             velocity = self.band.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
             opening, _ = model.opening_and_slip(velocity)
             fastest = max(float(np.abs(velocity).max()), 1e-300)

@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly, Patches
-from slopekit.loads import AssemblyLoads
+from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.blocks import BlocksLimit, limit_of_blocks, with_bound
 from slopekit.preie.key_blocks import depths, slide_alone
@@ -31,6 +31,7 @@ _SAME = 1e-6  # factors this near are one
 _LAYERS_FROM = 200  # moving blocks in space beyond which the first mechanism is looked for in layers
 _FIRST_LAYERS = 1
 _ROUGHLY, _ALIKE = 1.5e-2, 3.0  # how well the mechanism of many blocks is found, before its factor is settled
+_SMALL = 6  # blocks of a mechanism whose neighbours are tried
 _ALONE = 12  # so many of them
 _LAYER = 2e-3  # what another layer may change, in parts of the factor
 
@@ -64,6 +65,8 @@ class Part:
         """Where it stands in the order of failure: what no strength holds comes first, what nothing drives last."""
         if self.limit.outcome is Outcome.LIFTED:
             return -1.0
+        if self.limit.outcome is Outcome.NOT_CONVERGED and self.limit.factor is None:
+            return -0.5  # it is not known to stand
         if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
             return math.inf
         return self.limit.factor
@@ -144,6 +147,9 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
         if len(failures) == 1:
             first = [*together, *left]
         there[blocks] = False
+        out = np.append(~there & ~assembly.fixed, False)
+        opened = out[assembly.patches.plus] | out[assembly.patches.minus]
+        scene = replace(scene, loads=drained(assembly, scene.loads, opened))
         if len(failures) == count:
             break
         for part in together:
@@ -232,8 +238,26 @@ def _limit(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
     # would slide out by themselves are tried for themselves
     for block in slide_alone(scene.assembly, scene.loads, scene.strength, gone, free, part.rank)[:_ALONE]:
         alone = _together(scene, gone, blocks, np.array([block]))
-        if alone.rank < part.rank * (1.0 - _SAME):
+        if alone.rank < part.rank - abs(part.rank) * _SAME:
             part = replace(alone, at_rest=len(free) - 1)
+    return _grown(scene, gone, part, free)
+
+
+def _grown(scene: _Scene, gone: Bools, part: Part, free: Ints) -> Part:
+    """A small mechanism with the neighbours that lower its factor: what rests on a block may push it out."""
+    patches = scene.assembly.patches
+    may = np.zeros(len(scene.assembly) + 1, dtype=bool)
+    may[free] = True
+    while len(part.free) <= _SMALL and 0.0 < part.rank < math.inf:
+        inside = np.zeros(len(may), dtype=bool)
+        inside[part.free] = True
+        near = np.concatenate([patches.minus[inside[patches.plus]], patches.plus[inside[patches.minus]]])
+        near = np.unique(near[may[near] & ~inside[near]])
+        tried = [_together(scene, gone, part.blocks, np.sort(np.append(part.free, block))) for block in near.tolist()]
+        best = min(tried, key=lambda found: found.rank, default=part)
+        if not best.rank < part.rank * (1.0 - 10.0 * _SAME):
+            break
+        part = replace(best, at_rest=len(free) - len(best.free))
     return part
 
 
@@ -244,7 +268,7 @@ def _together(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
         return Part(*_untouched(scene.loads, free), blocks, free, np.zeros(0, dtype=np.int64))
     model, patch = found
     rough = Part(model, limit_of_blocks(model, max(scene.stop_when, _ROUGHLY), bounded=False), blocks, free, patch)
-    if rough.limit.factor is None or rough.limit.change <= scene.stop_when:
+    if rough.limit.factor is None or rough.limit.change == 0.0:
         return rough
     # what is at rest in the mechanism only reacts: the factor is settled with the blocks that move
     moving, _ = _moving(rough, scene.sizes)
@@ -283,7 +307,7 @@ def _in_layers(scene: _Scene, gone: Bools, blocks: Ints) -> Part:
         held = len(blocks) - len(free)
         if part.limit.outcome is Outcome.LIFTED or layers > deepest:
             return replace(part, held=held, layers=min(layers, deepest + 1))
-        if before is not None:
+        if before is not None and before > 0.0 and (before < math.inf or layers > deepest):
             change = 0.0 if part.rank == before else abs(part.rank / before - 1.0) if before < math.inf else math.inf
             if change < max(scene.stop_when, _LAYER):
                 return replace(part, held=held, layers=layers, change=change)

@@ -191,7 +191,7 @@ def _factors(result: Result) -> list[str]:
         zero = ", zero dilation" if dilating else ""
         entries.append(f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}")
     else:
-        instead = "; judge by the static bound" if fos.static_bound is not None else ""
+        instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
         entries.append(f"  none  closed form: {_NO_CLOSED_FORM[result.kind]}{instead}")
     if fos.static_bound is not None:
         above = ""
