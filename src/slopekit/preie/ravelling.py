@@ -253,21 +253,29 @@ def _grown(scene: _Scene, gone: Bools, part: Part, free: Ints) -> Part:
         inside[part.free] = True
         near = np.concatenate([patches.minus[inside[patches.plus]], patches.plus[inside[patches.minus]]])
         near = np.unique(near[may[near] & ~inside[near]])
-        tried = [_together(scene, gone, part.blocks, np.sort(np.append(part.free, block))) for block in near.tolist()]
-        best = min(tried, key=lambda found: found.rank, default=part)
+        groups = [np.sort(np.append(part.free, block)) for block in near.tolist()]
+        ranks = [_roughly(scene, gone, part.blocks, group).rank for group in groups]
+        if not ranks or not min(ranks) < part.rank * (1.0 - _LAYER):
+            break
+        best = _together(scene, gone, part.blocks, groups[int(np.argmin(ranks))])
         if not best.rank < part.rank * (1.0 - 10.0 * _SAME):
             break
         part = replace(best, at_rest=len(free) - len(best.free))
     return part
 
 
-def _together(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
-    """The limit of blocks that may move together."""
+def _roughly(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
+    """The limit of blocks that may move together, as well as it takes to know which of them do."""
     found = _model(scene, gone, free, idle=False)
     if found is None:
         return Part(*_untouched(scene.loads, free), blocks, free, np.zeros(0, dtype=np.int64))
     model, patch = found
-    rough = Part(model, limit_of_blocks(model, max(scene.stop_when, _ROUGHLY), bounded=False), blocks, free, patch)
+    return Part(model, limit_of_blocks(model, max(scene.stop_when, _ROUGHLY), bounded=False), blocks, free, patch)
+
+
+def _together(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
+    """The limit of blocks that may move together."""
+    rough = _roughly(scene, gone, blocks, free)
     if rough.limit.factor is None or rough.limit.change == 0.0:
         return rough
     # what is at rest in the mechanism only reacts: the factor is settled with the blocks that move
@@ -277,7 +285,7 @@ def _together(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
         part = min(parts, key=lambda found: found.rank)
         if abs(part.rank / rough.rank - 1.0) < _ALIKE * max(rough.limit.change, _ROUGHLY):
             return replace(part, at_rest=len(free) - len(part.free))
-    return replace(rough, limit=limit_of_blocks(model, scene.stop_when, bounded=False, after=rough.limit))
+    return replace(rough, limit=limit_of_blocks(rough.model, scene.stop_when, bounded=False, after=rough.limit))
 
 
 def _bounded(scene: _Scene, there: Bools, part: Part) -> Part:
