@@ -91,10 +91,13 @@ def limit_of_blocks(
     if not model.tan_friction.any() and not model.cohesion.any():  # no strength at all: whatever drives wins
         model = replace(model, tan_friction=np.full(len(model.tan_friction), _NO_STRENGTH))
     program = BlockProgram(model)
-    bound = _bound(program) if bounded else None
+    in_section = model.unknowns == 3
+    bound = _bound(program) if bounded or (in_section and after is None) else None
     if bound is not None and _is_lifted(bound):
         return _ended(model, Outcome.LIFTED, _released(program, bound.at), bound_steps=bound.steps)
     bond, begin, rough = np.ones(len(model.control_area)), program.start, True
+    if in_section and bound is not None and bound.settled:  # where blocks topple it is near
+        begin = replace(begin, normal=bound.at.normal)
     if after is not None:
         bond, begin, rough = after.bond, replace(begin, normal=after.normal_force), False
     steps = passes = 0
@@ -104,9 +107,12 @@ def limit_of_blocks(
         bonded = (bond > 0.0) & (model.cohesion > 0.0)
         state = _settled(program, state.at, _ROUGHLY if rough and bonded.any() else stop_when)
         steps, passes = steps + state.steps, passes + state.passes
-        if not state.settled and stop_when <= _ROUGH:  # once more, from the forces of the static bound
+        if (
+            not state.settled and stop_when <= _ROUGH
+        ):  # once more, from the forces of the static bound, or in a section of an elastic bed
             bound = bound or _bound(program)
-            again = _settled(program, replace(program.start, normal=bound.at.normal), stop_when)
+            other = program.start if in_section else replace(program.start, normal=bound.at.normal)
+            again = _settled(program, other, stop_when)
             steps, passes = steps + again.steps, passes + again.passes
             state = again if again.change < state.change else state
         opened = _opened(model, state.at) & bonded
