@@ -103,7 +103,7 @@ def run(
     quiet: Annotated[bool, _QUIET] = False,
     output: Annotated[str | None, _FOLDER] = None,
 ) -> None:
-    """Any design file: wedge, plane, footing, surface."""
+    """Any design file: wedge, plane, footing, surface, bench, blocks, topple."""
     from slopekit.analysis import analyse
 
     folder = None if output is None else _folder(Path(output))

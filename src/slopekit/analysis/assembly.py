@@ -71,7 +71,6 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
         design=design, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
-
         static_bound_proved=bound is not None and not any(part.held or part.at_rest for part in first),
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=None, governs=(),

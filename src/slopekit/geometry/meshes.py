@@ -10,12 +10,13 @@ from slopekit.errors import DesignError, Fault
 _MOST_TRIANGLES = 400_000
 
 
-def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, bool]:
+def read_mesh(path: Path, name: str, where: str = "", turn: bool = True) -> tuple[Floats, Ints, bool]:
     """Vertices (n, 3), triangles (m, 3) and whether they close a body; duplicate vertices are merged.
 
     Parameters
     ----------
     name, where : how the mesh is called in messages, and where the design names it
+    turn : turn a closed mesh that is inside out
 
     Raises
     ------
@@ -42,6 +43,6 @@ def read_mesh(path: Path, name: str, where: str = "") -> tuple[Floats, Ints, boo
         message = f"the mesh {name} has {len(triangles)} triangles, more than {_MOST_TRIANGLES}"
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
-    if closed and mesh.volume < 0.0:
+    if turn and closed and mesh.volume < 0.0:
         triangles = triangles[:, ::-1]
     return vertices, np.ascontiguousarray(triangles), closed

@@ -30,6 +30,7 @@ _CLOSE = 3e-7  # complementarity of a settled load factor
 _INSIDE = 3.0  # how far inside a pass starts, in parts of what changed
 _SHED = 1e-3  # of the load: nothing balances it
 _BALANCED = 2e-2  # largest unbalanced force of a bound that says so
+_ABOVE = 1e-3  # a limit so far above its bound is none
 _LOCKED = 100.0  # times the limit
 _HARDLY = 1e-3  # of the elastic give: the bound needs none
 _BOUND_PASSES, _SETTLED = 8, 1e-6
@@ -107,9 +108,8 @@ def limit_of_blocks(
         bonded = (bond > 0.0) & (model.cohesion > 0.0)
         state = _settled(program, state.at, _ROUGHLY if rough and bonded.any() else stop_when)
         steps, passes = steps + state.steps, passes + state.passes
-        if (
-            not state.settled and stop_when <= _ROUGH
-        ):  # once more, from the forces of the static bound, or in a section of an elastic bed
+        if not state.settled and stop_when <= _ROUGH:
+            # once more, from the forces of the static bound, or in a section of an elastic bed
             bound = bound or _bound(program)
             other = program.start if in_section else replace(program.start, normal=bound.at.normal)
             again = _settled(program, other, stop_when)
@@ -189,7 +189,9 @@ def _bounded(limit: BlocksLimit, bound: ProgramResult) -> BlocksLimit:
     if limit.factor > upper > limit.factor * (1.0 - _ACCURATE):
         upper = limit.factor  # the forces of the limit are admissible: the bound is no lower, to the method's accuracy
     if limit.factor > upper * (1.0 + _ACCURATE):  # passes that did not settle: no admissible forces stand so long
-        limit = replace(limit, factor=upper, change=max(limit.change, limit.factor / upper - 1.0))
+        above = limit.factor / upper - 1.0
+        outcome = limit.outcome if above < _ABOVE else Outcome.NOT_CONVERGED
+        limit = replace(limit, outcome=outcome, factor=upper, change=max(limit.change, above))
     return replace(limit, static_bound=upper, bound_steps=bound.steps)
 
 
@@ -234,9 +236,8 @@ def _settled(program: BlockProgram, last: Iterate, stop_when: float) -> _State:
         steps += found.steps
         at = found.at
         if at.shed > _SHED and found.settled:
-            if k == 0 or _sheds(
-                program, tolerance
-            ):  # not even friction of an elastic bed, a thousand times over, holds
+            if k == 0 or _sheds(program, tolerance):
+                # not even friction of an elastic bed, a thousand times over, holds
                 return _State(at, True, 0.0, k + 1, steps)
             if factors:  # friction frozen at too little normal force: half way back
                 normal = 0.5 * (normal + last.normal)
@@ -250,7 +251,7 @@ def _settled(program: BlockProgram, last: Iterate, stop_when: float) -> _State:
         averaged = model.unknowns == 6 and k >= _SETTLING
         weight = 1.0 if k < 3 else 2.0 / (k - _SETTLING + 3.0) if averaged else 0.7
         normal = normal + weight * (at.normal - normal)
-        if factor < _NOTHING:
+        if factor < _NOTHING and found.settled:  # forces without friction balance the load
             return _State(at, True, 0.0, k + 1, steps)
         if k in _SEARCHES[model.unknowns]:
             begin = _inside(trail, _INSIDE * changed)
@@ -259,7 +260,7 @@ def _settled(program: BlockProgram, last: Iterate, stop_when: float) -> _State:
             if newton.settled and newton.at.shed < _SHED:
                 return _State(newton.at, True, 0.0, k + 1, steps)
         recent = factors[-_STEADY:]
-        change = (max(recent) - min(recent)) / max(recent)
+        change = (max(recent) - min(recent)) / max(*recent, 1e-300)
         accept = next(max(stop_when, least) for most, least in _ACCEPT[model.unknowns] if k < most)
         if (
             len(factors) > _STEADY
@@ -285,8 +286,10 @@ def _sheds(program: BlockProgram, tolerance: float) -> bool:
 
 
 def _excess(program: BlockProgram, at: Iterate) -> float:
-    """Friction beyond what the iterate's own normal forces allow, on the block where it weighs most, in parts of its
-    load: a light block between heavy ones may be the one that fails."""
+    """Friction beyond what the iterate's own normal forces allow, in parts of the load of the block it weighs most on.
+
+    A light block between heavy ones may be the one that fails.
+    """
     model = program.model
     size = np.sqrt((at.friction * at.friction).sum(axis=1))
     allowed = at.load_factor * (program.cohesion + model.tan_friction * model.by_group(at.normal))
