@@ -16,6 +16,8 @@ from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
 from slopekit.notices import common_notices
+from slopekit.preie.balance import Balance, Carried, assembly_balance
+from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
@@ -78,7 +80,7 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
             untied.bracket, untied.lost_equilibrium, tuple((factor, failed) for factor, _, failed in untied.history)
         ),
         warnings=tuple(_notices(design, scene, ravelling, found, closed)), node_pairs=_node_pairs(scene, parts),
-        findings=findings, timing_s=clock.done(),
+        findings=findings, balance=_balance(parts), timing_s=clock.done(),
     )  # fmt: skip
 
 
@@ -128,6 +130,15 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
         worst = max(worst, float(np.abs(off).max()) / float(np.abs(model.load).max()))
     checks["largest_unbalanced_force"] = worst
     return checks
+
+
+def _balance(parts: Sequence[Part]) -> Balance | None:
+    """How well the forces of the parts that have a factor balance the loads."""
+    return assembly_balance([
+        Carried(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
+        for part in parts
+        if part.limit.factor and part.limit.outcome is Outcome.SLIDES and len(part.model.control_area)
+    ])  # fmt: skip
 
 
 def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part]) -> tuple[str, ...]:

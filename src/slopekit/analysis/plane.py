@@ -24,12 +24,13 @@ from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
 from slopekit.design.common import Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
 from slopekit.preie.model import build_model
-from slopekit.result import Forces, Result, SectionGeometry
+from slopekit.result import Forces, Result
 
 _WIDEST = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _STATUSES = {"slides": "slides_on_J1"}

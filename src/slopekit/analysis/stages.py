@@ -11,9 +11,11 @@ import numpy as np
 from slopekit.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
+from slopekit.extents import Geometry
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
+from slopekit.preie.balance import block_balance
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
@@ -26,7 +28,6 @@ from slopekit.result import (
     AtFactorOne,
     FactorsOfSafety,
     Forces,
-    Geometry,
     ModelSize,
     Movement,
     NodePairState,
@@ -38,6 +39,7 @@ CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 _MOST_REFINED = 3
 _TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
+_SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
 
 
 class Clock:
@@ -117,18 +119,18 @@ def solve(
     refined, change = refine, None
     while refined < most_refined:
         before = analysis.governing
-        if before.settled_to(design.stop_when) and not (analysis.moments_govern and before.factor):
+        if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
             finer = scene_at(refined + 1)
         with clock("solve"):
             again = analyse(finer.model)
         after = again.governing
-        change = abs(after.factor / before.factor - 1.0) if after.factor and before.factor else None
+        change, done = _mesh_change(analysis, again)
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
-        if change is not None and change < MESH_CHANGE:
+        if done:
             break
     limit, model = analysis.governing, scene.model
     with clock("bound"):
@@ -148,6 +150,22 @@ def solve(
     with clock("series"):
         series = _series(model, design.factors, stiffness, bound)
     return Solved(scene, analysis, refined, change, bound, proved, at_rest, pairs, series)
+
+
+def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
+    """What a refinement did to the limit, in parts of it, and whether more of them would do next to nothing.
+
+    Where the forces alone govern, the limit with turning may still sink below theirs on a finer mesh: it is followed
+    until it settles, or lies above theirs by more than further refinements can take from it.
+    """
+    before, after = coarse.governing.factor, fine.governing.factor
+    change = abs(after / before - 1.0) if after and before else None
+    alone, above, last = fine.forces_only.factor, fine.with_turning.factor, coarse.with_turning.factor
+    if fine.moments_govern or not (alone and above and last):
+        return change, change is not None and change < MESH_CHANGE
+    sank = abs(above / last - 1.0)
+    clear = above * (1.0 - _SINKS * sank) > alone
+    return change if clear else max(change or 0.0, sank), clear or sank < MESH_CHANGE
 
 
 def result(
@@ -201,7 +219,7 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=_turned(step.movement, turn)) for step in solved.series),
-        timing_s=clock.done(),
+        balance=block_balance(model, analysis), timing_s=clock.done(),
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.design.kinds import SurfaceDesign
 from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import read_mesh
@@ -38,7 +39,7 @@ from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.model import build_model
 from slopekit.preie.passes import Outcome
 from slopekit.preie.slippage import slippable
-from slopekit.result import Forces, Result, SurfaceGeometry
+from slopekit.result import Forces, Result
 
 NAME = "slip surface"
 _FAR_M = 1e4

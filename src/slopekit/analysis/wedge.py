@@ -24,6 +24,7 @@ from slopekit.closed_form.wedge import ClosedFormWedge, WedgeWater, hoek_bray_we
 from slopekit.design.common import Strength
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import GeometryError
+from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
@@ -31,7 +32,7 @@ from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface, wedge_notices
 from slopekit.orientation import Line, Plane, line_of
 from slopekit.preie.model import build_model
-from slopekit.result import Forces, Result, WedgeGeometry
+from slopekit.result import Forces, Result
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 _DILATES = "the closed form knows no dilation: it is printed, not compared"

@@ -42,12 +42,17 @@ _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 @dataclass(frozen=True, slots=True)
 class LimitAnalysis:
-    """The limit with turning and that of the forces alone (None where the first step settled both)."""
+    """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all."""
 
     governing: Limit
     forces_only: Limit
     with_turning: Limit
     moments_govern: bool
+
+    @property
+    def turns(self) -> bool:
+        """Whether turning makes a limit of its own: it depends on the node pairs, as that of the forces does not."""
+        return self.with_turning is not self.forces_only
 
 
 def limit_analysis(model: Model) -> LimitAnalysis:
@@ -176,6 +181,7 @@ class _Push:
     resisting: float
     normal_force: Floats
     touching: Bools
+    bolt_pulls: Floats
 
 
 def forces_only_limit(model: Model) -> Limit:
@@ -194,18 +200,24 @@ def forces_only_limit(model: Model) -> Limit:
     def at(reduction: float) -> _Push:
         upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
         pushes, rest = bounded_least_squares(columns, -held.load, upper)
-        pushes = pushes[: len(normals)]
+        pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
         driving = math.sqrt(float(rest @ rest))
         touching: Bools = (pushes > 0.0)[which]
         normal = pushes[which] * share
         strength = touching * held.cohesion + held.tan_friction * normal
         slip = held.slip(rest) / driving if driving > _NO_FORCE else np.ones(len(share))
-        return _Push(-rest, driving, float(strength @ slip), normal, touching)
+        return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
     def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
         bond = push.touching.astype(np.float64)
         velocity = push.pull / push.driving if push.driving > _NO_FORCE else np.zeros(held.unknowns)
-        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0)
+        friction = pulls = None
+        if factor:
+            strength = (bond * held.cohesion + held.tan_friction * push.normal_force) / factor
+            slip = np.maximum(held.slip(velocity), _NO_FORCE)
+            friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
+            pulls = push.bolt_pulls
+        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0, friction, pulls)
 
     alone = at(0.0)
     if alone.driving < _NO_FORCE:

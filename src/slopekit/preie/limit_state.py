@@ -37,6 +37,7 @@ class LimitState:
     reduction : λ = 1/F
     normal_force : (n,); velocity : (u,) of unit length; displacement : (u,) elastic
     forces : (n, 3) normal and two tangents, at the reduced strength
+    pulls : (b,) of the passive bolts
     residual : largest unbalanced generalised force in parts of the load
     steps : Newton steps
     """
@@ -46,6 +47,7 @@ class LimitState:
     velocity: Floats
     displacement: Floats
     forces: Floats
+    pulls: Floats
     residual: float
     steps: int
 
@@ -261,4 +263,8 @@ def limit_state(
     all_forces = np.zeros((len(closed), 3))
     all_forces[sliding] = forces
     all_forces[hinges] = at_hinges
-    return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, residual, steps)
+    pulls = reduction * model.bolt_capacity * full
+    pulls[square] = carried
+    return LimitState(
+        reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual, steps
+    )

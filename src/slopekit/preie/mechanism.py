@@ -37,8 +37,8 @@ _LONGEST = 30.0  # a step is at most this many times the velocity: flat directio
 class Mechanism:
     """A velocity (u,) with q·v = 1, its load factor, the normal forces (n,) at that factor, and the steps it took.
 
-    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,); `settled`: the last stage met its
-    residual.
+    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,); `friction_force` (n, 2) and
+    `bolt_pull` (b,) are at that factor too; `settled`: the last stage met its residual.
     """
 
     velocity: Floats
@@ -47,6 +47,8 @@ class Mechanism:
     steps: int
     energy: float
     slip: Floats
+    friction_force: Floats
+    bolt_pull: Floats
     settled: bool
 
 
@@ -123,7 +125,17 @@ def cheapest_mechanism(
             velocity, at = velocity + length * step, after
     energy = float(friction @ at.slip) + 0.5 * kappa * float(model.control_area @ (at.overlap**2))
     energy += float(at.pull @ np.maximum(-model.bolt_rows @ velocity, 0.0)) - float(load @ velocity)
-    return Mechanism(velocity, factor, at.normal_force, steps, energy, at.slip, settled)
+    return Mechanism(
+        velocity,
+        factor,
+        at.normal_force,
+        steps,
+        energy,
+        at.slip,
+        -at.strength[:, None] * at.direction,
+        at.pull,
+        settled,
+    )
 
 
 def _evaluate(

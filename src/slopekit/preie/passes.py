@@ -13,7 +13,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
-from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
 from slopekit.preie.model import Model
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
@@ -48,6 +48,8 @@ class Limit:
     factor : F, None unless something slides or turns
     velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
     passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
+    friction : (n, 2) tangential forces and pulls : (b,) those of the bolts, at the reduced strength; None without a
+        factor
     """
 
     outcome: Outcome
@@ -58,6 +60,8 @@ class Limit:
     passes: int
     steps: int
     change: float
+    friction: Floats | None = None
+    pulls: Floats | None = None
 
     def settled_to(self, relative: float) -> bool:
         """Whether the factor is one number to that part: not a range that the passes swung through, nor none."""
@@ -134,7 +138,10 @@ def _steered(
                 if state is not None:
                     return exact_limit(state, bond, count, steps)
                 if settled:
-                    return Limit(Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, steps, moved)
+                    return Limit(
+                        Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, steps, moved,
+                        *_carried(found),
+                    )  # fmt: skip
             else:
                 if state is not None:
                     normal_force = np.maximum(state.normal_force, 0.0)
@@ -157,15 +164,24 @@ def _steered(
     if patient and lowest > _NOTHING and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
-            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest
-        )
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest,
+            *_carried(found),
+        )  # fmt: skip
     return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
 
 
 def exact_limit(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
     factor = 1.0 / state.reduction
     normal = np.maximum(state.normal_force, 0.0)
-    return Limit(Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0)
+    return Limit(
+        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0, state.forces[:, 1:],
+        state.pulls,
+    )  # fmt: skip
+
+
+def _carried(found: Mechanism) -> tuple[Floats, Floats]:
+    """Friction and bolt pulls of a pass: those of its program balance the load times its load factor."""
+    return found.friction_force / found.load_factor, found.bolt_pull / found.load_factor
 
 
 def release(

@@ -8,7 +8,8 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, Fault
-from slopekit.result import Result, WedgeGeometry
+from slopekit.extents import WedgeGeometry
+from slopekit.result import Result
 
 _SIZE = (1400, 1000)
 

@@ -4,8 +4,9 @@ from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design, Strength
 from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
+from slopekit.extents import SectionGeometry, SurfaceGeometry, WedgeGeometry
 from slopekit.orientation import Line
-from slopekit.result import Result, SectionGeometry, SurfaceGeometry, WedgeGeometry
+from slopekit.result import Result
 
 
 def planes(result: Result) -> tuple[str, list[str]]:
