@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
     from slopekit.design.common import Design
     from slopekit.result import Result
+    from slopekit.studies.check import Check
 
 __all__ = [
-    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "load", "run",
-    "wedge",
+    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check", "load",
+    "run", "wedge",
 ]  # fmt: skip
 
 
@@ -107,6 +108,16 @@ def analyse(design: "Design") -> "Result":
     from slopekit.analysis import analyse as analyse_design
 
     return analyse_design(design)
+
+
+def check(design: "Design") -> "Check":
+    """Check a loaded design: closed form against PRE-IE over a ladder of effort, and what the number rests on.
+
+    Raises GeometryError where no block can be formed.
+    """
+    from slopekit.studies.check import check as check_design
+
+    return check_design(design)
 
 
 def run(

@@ -112,6 +112,57 @@ def run(
 
 
 @app.command()
+def check(
+    design: Annotated[str | None, typer.Argument(help="A design file (YAML).", metavar="DESIGN")] = None,
+    suite: Annotated[bool, typer.Option("--suite", help="The verification suite: published and exact cases.")] = False,
+    sets: Annotated[list[str] | None, _SET] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw time against error to a PNG file (extra: plot).")] = None,
+    as_json: Annotated[bool, _JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="One line: the verdict.")] = False,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for check.json, check.txt, speed-error.png.")] = None,
+) -> None:
+    """Closed form against PRE-IE on a design, speed against error; or the verification suite."""
+    if suite != (design is None):
+        message = "check takes a design file or --suite" + (", not both" if suite else "")
+        raise DesignError([Fault("E270", message, "", "slopekit check my.yaml, or slopekit check --suite")])
+    if suite and (sets or picture):
+        raise DesignError([Fault("E271", "--set and --picture belong to a design file, --suite takes neither")])
+    folder = None if output is None else _folder(Path(output))
+    if design is None:
+        _check_suite(folder, as_json, quiet)
+    from slopekit.studies.check import check as check_design
+    from slopekit.views.check_sheet import check_line, check_picture, check_sheet
+
+    image = None if picture is None else _image(Path(picture))
+    checked = check_design(_load(design or "", sets))
+    document = json.dumps(checked.to_dict(), ensure_ascii=False, indent=1, allow_nan=False)
+    sheet = check_sheet(checked)
+    if image is not None:
+        check_picture(checked, image)
+    if folder is not None:
+        (folder / "check.json").write_text(document + "\n", encoding="utf-8")
+        (folder / "check.txt").write_text(sheet + "\n", encoding="utf-8")
+        try:
+            check_picture(checked, folder / "speed-error.png")
+        except DesignError as error:  # everything else is written: say what is missing
+            _print_faults(error, plainly=True)
+    typer.echo(document if as_json else check_line(checked) if quiet else sheet)
+    raise typer.Exit(checked.exit_code)
+
+
+def _check_suite(folder: Path | None, as_json: bool, quiet: bool) -> None:
+    from slopekit.studies.suite import verify
+    from slopekit.views.verification import summary, table, write
+
+    verification = verify()
+    if folder is not None:
+        write(verification, folder)
+    document = json.dumps(verification.to_dict(), ensure_ascii=False, indent=1, allow_nan=False) if as_json else ""
+    typer.echo(document or (summary(verification) if quiet else table(verification)))
+    raise typer.Exit(verification.exit_code)
+
+
+@app.command()
 def lint(
     design: Annotated[str, _FILE],
     sets: Annotated[list[str] | None, _SET] = None,
@@ -281,8 +332,8 @@ def _image(path: Path) -> Path:
     return path
 
 
-def _print_faults(error: SlopekitError) -> None:
-    if "--json" in sys.argv[1:]:
+def _print_faults(error: SlopekitError, plainly: bool = False) -> None:
+    if "--json" in sys.argv[1:] and not plainly:
         document = {"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}
         typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
     for fault in error.faults:

@@ -4,6 +4,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,6 +32,16 @@ _ENDS = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class SolvedAssembly:
+    """A result with what it was read from."""
+
+    result: Result
+    scene: AssemblyScene
+    loads: AssemblyLoads
+    ravelling: Ravelling
+
+
 def analyse_assembly(design: AssemblyDesign) -> Result:
     """Analyse a bench, blocks or columns.
 
@@ -39,6 +50,11 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
     GeometryError, DesignError
         Where no blocks can be formed, or loads act on none.
     """
+    return solve_assembly(design).result
+
+
+def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
+    """The same with its blocks, loads and mechanisms, for studies that go on from there."""
     clock = Clock()
     scene = assembly_scene(design, clock)
     assembly = scene.assembly
@@ -51,7 +67,9 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
     with clock("mechanisms"):
         found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     with clock("all_pairs"):
-        untied = _untied(design, scene, loads, found)
+        untied = None
+        if design.criterion == "all-pairs" and found and found[0].fos:
+            untied = untied_search(design, scene, loads, found[0].fos)
     status = found[0].status if found else "no_driving_force"
     sure = bool(found) and found[0].status != "not_converged"
     limit, bound = (found[0].fos, found[0].static_bound) if sure else (None, None)
@@ -69,29 +87,32 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
         sum(len(part.model.control_area) for part in parts), 0, None, _left_out(design, scene, parts),
         max((part.limit.passes for part in first), default=0), found[0].change if found else 0.0,
     )  # fmt: skip
-    return Result(
+    result = Result(
         design=design, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
         static_bound_proved=bound is not None and not any(part.held or part.at_rest for part in first),
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=None, governs=(),
-        all_pairs=None if untied is None else AllPairs(
-            untied.bracket, untied.lost_equilibrium, tuple((factor, failed) for factor, _, failed in untied.history)
-        ),
+        all_pairs=None if untied is None else all_pairs(untied),
         warnings=tuple(_notices(design, scene, ravelling, found, closed)), node_pairs=_node_pairs(scene, parts),
         findings=findings, balance=_balance(parts), timing_s=clock.done(),
     )  # fmt: skip
+    return SolvedAssembly(result, scene, loads, ravelling)
 
 
-def _untied(
-    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, found: Sequence[Mechanism]
+def untied_search(
+    design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
 ) -> UntiedSearch | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
-    if design.criterion != "all-pairs" or not found or not found[0].fos:
-        return None
     model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
-    return None if model is None else all_blocks_untied(model, joint_stiffness(design), found[0].fos)
+    return None if model is None else all_blocks_untied(model, joint_stiffness(design), limit)
+
+
+def all_pairs(search: UntiedSearch) -> AllPairs:
+    """The search as a result keeps it."""
+    history = tuple((factor, failed) for factor, _, failed in search.history)
+    return AllPairs(search.bracket, search.lost_equilibrium, history)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:

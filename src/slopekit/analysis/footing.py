@@ -19,8 +19,8 @@ from slopekit.analysis.stages import (
 from slopekit.closed_form.footing import ClosedFormFooting, footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
-from slopekit.geometry.section import J1, footing_section, line_pairs
-from slopekit.loads import PointForce, block_loads
+from slopekit.geometry.section import J1, Section, footing_section, line_pairs
+from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 from slopekit.result import Forces, Result
@@ -38,25 +38,11 @@ def analyse_footing(design: FootingDesign) -> Result:
     """
     clock = Clock()
     with clock("cut"):
-        section = footing_section(design.dip_deg, design.length_m)
-        width = -float(section.bottom[0])
-        at = width / 2.0 if design.load_at_m is None else design.load_at_m
-        if not 0.0 <= at <= width:
-            message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
-            raise GeometryError([Fault("E219", message)])
-        push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
-        loads = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+        section, loads = _loaded(design)
     with clock("closed_form"):
         weight = float(-loads.parts["weight"][2])
         closed, governs = _closed_form(design, weight), _governs(design, weight)
-    strength = joint_strength([design.strength])
-    elements = (design.pairs - 1) // 2
-
-    def scene_at(refine: int) -> Scene:
-        pairs = line_pairs(section, elements * 2**refine)
-        return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
-
-    solved = solve(design, scene_at, 0, clock)
+    solved = solve(design, lambda refine: _scene(design, section, loads, refine), 0, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
     forces = Forces(
         float(-loads.parts["weight"][2]), normal_forces(solved, {J1: NAME}), {}, *driving_and_resisting(solved)
@@ -71,6 +57,40 @@ def analyse_footing(design: FootingDesign) -> Result:
         section_geometry(section, NAME), forces, [Interface(J1, NAME, design.strength)], left_out, clock,
         governs=governs,
     )  # fmt: skip
+
+
+def prepare(design: FootingDesign, refine: int) -> Scene:
+    """The stages before the solver, from a design to its node pairs and its model.
+
+    Parameters
+    ----------
+    refine : how often the parts between the node pairs are halved
+    """
+    section, loads = _loaded(design)
+    return _scene(design, section, loads, refine)
+
+
+def closed_form(design: FootingDesign) -> ClosedFormFooting:
+    """The design by limit equilibrium."""
+    _, loads = _loaded(design)
+    return _closed_form(design, float(-loads.parts["weight"][2]))
+
+
+def _loaded(design: FootingDesign) -> tuple[Section, Loads]:
+    section = footing_section(design.dip_deg, design.length_m)
+    width = -float(section.bottom[0])
+    at = width / 2.0 if design.load_at_m is None else design.load_at_m
+    if not 0.0 <= at <= width:
+        message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
+        raise GeometryError([Fault("E219", message)])
+    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
+    return section, block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+
+
+def _scene(design: FootingDesign, section: Section, loads: Loads, refine: int) -> Scene:
+    pairs = line_pairs(section, (design.pairs - 1) // 2 * 2**refine)
+    strength = joint_strength([design.strength])
+    return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
 
 
 def _closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:

@@ -51,13 +51,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
         loads = _loads(design, section)
     with clock("closed_form"):
         closed = _closed_form(design, section)
-    strength = joint_strength([design.strength])
-
-    def scene_at(refine: int) -> Scene:
-        pairs = line_pairs(section, 2**refine)
-        return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
-
-    solved = solve(design, scene_at, design.refine, clock)
+    solved = solve(design, lambda refine: _scene(design, section, loads, refine), design.refine, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
     name = design.joint_name
     faces = {J1: name} | ({CRACK: "crack"} if section.crack_depth is not None else {})
@@ -77,6 +71,28 @@ def analyse_plane(design: PlaneDesign) -> Result:
         [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), seismic=loads.parts["seismic"],
         governs=_governs(design), turn=_axes(design.face),
     )  # fmt: skip
+
+
+def prepare(design: PlaneDesign, refine: int) -> Scene:
+    """The stages before the solver, from a design to its node pairs and its model.
+
+    Parameters
+    ----------
+    refine : how often the plane's parts are halved
+    """
+    section = _section(design)
+    return _scene(design, section, _loads(design, section), refine)
+
+
+def closed_form(design: PlaneDesign) -> ClosedFormPlane:
+    """The design by Hoek & Bray's plane failure."""
+    return _closed_form(design, _section(design))
+
+
+def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:
+    pairs = line_pairs(section, 2**refine)
+    strength = joint_strength([design.strength])
+    return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
 
 
 def section_geometry(section: Section, name: str) -> SectionGeometry:

@@ -36,7 +36,8 @@ from slopekit.result import (
 )  # fmt: skip
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
-_MOST_REFINED = 3
+_MOST_REFINED = 4
+_BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
 _TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
@@ -113,7 +114,7 @@ def solve(
 ) -> Solved:
     """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
     with clock("mesh"):
-        scene = scene_at(refine)
+        scene = bounded = scene_at(refine)
     with clock("solve"):
         analysis = analyse(scene.model)
     refined, change = refine, None
@@ -130,13 +131,14 @@ def solve(
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
+        bounded = scene if refined <= _BOUND_REFINED else bounded
         if done:
             break
     limit, model = analysis.governing, scene.model
     with clock("bound"):
         bound, proved = None, False
         if limit.factor:
-            found = static_bound(model, limit.velocity_of(model), limit.factor)
+            found = static_bound(bounded.model, limit.velocity_of(model), limit.factor)
             bound, proved = found.factor, found.proved
     stiffness = joint_stiffness(design)
     with clock("displacements"):

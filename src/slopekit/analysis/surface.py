@@ -38,7 +38,7 @@ from slopekit.orientation import Line
 from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.model import build_model
 from slopekit.preie.passes import Outcome
-from slopekit.preie.slippage import slippable
+from slopekit.preie.slippage import Slippage, slippable
 from slopekit.result import Forces, Result
 
 NAME = "slip surface"
@@ -74,10 +74,7 @@ def analyse_surface(design: SurfaceDesign) -> Result:
         mass = cut.mass
         loads = _loads(design, cut)
     with clock("normals"):
-        slip = slippable(cut.pairs, mass.centroid, np.concatenate([loads.force, loads.moment]))
-        pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
-    strength = joint_strength([design.strength])
-    scene = Scene(pairs, build_model(pairs, loads, mass.centroid, strength))
+        slip, scene = _scene(design, cut, loads)
     with clock("closed_form"):
         closed, methods, extra = _closed_forms(design, cut)
     solved = solve(design, lambda refine: scene, 0, clock, curved_limit_analysis, most_refined=0)
@@ -109,6 +106,18 @@ def analyse_surface(design: SurfaceDesign) -> Result:
         design, solved, status, closed, geometry, forces, [Interface(SLIP, NAME, design.strength)], left_out, clock,
         methods=methods, extra=notes, to_map=cut.origin, seismic=loads.parts["seismic"],
     )  # fmt: skip
+
+
+def prepare(design: SurfaceDesign) -> Scene:
+    """The stages before the solver, from a design to its node pairs and its model."""
+    cut = _cut(design)
+    return _scene(design, cut, _loads(design, cut))[1]
+
+
+def _scene(design: SurfaceDesign, cut: _Cut, loads: Loads) -> tuple[Slippage, Scene]:
+    slip = slippable(cut.pairs, cut.mass.centroid, np.concatenate([loads.force, loads.moment]))
+    pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
+    return slip, Scene(pairs, build_model(pairs, loads, cut.mass.centroid, joint_strength([design.strength])))
 
 
 def _turns(velocity: Floats) -> bool:

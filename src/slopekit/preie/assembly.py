@@ -19,9 +19,7 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.preie.model import JointStrength, local_axes
-
-_SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
-_SQUARE_ENOUGH = 1e-9  # a four-cornered patch this near to a parallelogram, in parts of its size, is one
+from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +96,7 @@ class AssemblyModel:
 
 def build_assembly(
     patches: Patches, fixed: Bools, centroids: Floats, forces: Floats, moments: Floats, strength: JointStrength,
-    in_section: bool, fewest_pairs: bool = True,
+    in_section: bool, fewest_pairs: bool = True, refine: int = 0,
 ) -> AssemblyModel:  # fmt: skip
     """The model of an assembly of blocks.
 
@@ -109,6 +107,7 @@ def build_assembly(
     strength : indexed by `patches.joint`
     in_section : the blocks move in their x-z section only
     fewest_pairs : in a section, contacts without cohesion get no pairs but their ends
+    refine : how often the parts of a contact are split, in two in a section and in four in space
 
     Raises
     ------
@@ -129,9 +128,11 @@ def build_assembly(
     middle = patches.centroids[kept]
     length = math.sqrt(float(patches.areas[kept].mean()))
     axes = _section_axes(normals) if in_section else local_axes(normals)
-    where, pair_contact, areas = (_segment_pairs if in_section else _polygon_pairs)(
-        patches, kept, strength.cohesion if fewest_pairs else np.ones_like(strength.cohesion)
-    )
+    if in_section:
+        cohesion = strength.cohesion if fewest_pairs else np.ones_like(strength.cohesion)
+        where, pair_contact, areas = segment_pairs(patches, kept, cohesion, refine)
+    else:
+        where, pair_contact, areas = polygon_pairs(patches, kept, refine)
     offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
     joint = patches.joint[kept]
     if in_section:
@@ -210,60 +211,3 @@ def _section_axes(normals: Floats) -> Floats:
     axes[:, 1, 0], axes[:, 1, 2] = normals[:, 2], -normals[:, 0]
     axes[:, 2, 1] = 1.0
     return axes
-
-
-def _segment_pairs(patches: Patches, kept: Ints, cohesion: Floats) -> tuple[Floats, Ints, Floats]:
-    """Ends of every contact, and its middle where there is cohesion to lose: points, contacts and control areas.
-
-    A flat contact slips as one, and without cohesion its ends carry whatever its middle could.
-    """
-    ends = patches.corners.reshape(-1, 2, 3)[kept]
-    with_middle = cohesion[patches.joint[kept]] > 0.0
-    counts = np.where(with_middle, 3, 2)
-    contact = np.repeat(np.arange(len(kept)), counts)
-    place = np.arange(len(contact)) - np.repeat(np.cumsum(counts) - counts, counts)
-    along = place / (counts[contact] - 1.0)
-    points = ends[contact, 0] * (1.0 - along)[:, None] + ends[contact, 1] * along[:, None]
-    share = np.where(with_middle[contact], _SIMPSON[np.minimum(place, 2)], 0.5)
-    return points, contact, patches.areas[kept][contact] * share
-
-
-def _polygon_pairs(patches: Patches, kept: Ints, _: Floats) -> tuple[Floats, Ints, Floats]:
-    """Node pairs of flat convex polygons: the triangle rule of METHOD.md §5, fanned from the first corner.
-
-    A parallelogram needs one pair in its middle instead of two: A/12 on each corner and 2A/3 there is exact to
-    degree two as well.
-    """
-    points, contact, areas = [], [], []
-    counts = np.diff(patches.first)[kept]
-    for count in np.unique(counts):
-        which = np.flatnonzero(counts == count)
-        corners = patches.corners[patches.first[kept[which]][:, None] + np.arange(count)]  # (p, count, 3)
-        size = np.abs(corners - corners[:, :1]).max(axis=(1, 2))
-        skew = np.abs(corners[:, 0] + corners[:, 2] - corners[:, 1] - corners[:, -1]).max(axis=1)
-        even = (skew < _SQUARE_ENOUGH * size) & (count == 4)
-        for chosen, is_even in ((which[even], True), (which[~even], False)):
-            if len(chosen) == 0:
-                continue
-            shape = corners[even] if is_even else corners[~even]
-            whole = patches.areas[kept[chosen]]
-            if is_even:
-                inner, share = shape.mean(axis=1)[:, None], np.full((len(shape), 1), 2.0 / 3.0)
-                outer = np.full((len(shape), 4), 1.0 / 12.0)
-            else:
-                a = shape[:, 1:-1] - shape[:, :1]
-                b = shape[:, 2:] - shape[:, :1]
-                parts = np.sqrt((np.cross(a, b) ** 2).sum(axis=2))  # (p, count - 2), twice the areas
-                parts = parts / parts.sum(axis=1)[:, None]
-                inner, share = shape[:, :1] + (a + b) / 3.0, 0.75 * parts
-                outer = np.zeros(shape.shape[:2])
-                outer[:, 0] = 1.0
-                outer[:, 1:-1] += parts
-                outer[:, 2:] += parts
-                outer = outer / 12.0
-            points.append(np.concatenate([shape, inner], axis=1).reshape(-1, 3))
-            areas.append((np.concatenate([outer, share], axis=1) * whole[:, None]).ravel())
-            contact.append(np.repeat(chosen, shape.shape[1] + inner.shape[1]))
-    owner = np.concatenate(contact)
-    order = np.argsort(owner, kind="stable")
-    return np.concatenate(points)[order], owner[order], np.concatenate(areas)[order]

@@ -27,7 +27,7 @@ from slopekit.preie.limit_state import (
     intact_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
-from slopekit.preie.mechanism import COLD, WARM, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
 
@@ -123,17 +123,22 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
     return alike(limit)
 
 
-def passes_limit(model: Model, passes: int) -> float:
-    """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error."""
+def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
+    """The factor after that many frozen-friction passes from a cold start, every bond whole: effort against error.
+
+    Parameters
+    ----------
+    stages : of the program, see `cheapest_mechanism`; fewer of them are a looser tolerance
+    """
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
-    velocity, stages, factor = model.load, COLD, 0.0
+    velocity, factor = model.load, 0.0
     for _ in range(passes):
         friction = model.cohesion + model.tan_friction * normal
         found = cheapest_mechanism(
             model, friction, np.zeros(len(normal)), velocity, np.zeros(model.unknowns), model.load,
             model.bolt_capacity, stages,
         )  # fmt: skip
-        velocity, factor, stages = found.velocity, found.load_factor, WARM
+        velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
         normal = found.normal_force / factor
     return factor
 

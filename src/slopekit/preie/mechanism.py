@@ -20,9 +20,11 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.model import Model
 
+Stages = Sequence[tuple[float, float, float]]
+
 _EYE2 = np.eye(2)
 #: (penalty, rounding, relative residual) from a cold start, and the last of them for a warm one.
-COLD: tuple[tuple[float, float, float], ...] = (
+COLD: Stages = (
     (1e1, 1e-1, 1e-2),
     (1e3, 1e-2, 1e-2),
     (1e5, 1e-4, 1e-2),
@@ -74,7 +76,7 @@ def cheapest_mechanism(
     load: Floats,
     normalise: Floats,
     bolts: Floats,
-    stages: Sequence[tuple[float, float, float]] = COLD,
+    stages: Stages = COLD,
 ) -> Mechanism:
     """Solve the program of this module.
 

@@ -185,6 +185,20 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
     )  # fmt: skip
 
 
+def finer_model(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, part: Part, refine: int
+) -> AssemblyModel:
+    """The model of a part once more, its contacts with finer node pairs."""
+    kept = np.zeros(len(assembly.patches), dtype=bool)
+    kept[part.patch] = True
+    held = np.ones(len(assembly), dtype=bool)
+    held[part.free] = False
+    return build_assembly(
+        _chosen(assembly.patches, kept), held, assembly.centroids, loads.forces, loads.moments, strength,
+        assembly.in_section, refine=refine,
+    )  # fmt: skip
+
+
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     gone = ~there & ~scene.assembly.fixed

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,14 @@ from slopekit.errors import DesignError, Fault
 FLOOR = 1e-16
 _COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-_BESIDE = ((6, 5), (6, -12), (-6, 7), (-6, -14))
+#: Where a label may stand beside its point, in points, best first.
+_BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
+_ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
 
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """One line of a chart.
+    """One line of a chart; lines of one name share a colour and an entry of the legend.
 
     Attributes
     ----------
@@ -103,13 +106,18 @@ def _chart(curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any
         advice = "In slopekit's folder: pip install '.[plot]'"
         raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)]) from None
     mpl.use("Agg")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 6.0), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    for k, curve in enumerate(curves):
+    names = list(dict.fromkeys(curve.name for curve in curves))
+    labels: list[tuple[float, float, str, str]] = []
+    for curve in curves:
+        k = names.index(curve.name)
         colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
         drawn = [max(abs(error), FLOOR) for error in curve.errors]
         style = "-" if curve.joined else "none"
@@ -117,11 +125,11 @@ def _chart(curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any
         for x, error, y in zip(curve.at, curve.errors, drawn, strict=True):
             face = colour if abs(error) > FLOOR else "white"
             axes.plot([x], [y], marker=marker, color=colour, markerfacecolor=face, markersize=6.5, linestyle="none")
-        for n, (x, y, text) in enumerate(zip(curve.at, drawn, curve.labels, strict=False)):
-            dx, dy = _BESIDE[(k + 2 * (n % 2)) % len(_BESIDE)]
-            axes.annotate(text, (x, y), xytext=(dx, dy), textcoords="offset points", fontsize=7.5, color=colour,
-                          ha="left" if dx > 0 else "right")  # fmt: skip
-        axes.plot([], [], color=colour, marker=marker, linestyle=style, label=curve.name)
+        labels += [(x, y, text, colour) for x, y, text in zip(curve.at, drawn, curve.labels, strict=False) if text]
+    for k, name in enumerate(names):
+        style = "-" if any(curve.joined and len(curve.at) > 1 for curve in curves if curve.name == name) else "none"
+        colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
+        axes.plot([], [], color=colour, marker=marker, linestyle=style, label=name)
     dress(axes)
     axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
     axes.set_axisbelow(True)
@@ -129,5 +137,53 @@ def _chart(curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, FLOOR / 2.0) if any(abs(e) <= FLOOR for c in curves for e in c.errors) else low, high * 2.0)
     axes.margins(x=0.08)
-    axes.legend(fontsize=8.5, loc="best", framealpha=0.9)
+    figure.legend(
+        fontsize=8.5,
+        loc="outside lower center",
+        ncols=max(1, min(len(names), 110 // (7 + max(map(len, names), default=1)))),
+        frameon=False,
+    )
+    figure.draw_without_rendering()  # the layout settles where points and labels come to lie
+    _write_labels(figure, axes, labels, curves)
     figure.savefig(path)
+
+
+def _write_labels(
+    figure: Any, axes: Any, labels: Sequence[tuple[float, float, str, str]], curves: Sequence[Curve]
+) -> None:
+    """Write (x, y, text, colour) beside their points where they cover no point, no line and no other label."""
+    renderer, dots = figure.canvas.get_renderer(), figure.dpi / 72.0
+    taken: list[tuple[float, float, float, float]] = []
+    for curve in curves:
+        drawn = [(x, max(abs(error), FLOOR)) for x, error in zip(curve.at, curve.errors, strict=True)]
+        at = [tuple(point) for point in axes.transData.transform(drawn)] if drawn else []
+        taken += [_square(x, y, _ROOM * dots) for x, y in at]
+        for (x, y), (u, v) in pairwise(at):
+            steps = 1 + int(max(abs(u - x), abs(v - y)) / (_ALONG * dots)) if curve.joined else 1
+            taken += [_square(x + (u - x) * k / steps, y + (v - y) * k / steps, dots) for k in range(1, steps)]
+    frame = axes.get_window_extent(renderer)
+    for x, y, text, colour in labels:
+        tried: list[tuple[float, int, Any, Any]] = []
+        for dx, dy in _BESIDE:
+            written = axes.annotate(
+                text, (x, y), xytext=(dx, dy), textcoords="offset points", fontsize=7.5, color=colour,
+                ha="left" if dx > 0 else "right" if dx < 0 else "center",
+            )  # fmt: skip
+            box = written.get_window_extent(renderer)
+            covered = sum(
+                max(0.0, min(box.x1, right) - max(box.x0, left)) * max(0.0, min(box.y1, top) - max(box.y0, low))
+                for left, low, right, top in taken
+            )
+            outside = box.x0 < frame.x0 or box.x1 > frame.x1 or box.y0 < frame.y0 or box.y1 > frame.y1
+            tried.append((covered + outside * box.width * box.height, len(tried), written, box))
+            if not covered and not outside:
+                break
+        _, best, written, box = min(tried, key=lambda found: found[:2])
+        for _, place, other, _ in tried:
+            if place != best:
+                other.remove()
+        taken.append((box.x0, box.y0, box.x1, box.y1))
+
+
+def _square(x: float, y: float, half: float) -> tuple[float, float, float, float]:
+    return x - half, y - half, x + half, y + half

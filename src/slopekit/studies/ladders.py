@@ -1,0 +1,253 @@
+"""Ladders of effort: a design with fewer and more passes, looser and tighter tolerances, coarser and finer node pairs.
+
+Each rung is one way to a factor of safety with the time that it took. What the rungs are worth, `check` says.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from threadpoolctl import threadpool_limits
+
+from slopekit.analysis.assembly import SolvedAssembly
+from slopekit.analysis.stages import Scene, joint_strength
+from slopekit.design.common import Design
+from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import DesignError, GeometryError
+from slopekit.extents import SurfaceGeometry
+from slopekit.preie.blocks import BlocksLimit, limit_of_blocks
+from slopekit.preie.effort import passes_of_blocks
+from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
+from slopekit.preie.mechanism import COLD, Stages
+from slopekit.preie.model import Model
+from slopekit.preie.passes import Outcome
+from slopekit.preie.ravelling import Part, finer_model
+from slopekit.result import Result
+
+#: What rungs vary, in words.
+METHODS = {
+    "closed form": "the closed form",
+    "forces alone": "PRE-IE without turning",
+    "passes": "plain passes, by their number",
+    "tolerance": "looser and tighter solutions",
+    "mesh": "the limit, by node pairs",
+}
+_PASSES = (1, 2, 3, 4, 6, 10, 16)
+_MOST_REFINED = 4
+_EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
+_ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
+_MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
+_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
+_SETTLED_PASSES = 12
+_STILL = 1e-13
+_SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
+_ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
+
+
+@dataclass(frozen=True, slots=True)
+class Rung:
+    """One way to the factor of safety.
+
+    Attributes
+    ----------
+    method : a key of `METHODS`; setting : in words
+    node_pairs : None for a closed form
+    effort : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
+    factor : None where there is none; seconds : median of a few runs
+    """
+
+    method: str
+    setting: str
+    node_pairs: int | None
+    effort: float | None
+    factor: float | None
+    seconds: float
+
+
+def timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    """What `work` returns and the seconds it takes: the median of several runs where they are short."""
+    found: Any = None
+    taken: list[float] = []
+    while not taken or (len(taken) < _REPEATS and min(taken) < _SHORT_S) or (len(taken) < 2 and taken[0] < _ONCE_S):
+        began = time.perf_counter()
+        found = work()
+        taken.append(time.perf_counter() - began)
+    return found, sorted(taken)[(len(taken) - 1) // 2]
+
+
+def block_ladder(design: Design, result: Result) -> tuple[Rung, ...]:
+    """The rungs of a design of one block that has a factor of safety."""
+    rungs: list[Rung] = []
+    closed = _closed_form(design)
+    if closed is not None and result.fos.closed_form is not None:
+        found, seconds = timed(closed)
+        rungs.append(Rung("closed form", "closed form", None, None, found.factor, seconds))
+    prepare, refine, analyse = _stages(design)
+    scene = prepare(refine)
+    model = scene.model
+    if analyse is limit_analysis:
+        alone, seconds = timed(lambda: forces_only_limit(model))
+        rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
+    if not model.dilates:  # plain passes know no dilation
+        rungs += _passes(model)
+    rungs += _surface_meshes(design, result) if isinstance(design, SurfaceDesign) else _meshes(prepare, refine, analyse)
+    return tuple(rungs)
+
+
+def _closed_form(design: Design) -> Callable[[], Any] | None:
+    if isinstance(design, WedgeDesign):
+        from slopekit.analysis import wedge
+
+        return lambda: wedge.closed_form(design)
+    if isinstance(design, PlaneDesign):
+        from slopekit.analysis import plane
+
+        return lambda: plane.closed_form(design)
+    if isinstance(design, FootingDesign):
+        from slopekit.analysis import footing
+
+        return lambda: footing.closed_form(design)
+    return None
+
+
+def _stages(design: Design) -> tuple[Callable[[int], Scene], int, Callable[[Model], LimitAnalysis]]:
+    """How a kind comes to its node pairs by refinement, where it starts, and how it is solved."""
+    if isinstance(design, WedgeDesign):
+        from slopekit.analysis import wedge
+
+        return lambda refine: wedge.prepare(design, refine), design.refine, limit_analysis
+    if isinstance(design, PlaneDesign):
+        from slopekit.analysis import plane
+
+        return lambda refine: plane.prepare(design, refine), design.refine, limit_analysis
+    if isinstance(design, FootingDesign):
+        from slopekit.analysis import footing
+
+        return lambda refine: footing.prepare(design, refine), 0, limit_analysis
+    if isinstance(design, SurfaceDesign):
+        from slopekit.analysis import surface
+
+        return lambda _: surface.prepare(design), 0, curved_limit_analysis
+    raise TypeError(f"no ladder for {type(design).__name__}")
+
+
+def _passes(model: Model) -> Iterator[Rung]:
+    """Passes one by one until they stand still, then the tightness of the program that each of them solves."""
+    pairs, before = len(model.control_area), math.inf
+    for count in _PASSES:
+        factor, seconds = timed(partial(_passed, model, count, COLD))
+        yield Rung("passes", _times(count, "pass", "passes"), pairs, count, factor, seconds)
+        if factor is None or abs(factor / before - 1.0) < _STILL:
+            break
+        before = factor
+    for end in range(1, len(COLD) + 1):
+        stages = COLD[:end]
+        factor, seconds = timed(partial(_passed, model, _SETTLED_PASSES, stages))
+        yield Rung("tolerance", f"overlap penalty {stages[-1][0]:.0e}", pairs, 1.0 / stages[-1][0], factor,
+                   seconds)  # fmt: skip
+
+
+def _meshes(prepare: Callable[[int], Scene], refine: int, analyse: Callable[[Model], LimitAnalysis]) -> Iterator[Rung]:
+    for level in range(refine, max(_MOST_REFINED, refine) + 1):
+        (pairs, factor), seconds = timed(partial(_solved, partial(prepare, level), analyse))
+        yield Rung("mesh", f"parts split {_often(level)}", pairs, level, factor, seconds)
+
+
+def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
+    """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
+    from slopekit.analysis import surface
+
+    geometry = result.geometry
+    if design.slip.shape == "mesh" or not isinstance(geometry, SurfaceGeometry):
+        return
+    rungs: list[Rung] = []
+    for level, times in enumerate(_EDGES):
+        if result.model.node_pairs / times**2 > _MOST_PAIRS:
+            break
+        finer = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
+        try:
+            (pairs, factor), seconds = timed(partial(_solved, partial(surface.prepare, finer), curved_limit_analysis))
+        except (DesignError, GeometryError):  # too coarse to cut this mass
+            continue
+        if rungs and pairs == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
+            rungs.pop()
+        rungs.append(Rung("mesh", f"edges of {times * geometry.edge_m:.3g} m", pairs, level, factor, seconds))
+    yield from rungs
+
+
+def _solved(prepare: Callable[[], Scene], analyse: Callable[[Model], LimitAnalysis]) -> tuple[int, float | None]:
+    scene = prepare()
+    limit = analyse(scene.model).governing
+    return len(scene.pairs), limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+
+
+def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
+    """The rungs of the blocks that fail first; those that were held stay so."""
+    with threadpool_limits(1):  # as the analysis: bands are narrow
+        return tuple(_assembly_rungs(solved))
+
+
+def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
+    result, scene, failures = solved.result, solved.scene, solved.ravelling.failures
+    if result.fos.closed_form is not None:
+        taken = result.timing_s["closed_form"]
+        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
+    if not failures or not failures[0].limit.factor:
+        return
+    part = failures[0].parts[0]
+    yield from _block_passes(part)
+    for tolerance in _TOLERANCES:
+        limit, seconds = timed(partial(limit_of_blocks, part.model, tolerance, bounded=False))
+        yield Rung("tolerance", f"settled to {tolerance:g}", len(part.model.control_area), tolerance,
+                   _settled(limit), seconds)  # fmt: skip
+    if not refines(solved):
+        return
+    strength = joint_strength(scene.strengths)
+    for level in range(3):
+        model = finer_model(scene.assembly, solved.loads, strength, part, level)
+        if level and len(model.control_area) > _MOST_PAIRS:
+            break
+        limit, seconds = timed(partial(limit_of_blocks, model, result.design.stop_when, bounded=False))
+        yield Rung("mesh", f"parts split {_often(level)}", len(model.control_area), level, _settled(limit), seconds)
+
+
+def refines(solved: SolvedAssembly) -> bool:
+    """Whether finer node pairs mean anything: in a section the ends of a contact without cohesion carry all it can."""
+    scene = solved.scene
+    return not scene.assembly.in_section or any(strength.cohesion_kpa for strength in scene.strengths)
+
+
+def _settled(limit: BlocksLimit) -> float | None:
+    return limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+
+
+def _block_passes(part: Part) -> Iterator[Rung]:
+    pairs, before = len(part.model.control_area), math.inf
+    began = time.perf_counter()
+    for count, factor in enumerate(passes_of_blocks(part.model), 1):
+        seconds = time.perf_counter() - began
+        if count in _PASSES:
+            yield Rung("passes", _times(count, "pass", "passes"), pairs, count, factor, seconds)
+        if count >= _PASSES[-1] or abs(factor / before - 1.0) < _STILL:
+            return
+        before = factor
+
+
+def _passed(model: Model, count: int, stages: Stages) -> float | None:
+    try:
+        factor = passes_limit(model, count, stages)
+    except (ZeroDivisionError, FloatingPointError):
+        return None
+    return factor if 0.0 < factor < math.inf else None
+
+
+def _often(count: int) -> str:
+    return {0: "never", 1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def _times(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"

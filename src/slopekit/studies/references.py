@@ -1,0 +1,130 @@
+"""Cases and references of the verification suite, read from the shipped `verification.json`.
+
+A case is a design and what sources say of it. No reference value comes from slopekit itself.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from slopekit.errors import DesignError, Fault
+
+#: What a row can hold against its reference, and its unit.
+QUANTITIES: Mapping[str, str] = {
+    "limit": "PRE-IE limit",
+    "closed_form": "closed form",
+    "static_bound": "static bound",
+    "all_pairs_failed": "all pairs failed",
+    "forces_only": "PRE-IE, forces only",
+    "fellenius": "Fellenius",
+    "janbu": "Janbu",
+    "bishop": "Bishop",
+    "all_equilibrium": "all equilibrium",
+    "critical_friction_deg": "critical φ, °",
+    "column_force_kn": "P of column",
+    "toe_force_kn": "toe force, kN",
+    "failed_pairs": "failed pairs at",
+    "displacement_x_mm": "x in mm at",
+    "displacement_z_mm": "z in mm at",
+    "volume_m3": "volume, m³",
+    "weight_kn": "weight, kN",
+    "status": "status",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """One number of a source: what is compared, with what, how closely, and why so closely.
+
+    Attributes
+    ----------
+    quantity : a key of `QUANTITIES`; of : the column, reduction factor or friction angle (degrees) that it is meant for
+    published : as printed, so that its digits count
+    exact : recomputed or exact value; formula : how, in words or symbols
+    tolerance : relative to the exact value, or to the published one where there is no other
+    not_judged : why the row is shown but not judged; empty where it is judged
+    """
+
+    quantity: str
+    source: str
+    confidence: str
+    published: str | None = None
+    exact: float | None = None
+    formula: str = ""
+    of: float | None = None
+    tolerance: float | None = None
+    why: str = ""
+    not_judged: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A design and what its sources say of it; `status` is that of the result where a source gives one."""
+
+    id: str
+    source: str
+    title: str
+    confidence: str
+    design: Mapping[str, Any]
+    references: tuple[Reference, ...]
+    status: str | None = None
+
+    @property
+    def kind(self) -> str:
+        """The kind of design."""
+        return str(self.design["kind"])
+
+
+def half_unit(text: str) -> float:
+    """Half a unit of the last digit of a printed number.
+
+    >>> half_unit("1.25"), half_unit("2013")
+    (0.005, 0.5)
+    """
+    return 0.5 * 10.0 ** -len(text.partition(".")[2])
+
+
+@cache
+def document() -> tuple[Mapping[str, str], tuple[Case, ...]]:
+    """Sources and cases of the shipped file."""
+    document = json.loads(files("slopekit.studies").joinpath("verification.json").read_text(encoding="utf-8"))
+    return document["sources"], tuple(_case(entry) for entry in document["cases"])
+
+
+def _case(entry: Mapping[str, Any]) -> Case:
+    own = {"source": entry["source"], "confidence": entry["confidence"]}
+    return Case(
+        id=entry["id"], title=entry["title"], design=entry["design"], status=entry.get("status"),
+        references=tuple(Reference(**(own | row)) for row in entry["rows"]), **own,
+    )  # fmt: skip
+
+
+def chosen(only: str | Iterable[str] | None) -> tuple[Case, ...]:
+    """The cases that a choice names (ids, sources, kinds), in the order of the suite; all of them for None.
+
+    Raises
+    ------
+    DesignError
+        E272 for a name that is none of these.
+    """
+    sources, cases = document()
+    if only is None:
+        return cases
+    names = [only] if isinstance(only, str) else list(only)
+    known = {case.id for case in cases} | set(sources) | {case.kind for case in cases}
+    faults = []
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, sorted(known), n=3, cutoff=0.4)
+            advice = f"Did you mean {' or '.join(near)}?" if near else f"There are the sources {', '.join(sources)}."
+            faults.append(Fault("E272", f"{name} is no case, source or kind of the suite", f"only = {name}", advice))
+    if faults or not names:
+        raise DesignError(faults or [Fault("E272", "no case is chosen", "only = ()", "Leave it out to run them all.")])
+    return tuple(
+        case for case in cases
+        if {case.id, case.kind, case.source, *(one.source for one in case.references)} & set(names)
+    )  # fmt: skip

@@ -1,0 +1,336 @@
+"""The verification suite: what books, papers and other programs say, beside what slopekit finds.
+
+The cases stand in `verification.json`: a design, where it comes from, and rows, each with a published value, an exact
+value or both. Every design is analysed once.
+"""
+
+import json
+import math
+import platform
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from slopekit._version import __version__
+from slopekit.analysis import analyse
+from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_table
+from slopekit.design.blocky import ToppleDesign
+from slopekit.design.files import load
+from slopekit.errors import SlopekitError
+from slopekit.result import METHODS, Result
+from slopekit.studies.references import Case, Reference, chosen, document, half_unit
+
+#: Called with the number of cases done and the number of all.
+Progress = Callable[[int, int], None]
+#: What a row can hold against its reference, and its unit.
+QUANTITIES: Mapping[str, str] = {
+    "limit": "PRE-IE limit",
+    "closed_form": "closed form",
+    "static_bound": "static bound",
+    "all_pairs_failed": "all pairs failed",
+    "forces_only": "PRE-IE, forces only",
+    "fellenius": "Fellenius",
+    "janbu": "Janbu",
+    "bishop": "Bishop",
+    "all_equilibrium": "all equilibrium",
+    "critical_friction_deg": "critical φ, °",
+    "column_force_kn": "P of column, kN",
+    "failed_pairs": "failed pairs at",
+    "displacement_x_mm": "x in mm at",
+    "displacement_z_mm": "z in mm at",
+    "volume_m3": "volume, m³",
+    "weight_kn": "weight, kN",
+    "status": "status",
+}
+#: A limit above its static bound by more than this part is no limit: rounding of two programs.
+BOUND_SLACK = 1e-6
+_VERSIONS_OF = ("numpy", "scipy", "clarabel", "manifold3d")
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the suite's table.
+
+    Attributes
+    ----------
+    value : what slopekit gives for the quantity; None where it gives none
+    closed_form, limit, static_bound : the factors of the same design
+    error : of the value, relative to the exact value where there is one, else to the published; None for a status
+    ok : None where the row is not judged
+    reason : why it is not judged, or what is wrong with it; empty where all is well
+    seconds, closed_form_seconds : of the analysis of the design and of the closed form in it
+    """
+
+    case: Case
+    reference: Reference
+    value: float | str | None
+    status: str
+    closed_form: float | None
+    limit: float | None
+    static_bound: float | None
+    error: float | None
+    ok: bool | None
+    reason: str
+    seconds: float
+    closed_form_seconds: float | None
+
+    @property
+    def id(self) -> str:
+        """The case, the quantity, and what it is meant for."""
+        of = "" if self.reference.of is None else f"@{self.reference.of:g}"
+        return f"{self.case.id}: {self.reference.quantity}{of}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The row as JSON values; what is measured in time stands in a block of its own."""
+        case, reference = self.case, self.reference
+        return {
+            "id": self.id,
+            "case": case.id,
+            "kind": case.kind,
+            "title": case.title,
+            "source": reference.source,
+            "confidence": reference.confidence,
+            "quantity": reference.quantity,
+            "of": reference.of,
+            "published": reference.published,
+            "exact": reference.exact,
+            "formula": reference.formula or None,
+            "value": self.value,
+            "status": self.status,
+            "closed_form": self.closed_form,
+            "limit": self.limit,
+            "static_bound": self.static_bound,
+            "error": self.error,
+            "tolerance": reference.tolerance,
+            "why": reference.why or None,
+            "ok": self.ok,
+            "reason": self.reason or None,
+            "timing_s": {"total": self.seconds, "closed_form": self.closed_form_seconds},
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """The whole suite: rows in the order of their sources, the sources by key, the versions that made it."""
+
+    rows: tuple[Row, ...]
+    sources: Mapping[str, str]
+    versions: Mapping[str, str]
+    seconds: float
+
+    @property
+    def failed(self) -> tuple[Row, ...]:
+        """Rows outside their tolerance, or wrong in another way."""
+        return tuple(row for row in self.rows if row.ok is False)
+
+    @property
+    def not_judged(self) -> tuple[Row, ...]:
+        """Rows that are shown only."""
+        return tuple(row for row in self.rows if row.ok is None)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Cases, rows, and how many are within their tolerance, outside it and not judged."""
+        return {
+            "cases": len({row.case.id for row in self.rows}),
+            "rows": len(self.rows),
+            "within": sum(row.ok is True for row in self.rows),
+            "outside": len(self.failed),
+            "not_judged": len(self.not_judged),
+        }
+
+    @property
+    def exit_code(self) -> int:
+        """0 where every judged row is within its tolerance, else 4: the methods disagree."""
+        return 4 if self.failed else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The suite as JSON values: null where there is none."""
+        return {
+            "slopekit": __version__,
+            "counts": self.counts,
+            "exit_code": self.exit_code,
+            "sources": dict(self.sources),
+            "rows": [row.to_dict() for row in self.rows],
+            "versions": dict(self.versions),
+            "timing_s": {"total": self.seconds},
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    """What one design gave: a result, or the words of what went wrong, and the time it took."""
+
+    result: Result | None
+    trouble: str
+    seconds: float
+
+
+def verify(only: str | Iterable[str] | None = None, progress: Progress | None = None) -> Verification:
+    """Run the suite.
+
+    Parameters
+    ----------
+    only : ids of cases, keys of sources or kinds of designs; nothing for all cases
+    progress : called after every case with the number of cases done and of all
+
+    Raises
+    ------
+    DesignError
+        E272 for a name that is none of these.
+
+    >>> verify("6c_footing").counts["outside"]
+    0
+    """
+    sources, _ = document()
+    cases = chosen(only)
+    started = time.perf_counter()
+    outcomes: dict[str, _Outcome] = {}
+    rows: list[Row] = []
+    for done, case in enumerate(cases, start=1):
+        key = json.dumps(case.design, sort_keys=True)
+        if key not in outcomes:
+            outcomes[key] = _analysed(case.design)
+        rows += [_row(case, reference, outcomes[key]) for reference in case.references]
+        if progress is not None:
+            progress(done, len(cases))
+    quoted = {row.reference.source for row in rows} | {case.source for case in cases}
+    return Verification(
+        tuple(rows), {key: text for key, text in sources.items() if key in quoted}, _versions(),
+        time.perf_counter() - started,
+    )  # fmt: skip
+
+
+# -- a case -----------------------------------------------------------------------------------------------------------
+
+
+def _versions() -> dict[str, str]:
+    found = {"slopekit": __version__, "python": platform.python_version()}
+    for name in _VERSIONS_OF:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def _analysed(mapping: Mapping[str, Any]) -> _Outcome:
+    """A design's result; a design that is refused or breaks is a failed row with its words, never a crash."""
+    started = time.perf_counter()
+    try:
+        result = analyse(load(mapping))
+    except SlopekitError as error:
+        return _Outcome(None, str(error.faults[0]).splitlines()[0], time.perf_counter() - started)
+    return _Outcome(result, "", time.perf_counter() - started)
+
+
+def _row(case: Case, reference: Reference, outcome: _Outcome) -> Row:
+    """A row, judged: the status and the bound hold for every row of a case, whatever its quantity."""
+    result = outcome.result
+    if result is None:
+        return Row(
+            case, reference, None, "", None, None, None, None, False, f"no analysis: {outcome.trouble}",
+            outcome.seconds, None,
+        )  # fmt: skip
+    fos = result.fos
+    value = _value(result, reference)
+    error = _error(value, reference)
+    wrong = _wrong(case, result) + _misses(value, error, reference)
+    ok = False if wrong else None if reference.not_judged else True
+    reason = "; ".join(wrong) if wrong else reference.not_judged
+    return Row(
+        case, reference, value, result.status, fos.closed_form, fos.limit, fos.static_bound, error, ok, reason,
+        outcome.seconds, result.timing_s.get("closed_form"),
+    )  # fmt: skip
+
+
+def _wrong(case: Case, result: Result) -> list[str]:
+    """What is wrong with the result as a whole, apart from the number of the row."""
+    wrong = []
+    if result.status == "not_converged":
+        wrong.append("the analysis did not converge")
+    if case.status is not None and result.status != case.status:
+        wrong.append(f"status {result.status}, the source has {case.status}")
+    limit, bound = result.fos.limit, result.fos.static_bound
+    if limit is not None and bound is not None and limit > bound * (1.0 + BOUND_SLACK):
+        wrong.append("the limit lies above its static bound")
+    if result.agree is False:
+        wrong.append("PRE-IE and the closed form of the kind disagree")
+    return wrong
+
+
+def _misses(value: float | str | None, error: float | None, reference: Reference) -> list[str]:
+    """How a value misses its reference; nothing for rows that are not judged."""
+    if reference.not_judged:
+        return []
+    if isinstance(value, str):
+        return [] if value == reference.published else [f"{value} instead of {reference.published}"]
+    if value is None or error is None:
+        return ["slopekit gives no such value"]
+    misses = []
+    if reference.tolerance is None or not abs(error) <= reference.tolerance:
+        misses.append(f"off by {error:.2g}, outside its tolerance")
+    # the exact value is the closer judge; what is printed has to hold as well, to its last digit
+    printed = reference.published if reference.exact is not None else None
+    if printed is not None and abs(value - float(printed)) > half_unit(printed) * (1.0 + 1e-9):
+        misses.append("not the printed value to its last digit")
+    return misses
+
+
+def _error(value: float | str | None, reference: Reference) -> float | None:
+    """Relative error against the exact value where there is one, else the published; absolute where that is 0."""
+    if value is None or isinstance(value, str) or (reference.exact is None and reference.published is None):
+        return None
+    wanted = reference.exact if reference.exact is not None else float(str(reference.published))
+    return value - wanted if wanted == 0.0 else (value - wanted) / abs(wanted)
+
+
+def _value(result: Result, reference: Reference) -> float | str | None:
+    """What slopekit gives for a quantity."""
+    quantity, of = reference.quantity, reference.of
+    if quantity == "status":
+        return result.status
+    if quantity in METHODS:
+        return result.methods.get(quantity)
+    if quantity == "forces_only":
+        return result.forces_only
+    if quantity == "volume_m3":
+        return result.geometry.volume_m3
+    if quantity == "weight_kn":
+        return result.forces.weight
+    if quantity == "critical_friction_deg":  # c = 0 and one φ: strength divided by F is friction of tan φ / F
+        factor = result.fos.limit
+        return None if not factor else math.degrees(math.atan(math.tan(math.radians(of or 0.0)) / factor))
+    if quantity in ("column_force_kn", "toe_force_kn"):
+        return _of_columns(result, reference)
+    if quantity in ("failed_pairs", "displacement_x_mm", "displacement_z_mm"):
+        step = next((step for step in result.series if step.factor == of), None)
+        if step is None:
+            return None
+        if quantity == "failed_pairs":
+            return float(step.failed_pairs)
+        axis = 0 if quantity == "displacement_x_mm" else 2
+        return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
+    found: float | None = getattr(result.fos, quantity)
+    return found
+
+
+def _of_columns(result: Result, reference: Reference) -> float | None:
+    """Goodman & Bray's table at full strength: P of a column, or the toe force that a factor of 1 needs.
+
+    The result has the table at the factor where the columns are at their limit.
+    """
+    design = result.design
+    if not isinstance(design, ToppleDesign):
+        return None
+    slope = ColumnSlope(
+        heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
+        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
+        friction_angle_deg=design.strength(design.base).friction_angle_deg,
+        side_friction_angle_deg=design.strength(design.sides).friction_angle_deg,
+    )  # fmt: skip
+    if reference.quantity == "toe_force_kn":
+        return toe_force_required(slope)
+    return float(toppling_table(slope).force_kn[int(reference.of or 1) - 1])

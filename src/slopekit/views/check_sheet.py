@@ -1,0 +1,136 @@
+"""The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
+
+from pathlib import Path
+
+from slopekit._version import __version__
+from slopekit.studies.check import Check, Finding
+from slopekit.studies.ladders import METHODS, Rung
+from slopekit.views.charts import Curve, speed_error_chart
+from slopekit.views.entries import block, factor_text
+
+_MARKS = {True: "ok", False: "NO", None: "--"}
+
+
+def check_sheet(checked: Check) -> str:
+    """The sheet of a check, lines joined, no trailing newline."""
+    result = checked.result
+    design = result.design
+    title = f"   {design.title}" if design.title else ""
+    lines = [f"slopekit {__version__}   check   {result.kind}   sha {design.input_hash()[:6]}{title}"]
+    lines += block("STATUS", [result.status_text])
+    lines += block("FoS", _factors(checked))
+    lines += block("LOOKED AT", [_finding(finding) for finding in checked.findings], hang=42)
+    lines += block("LADDER", _ladder(checked))
+    lines += block("CHEAPEST", _cheapest(checked))
+    lines += block("VERDICT", [_verdict(checked)])
+    lines += block("NOTE", [str(notice) for notice in result.warnings])
+    return "\n".join(lines)
+
+
+def check_picture(checked: Check, path: Path) -> None:
+    """Time against error of the ladder, written as a PNG.
+
+    Raises
+    ------
+    DesignError
+        E140 where matplotlib is not installed.
+    """
+    curves = []
+    own = None if checked.against == "the closed form" else checked.reference  # a rung against itself has no error
+    for method in METHODS:
+        drawn = [
+            (rung, error) for rung, error in zip(checked.ladder, checked.errors, strict=True)
+            if rung.method == method and error is not None and not (error == 0.0 and rung.factor == own)
+        ]  # fmt: skip
+        if drawn:
+            curves.append(
+                Curve(
+                    METHODS[method],
+                    [rung.seconds for rung, _ in drawn],
+                    [error for _, error in drawn],
+                    [_label(rung) for rung, _ in drawn],
+                )
+            )  # fmt: skip
+    result = checked.result
+    title = f"{result.design.title or result.kind}: {result.status}, limit {factor_text(result.fos.limit).strip()}"
+    speed_error_chart(curves, path, title, wanted=result.design.agree_within, against=checked.against)
+
+
+def check_line(checked: Check) -> str:
+    """The verdict on one line."""
+    fos = checked.result.fos.limit
+    factor = "none" if fos is None else f"{fos:.4f}"
+    codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
+    return "  ".join([checked.result.status, factor, _verdict(checked), *codes])
+
+
+def _label(rung: Rung) -> str:
+    if rung.method == "passes":
+        return f"{rung.effort:.0f}"
+    if rung.method == "tolerance":
+        return f"{rung.effort:.0e}"
+    return f"{rung.node_pairs}" if rung.method == "mesh" else ""
+
+
+def _factors(checked: Check) -> list[str]:
+    fos = checked.result.fos
+    named = [
+        (fos.limit, "limit, PRE-IE"),
+        (fos.closed_form, "closed form"),
+        (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
+        (fos.all_pairs_failed, "all pairs failed (the paper's criterion)"),
+    ]
+    return [f"{factor_text(value)}  {name}" for value, name in named]
+
+
+def _finding(finding: Finding) -> str:
+    value = (
+        "" if finding.value is None else f"{finding.value:.4g}" if finding.wanted is None else f"{finding.value:.1e}"
+    )
+    wanted = "" if finding.wanted is None else f"<= {finding.wanted:g}"
+    return f"{_MARKS[finding.met]}  {finding.name:<16} {value:>8} {wanted:<9} {finding.words}"
+
+
+def _ladder(checked: Check) -> list[str]:
+    if not checked.ladder:
+        return ["none: there is no factor of safety to come near to"]
+    base = next((rung.seconds for rung in checked.ladder if rung.method == "closed form"), None)
+    than = "closed form" if base is not None else "cheapest"
+    base = min(rung.seconds for rung in checked.ladder) if base is None else base
+    lines = [f"errors against {checked.against} ({checked.reference:.10g}); times as multiples of the {than}"]
+    lines.append(f"{'method':<13}{'setting':<23}{'pairs':>6}{'F':>13}{'error':>9}{'ms':>10} {'times':>9}")
+    said = ""
+    for rung, error in zip(checked.ladder, checked.errors, strict=True):
+        method, said = rung.method if rung.method != said else "", rung.method
+        factor = "none" if rung.factor is None else f"{rung.factor:.8g}"
+        off = "-" if error is None else f"{error:.1e}"
+        pairs = "" if rung.node_pairs is None else str(rung.node_pairs)
+        lines.append(
+            f"{method:<13}{rung.setting:<23}{pairs:>6}{factor:>13}{off:>9}{_brief(rung.seconds * 1e3):>10} "
+            f"{_brief(rung.seconds / base):>9}"
+        )
+    return lines
+
+
+def _brief(value: float) -> str:
+    return f"{value:.0f}" if value >= 1000.0 else f"{value:.3g}"
+
+
+def _cheapest(checked: Check) -> list[str]:
+    within = checked.result.design.agree_within * 100
+    if checked.cheapest is None:
+        return [f"no setting comes within {within:g} %"] if checked.ladder else []
+    rung, error = checked.ladder[checked.cheapest], checked.errors[checked.cheapest]
+    return [
+        f"{rung.method}, {rung.setting}: {rung.seconds * 1e3:.3g} ms for an error of {error:.1e} (wanted {within:g} %)"
+    ]
+
+
+def _verdict(checked: Check) -> str:
+    judged = [finding for finding in checked.findings if finding.met is not None]
+    failed = [finding.name for finding in judged if not finding.met]
+    open_ = [finding.name for finding in checked.findings if finding.met is None and finding.wanted is None]
+    left = f"; not judged: {', '.join(open_)}" if open_ else ""
+    if failed:
+        return f"NOT SOUND: {', '.join(failed)} ({len(failed)} of {len(judged)}){left}"
+    return f"SOUND: all {len(judged)} that were judged hold{left}"

@@ -1,0 +1,101 @@
+"""The page of the verification suite: what docs/ holds is what the suite gives now, apart from times and versions."""
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import slopekit as sk
+from slopekit.studies.suite import Verification, verify
+from slopekit.views import verification as view
+from tests.studies.the_suite import the_suite
+
+DOCS = Path(__file__).parents[2] / "docs"
+_NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+@pytest.fixture(scope="module")
+def verification() -> Verification:
+    return the_suite()
+
+
+def without_times(page: str) -> list[str]:
+    """Lines of a page without the last column of its tables and the line of versions."""
+    lines = [line for line in page.splitlines() if not line.startswith("Versions: ")]
+    return [line.rsplit(" | ", 1)[0] if line.startswith("| ") else line for line in lines]
+
+
+def same(one: str, other: str) -> bool:
+    """Equal words, and numbers that are equal but for the rounding of another machine (1e-6, or in the sixth digit)."""
+    if _NUMBER.split(one) != _NUMBER.split(other):
+        return False
+    pairs = zip(_NUMBER.findall(one), _NUMBER.findall(other), strict=True)
+    return all(float(a) == pytest.approx(float(b), rel=2e-5, abs=1e-6) for a, b in pairs)
+
+
+def test_the_page_in_docs_is_what_the_suite_gives(verification) -> None:
+    now = without_times(view.markdown(verification))
+    kept = without_times((DOCS / "verification.md").read_text(encoding="utf-8"))
+    assert len(now) == len(kept)
+    assert [(a, b) for a, b in zip(now, kept, strict=True) if not same(a, b)] == []
+
+
+def test_the_data_in_docs_are_what_the_suite_gives(verification) -> None:
+    now = verification.to_dict()
+    kept = json.loads((DOCS / "verification.json").read_text(encoding="utf-8"))
+    assert kept["counts"] == now["counts"]
+    assert kept["sources"] == now["sources"]
+    assert set(kept) == set(now)
+    for new, old in zip(now["rows"], kept["rows"], strict=True):
+        for key in set(new) - {"timing_s"}:
+            if isinstance(new[key], float):
+                assert old[key] == pytest.approx(new[key], rel=2e-6, abs=2e-6), (new["id"], key)
+            else:
+                assert old[key] == new[key], (new["id"], key)
+
+
+def test_the_page_is_whole(verification) -> None:
+    page = view.markdown(verification)
+    tables = [
+        line for line in page.splitlines() if line.startswith("| ") and "---" not in line and "Case |" not in line
+    ]
+    assert len(tables) == len(verification.rows)
+    assert {line.replace(r"\|", "").count(" | ") for line in tables} == {12}
+    for row in verification.rows:
+        assert f"`{row.case.id}`" in page
+    for row in verification.not_judged:
+        assert row.reason in page
+    for text in verification.sources.values():
+        assert text in page
+    assert "No judged row is outside its tolerance." in page
+    assert "nan" not in page.replace("Finance", "")
+
+
+def test_a_failed_row_stands_in_the_page_and_on_the_terminal(verification) -> None:
+    broken = dataclasses.replace(verification.rows[0], ok=False, reason="off by 0.1, outside its tolerance")
+    changed = dataclasses.replace(verification, rows=(broken, *verification.rows[1:]))
+    assert f"- {broken.id}: off by 0.1" in view.markdown(changed)
+    assert f"OUTSIDE {broken.id}: off by 0.1" in view.table(changed)
+    assert "1 outside" in view.table(changed)
+
+
+def test_the_table_fits_a_terminal(verification) -> None:
+    text = view.table(verification)
+    assert max(map(len, text.splitlines())) <= 100
+    assert sum(line.split()[-2] in ("yes", "-") for line in text.splitlines() if line.startswith("  ")) == len(
+        verification.rows
+    )
+    counts = verification.counts
+    assert f"{counts['rows']} rows of {counts['cases']} designs: {counts['within']} within" in text
+
+
+def test_both_files_are_written(tmp_path) -> None:
+    small = verify("6c_footing")
+    page, data = view.write(small, tmp_path / "new" / "docs")
+    assert page.read_text(encoding="utf-8") == view.markdown(small)
+    assert json.loads(data.read_text(encoding="utf-8")) == small.to_dict()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(sk.DesignError, match="E129"):
+        view.write(small, tmp_path / "file" / "docs")
