@@ -34,14 +34,17 @@ class Scene:
     def __len__(self) -> int:
         return len(self.centroids)
 
-    def model(self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, fewest_pairs=True):
+    def model(
+        self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, fewest_pairs=True, refine=0
+    ):
         """Its model; degrees and kPa, one for all joints or one each."""
         each = np.ones(int(self.patches.joint.max()) + 1)
         tangents = (np.tan(np.radians(angle)) * each for angle in (phi, psi))
         strength = JointStrength(np.asarray(c) * each, *tangents, 0.0 * each)
         found: AssemblyModel = build_assembly(
-            self.patches, self.fixed, self.centroids, self.forces, self.moments, strength, self.in_section, fewest_pairs
-        )
+            self.patches, self.fixed, self.centroids, self.forces, self.moments, strength, self.in_section,
+            fewest_pairs, refine,
+        )  # fmt: skip
         return found
 
     def mapped(self, matrix=None, shift=(0.0, 0.0, 0.0), length: float = 1.0, force: float = 1.0) -> "Scene":

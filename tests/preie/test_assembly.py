@@ -177,6 +177,7 @@ def integral(corners: np.ndarray, function) -> float:
     return total
 
 
+@pytest.mark.parametrize("refine", [0, 1, 3])
 @pytest.mark.parametrize(
     ("shape", "pairs"),
     [
@@ -188,13 +189,18 @@ def integral(corners: np.ndarray, function) -> float:
         ([(0, 0), (2, -0.5), (3, 1), (2.5, 2), (1, 2.4), (-0.2, 1.5)], 10),
     ],
 )
-def test_pairs_integrate_quadratics_over_a_patch(shape, pairs) -> None:
-    """METHOD.md §5: exact to degree two, positive, hull = polygon; a rule of another kind as reference."""
+def test_pairs_integrate_quadratics_over_a_patch(shape, pairs, refine) -> None:
+    """METHOD.md §5: exact to degree two, positive, hull = polygon; a rule of another kind as reference.
+
+    Split in four each time: n² triangles have (n + 1)(n + 2)/2 corners and n² centroids; neighbours share a side.
+    """
     turn = Rotation.from_rotvec([0.4, -0.3, 0.8]).as_matrix()
     corners = np.column_stack([np.array(shape, dtype=float), np.zeros(len(shape))]) @ turn.T + [3.0, -2.0, 5.0]
-    model = polygon_patch(corners).model(30.0)
+    model = polygon_patch(corners).model(30.0, refine=refine)
     areas = model.control_area * model.area_scale
-    assert len(areas) == pairs
+    n, triangles = 2**refine, len(shape) - 2
+    split = triangles * ((n + 1) * (n + 2) // 2 + n * n) - (triangles - 1) * (n + 1)
+    assert len(areas) == (split if refine else pairs)
     assert (areas > 0.0).all()
     rng = np.random.default_rng(5)
     for _ in range(5):
@@ -220,6 +226,17 @@ def test_pairs_of_a_segment() -> None:
         ends = scene.patches.corners
         assert model.points[[0, -1]] == pytest.approx(ends)
         assert len(model.group_first) == 1
+
+
+@pytest.mark.parametrize("refine", [1, 2, 4])
+def test_pairs_of_a_segment_in_parts(refine) -> None:
+    """Simpson's rule on each half: area and moments to degree three, those of the whole."""
+    model = wall(1, 1).model(30.0, 1.0, refine=refine)
+    coarse = wall(1, 1).model(30.0, 1.0)
+    assert len(model.control_area) == 2 ** (refine + 1) + 1
+    for power in range(4):
+        sums = [m.control_area * m.area_scale @ m.points[:, 0] ** power for m in (model, coarse)]
+        assert sums[0] == pytest.approx(sums[1], rel=1e-12, abs=1e-12)
 
 
 def test_fixed_blocks_and_bedrock_are_the_same() -> None:

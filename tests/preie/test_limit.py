@@ -161,3 +161,38 @@ def test_reducing_the_strength_by_the_limit_leaves_one() -> None:
     reduced = [math.degrees(math.atan(math.tan(math.radians(phi)) / first)) for phi in (20, 30)]
     again = sk.wedge(**wedge, c=(24 / first, 48 / first), phi=reduced).fos.limit
     assert again == pytest.approx(1.0, rel=1e-9)
+
+
+FOLLOWED = {  # two of 400 random wedges, rounded
+    "seen after one split": {
+        "dips": ("67.3/115", "77.7/15.3"), "face": "85.2/18.8", "upper": "19.9/18.8", "height": 8.69, "c": (93, 72.6),
+        "phi": (27.4, 35.9), "unit_weight": 26.36, "water": (3.2, 3.1),
+    },
+    "seen after two": {
+        "dips": ("57.48/327.64", "83.98/85.92"), "face": "87.22/29.24", "upper": "19.12/29.24", "height": 3.261,
+        "c": (56.9, 21.3), "phi": (40.4, 25.8), "unit_weight": 20.94, "water": (0.12, 7.22),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_turning_is_followed_to_finer_pairs_where_the_forces_alone_govern_on_coarse_ones(name) -> None:
+    """On the coarsest pairs turning lies above the forces alone; on finer ones it sinks below (25 % in one case)."""
+    wedge = FOLLOWED[name]
+    coarse = limit_analysis(prepare(wedge_design(wedge), 0).model)
+    assert not coarse.moments_govern
+    assert coarse.with_turning.factor > coarse.forces_only.factor
+    fine = limit_analysis(prepare(wedge_design(wedge), 4).model)
+    assert fine.moments_govern
+    result = sk.wedge(**wedge)
+    assert result.moments_govern
+    assert result.model.refined > 1
+    assert result.fos.limit == pytest.approx(fine.governing.factor, rel=max(2e-3, 2.0 * result.model.mesh_change))
+    assert "W303" in [notice.code for notice in result.warnings]
+
+
+def test_a_turning_limit_far_above_the_forces_alone_is_not_refined() -> None:
+    """Further splits cannot bring it down: the plain answer stays on its coarse pairs."""
+    result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=(290, 0))
+    assert not result.moments_govern
+    assert result.model.refined <= 1

@@ -10,8 +10,8 @@ from slopekit.errors import DesignError, Fault
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
-_COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b", "#7a6a00", "#8a9bb5")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", "p")
 #: Where a label may stand beside its point, in points, best first.
 _BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points

@@ -1,0 +1,198 @@
+"""`slopekit check`: ladders, orders, verdicts, on every kind; and that a wrong number is not called sound."""
+
+import json
+import math
+from dataclasses import replace
+
+import pytest
+
+import slopekit as sk
+from slopekit.closed_form.wedge import hoek_bray_wedge
+from slopekit.design.templates import path_of
+from slopekit.studies import check as module
+from slopekit.studies import ladders
+from slopekit.studies.check import Check, Finding, check
+from slopekit.studies.ladders import Rung, timed
+
+ONE_PLANE = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+    "joints": {"J1": {"plane": "40/160"}, "J2": {"plane": "80/220"}}, "strength": {"s": {"c": 20, "phi": 30}},
+    "rock": {"unit_weight": 26},
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _once(monkeypatch) -> None:
+    """Every rung runs once: nothing here looks at times."""
+    monkeypatch.setattr(ladders, "_REPEATS", 1)
+    monkeypatch.setattr(ladders, "_ONCE_S", 0.0)
+
+
+def checked(name: str, **values) -> Check:
+    return check(sk.load(path_of(name), set=values))
+
+
+def finding(found: Check, name: str) -> Finding:
+    return next(one for one in found.findings if one.name == name)
+
+
+def rungs(found: Check, method: str) -> list[tuple[Rung, float | None]]:
+    return [(rung, error) for rung, error in zip(found.ladder, found.errors, strict=True) if rung.method == method]
+
+
+def test_the_paper_wedge() -> None:
+    """Against Hoek & Bray: flat joints, so node pairs do not matter; passes reach the accuracy of their program."""
+    found = checked("paper-wedge")
+    assert found.sound
+    assert found.exit_code == 0
+    assert found.against == "the closed form"
+    assert found.reference == pytest.approx(1.5573963527, abs=1e-9)
+    assert found.orders == ()
+    passes = rungs(found, "passes")
+    assert passes[0][1] > 0.1
+    assert passes[-1][1] < 1e-6
+    tolerances = [error for _, error in rungs(found, "tolerance")]
+    assert tolerances == sorted(tolerances, reverse=True)
+    assert all(error < 1e-12 for _, error in rungs(found, "mesh"))
+    assert found.result.fos.all_pairs_failed == pytest.approx(1.554, abs=5e-4)  # the paper's own
+    assert found.errors[found.cheapest] <= found.result.design.agree_within
+    assert finding(found, "static bound").met
+
+
+@pytest.mark.parametrize("name", ["plane", "footing", "goodman-bray", "topple"])
+def test_kinds_with_a_closed_form_agree(name) -> None:
+    found = checked(name)
+    assert found.sound
+    assert found.against == "the closed form"
+    assert finding(found, "closed form").met
+    assert min(error for error in found.errors if error is not None) < 1e-4
+    assert found.cheapest is not None
+
+
+@pytest.mark.parametrize(("name", "values"), [("paper-ellipsoid", {"slip.edge": 8}), ("blocks", {}), ("wall", {})])
+def test_kinds_without_a_closed_form_say_so(name, values) -> None:
+    """They are judged by finer node pairs where there are any, and by the bound."""
+    found = checked(name, **values)
+    assert found.sound
+    assert finding(found, "closed form").met is None
+    assert "none to compare with" in finding(found, "closed form").words
+    assert found.against != "the closed form"
+    assert finding(found, "static bound").met
+    assert finding(found, "admissible").met
+
+
+def test_curved_surfaces_converge_with_their_mesh() -> None:
+    """φ = 0 on a sphere has an exact answer: the error falls with every halving, by four (second order) or more."""
+    found = checked("sphere", **{"slip.edge": 3})
+    errors = [error for _, error in rungs(found, "mesh")]
+    assert len(errors) >= 2
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < errors[0] / 4.0
+    assert all(order > 1.5 for order in found.orders)
+
+
+def test_moments_govern_is_judged_by_the_mesh() -> None:
+    """METHOD.md §3: 1.502 against 1.538. Forces alone are held against the closed form, the limit against itself."""
+    found = check(sk.load(ONE_PLANE))
+    assert found.result.moments_govern
+    assert found.against.startswith("the finest node pairs")
+    assert finding(found, "closed form").met
+    assert "forces alone" in finding(found, "closed form").words
+    alone = rungs(found, "forces alone")[0][0].factor
+    assert alone == pytest.approx(hoek_bray_of(found), rel=1e-9)
+    assert len(found.orders) >= 1
+    assert finding(found, "node pairs").met
+    assert found.sound
+
+
+def hoek_bray_of(found: Check) -> float:
+    design = found.result.design
+    factor = hoek_bray_wedge(
+        design.joints, design.face, design.upper, design.height_m, design.cohesion_kpa, design.friction_angle_deg,
+        design.unit_weight_kn_m3,
+    ).factor  # fmt: skip
+    assert factor is not None
+    return factor
+
+
+@pytest.mark.parametrize(
+    ("values", "status"),
+    [
+        ({"water": {"pressures": {"L-WSP": 2000, "R-WSP": 2000}}}, "lifted"),
+        ({"loads": {"forces": [[0, 1e8, 0]]}}, None),
+    ],
+)
+def test_without_a_factor_there_is_no_ladder(values, status) -> None:
+    """The statuses are compared, and the check is sound where they are the same."""
+    found = checked("paper-wedge", **values)
+    if status is not None:
+        assert found.result.status == status
+    if found.result.fos.limit is None:
+        assert found.ladder == ()
+        assert found.reference is None
+        assert found.cheapest is None
+    assert found.sound is (found.result.agree is not False)
+
+
+def test_cohesive_blocks_are_refined() -> None:
+    """Contacts of a section that have cohesion get more pairs; without they get none, and the check says why."""
+    assert "ends" in finding(checked("wall"), "node pairs").words
+    bonded = checked("wall", **{"strength.joint.c": 5})
+    meshes = rungs(bonded, "mesh")
+    assert [rung.node_pairs for rung, _ in meshes] == sorted({rung.node_pairs for rung, _ in meshes})
+    assert len(meshes) == 3
+
+
+def test_a_wrong_limit_is_not_sound(monkeypatch) -> None:
+    """One per cent off in the limit is found by the node pairs and the balance, also where agree_within is wider."""
+    from slopekit import analysis
+
+    honest = analysis.analyse
+
+    def off(design):
+        result = honest(design)
+        higher = replace(result.fos, limit=result.fos.limit * 1.02)
+        return replace(result, fos=higher, difference=0.02, agree=False)
+
+    monkeypatch.setattr(analysis, "analyse", off)
+    found = checked("paper-wedge")
+    assert not found.sound
+    assert found.exit_code == 4
+    assert {one.name for one in found.findings if one.met is False} >= {"closed form", "node pairs"}
+
+
+@pytest.mark.parametrize(
+    ("factors", "orders"),
+    [([1.4, 1.1, 1.025], [2.0]), ([1.3, 1.15, 1.075, 1.0375], [1.0, 1.0]), ([1.5, 1.5, 1.5], []), ([1.5], []),
+     ([1.2, None, 1.1], [])],
+)  # fmt: skip
+def test_orders(factors, orders) -> None:
+    """Differences that fall by four at each halving are of second order, by two of first."""
+    ladder = tuple(Rung("mesh", str(k), 10 * k, k, factor, 1.0) for k, factor in enumerate(factors))
+    assert module._orders(ladder) == pytest.approx(tuple(orders), abs=1e-9)
+
+
+def test_the_cheapest_is_one_that_more_effort_does_not_lose() -> None:
+    """A pass that comes near by the way does not count."""
+    errors = (0.5, 1e-3, 0.1, 1e-4, 1e-6)
+    ladder = tuple(Rung("passes", str(k), 8, k, 1.0 + error, float(k + 1)) for k, error in enumerate(errors))
+    assert module._cheapest(ladder, errors, 0.01) == 3
+    assert module._cheapest(ladder, errors, 1e-9) is None
+
+
+def test_json_is_strict_and_the_same_twice_but_for_times() -> None:
+    first, second = (checked("plane").to_dict() for _ in range(2))
+    assert json.loads(json.dumps(first, allow_nan=False)) == first
+    for document in (first, second):
+        del document["timing_s"]
+    assert first == second
+    assert {"sound", "findings", "ladder", "reference", "fos", "balance", "orders"} <= first.keys()
+    assert first["input_sha256"] == sk.load(path_of("plane")).input_hash()
+
+
+def test_timed_takes_a_middle_one(monkeypatch) -> None:
+    monkeypatch.undo()
+    calls = []
+    found, seconds = timed(lambda: calls.append(1) or len(calls))
+    assert found == len(calls) >= 2
+    assert 0.0 < seconds < math.inf

@@ -1,0 +1,88 @@
+"""The sheet and the picture of a check, and the command as a user runs it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import slopekit as sk
+from slopekit.design.templates import path_of
+from slopekit.studies import ladders
+from slopekit.studies.check import check
+from slopekit.views.check_sheet import check_line, check_picture, check_sheet
+
+
+def slopekit(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120
+    )
+
+
+@pytest.mark.parametrize("name", ["wedge", "goodman-bray", "wall"])
+def test_the_sheet(name, monkeypatch) -> None:
+    """Never a bare number: status, factors, what was looked at, ladder, verdict, within 100 columns."""
+    monkeypatch.setattr(ladders, "_REPEATS", 1)
+    checked = check(sk.load(path_of(name)))
+    sheet = check_sheet(checked)
+    lines = sheet.splitlines()
+    assert max(map(len, lines)) <= 100
+    labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
+    assert labels[:5] == ["STATUS", "FoS", "LOOKED AT", "LADDER", "CHEAPEST"]
+    assert "VERDICT   SOUND" in sheet
+    assert f"{checked.result.fos.limit:.4f}  limit, PRE-IE" in sheet
+    for finding in checked.findings:
+        assert finding.name in sheet
+    assert sum(line.count("pass") > 0 for line in lines) >= 3
+    assert check_line(checked).startswith(checked.result.status)
+
+
+def test_without_a_factor_the_sheet_says_why() -> None:
+    lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
+    sheet = check_sheet(lifted)
+    assert "none: there is no factor of safety to come near to" in sheet
+    assert "the same status from both" in sheet
+
+
+def test_the_picture(tmp_path) -> None:
+    pytest.importorskip("matplotlib")
+    from matplotlib.image import imread
+
+    path = tmp_path / "check.png"
+    check_picture(check(sk.load(path_of("plane"))), path)
+    image = imread(path)
+    assert min(image.shape[:2]) > 500
+    assert image[..., :3].std() > 0.02  # something is drawn
+
+
+def test_the_command(tmp_path) -> None:
+    run = slopekit("check", str(path_of("plane")), "-o", str(tmp_path), "--json")
+    assert run.returncode == 0
+    document = json.loads(run.stdout)
+    assert document == json.loads((tmp_path / "check.json").read_text())
+    assert document["sound"] is True
+    assert "VERDICT" in (tmp_path / "check.txt").read_text()
+    assert (tmp_path / "speed-error.png").stat().st_size > 10_000
+
+
+def test_disagreement_is_exit_code_4() -> None:
+    """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
+    run = slopekit("check", str(path_of("goodman-bray")), "--set", "analysis.agree_within=1e-9", "--quiet")
+    assert run.returncode == 4
+    assert "NOT SOUND: closed form" in run.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        ((), "E270"),
+        ((str(path_of("plane")), "--suite"), "E270"),
+        (("--suite", "--set", "rock.density=2600"), "E271"),
+        (("nowhere.yaml",), "E147"),
+        ((str(path_of("plane")), "--picture", "chart.gif"), "E141"),
+    ],
+)
+def test_wrong_use(arguments, code) -> None:
+    run = slopekit("check", *arguments)
+    assert run.returncode == 2
+    assert run.stderr.startswith(code)
