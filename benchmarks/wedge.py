@@ -1,6 +1,7 @@
-"""What README claims of one wedge: speed by stage, cold start, speed against error, random wedges, the paper's search.
+"""What README claims of one wedge: speed by stage, cold start, random wedges, the paper's search.
 
 Run by hand: ``python -m benchmarks.wedge`` (about two minutes). Every time is a median; every ratio is of one run.
+Speed against error: ``python -m benchmarks wedge``.
 """
 
 import json
@@ -17,8 +18,7 @@ import slopekit as sk
 from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.design.reading import wedge_design
 from slopekit.preie.bound import static_bound
-from slopekit.preie.limit import forces_only_limit, limit_analysis, passes_limit
-from slopekit.preie.model import Model
+from slopekit.preie.limit import limit_analysis
 from tests.support import random_wedge
 
 PAPER = {"dips": ("45/115", "45/245")}
@@ -77,32 +77,6 @@ def cold() -> None:
     print(f"slopekit wedge {a * 1e3:.0f} ms, {REFERENCE!r} {b * 1e3:.0f} ms, ratio {a / b:.2f}")
 
 
-def speed_against_error() -> None:
-    print("\n## Speed against error: the paper's wedge")
-    exact = closed_form(wedge_design(PAPER)).factor
-    print("solver                 node pairs   passes    time ms     |error|")
-    for refine in range(5):
-        model = prepare(wedge_design(PAPER), refine).model
-        found = limit_analysis(model).governing
-        ms = median_ms(lambda model=model: limit_analysis(model), 31)
-        _row("exact limit state", model, found.passes, ms, found.factor - exact)
-    for refine in (0, 2):
-        model = prepare(wedge_design(PAPER), refine).model
-        for most in (1, 2, 3):
-            found = passes_limit(model, most)
-            ms = median_ms(lambda model=model, most=most: passes_limit(model, most), 31)
-            print(
-                f"passes only            {len(model.control_area):10d} {most:8d} {ms:10.3f}  {abs(found - exact):.1e}"
-            )
-    held = prepare(wedge_design(PAPER), 0).model
-    ms = median_ms(lambda: forces_only_limit(held))
-    _row("forces alone", held, 0, ms, forces_only_limit(held).factor - exact)
-
-
-def _row(solver: str, model: Model, passes: int, ms: float, error: float) -> None:
-    print(f"{solver:20s} {len(model.control_area):12d} {passes:8d} {ms:10.3f}   {abs(error):.1e}")
-
-
 def random_wedges(count: int = 2000, seed: int = 2000) -> None:
     print(f"\n## {count} random wedges (seed {seed})")
     rng = np.random.default_rng(seed)
@@ -155,6 +129,5 @@ def all_pairs() -> None:
 if __name__ == "__main__":
     stages()
     cold()
-    speed_against_error()
     all_pairs()
     random_wedges()

@@ -255,6 +255,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "E224": "The volumes of the blocks must sum to the bench, each joint face must have its other side, and corners "
     "must lie on their planes. This is a bug of ours: please report it. Another offset of a joint set may avoid it.",
     "E225": "Blocks smaller than min_volume are joined to neighbours; nothing is left when the whole bench is smaller.",
+    "W347": "Every result holds the forces of its node pairs against the loads. Here they balance less well than the "
+    "solver settles: a block stands so near to tipping that a change of its load this small decides, or normal forces "
+    "still trade places. See `slopekit check`.",
     "E270": "check looks at one design file, or with --suite at the published and exact cases that slopekit ships.",
     "E271": "The suite is fixed: its inputs are those of its sources. Copy a case to a file of your own to change it.",
     "E272": "The suite knows cases by their id, the sources they come from and the kinds of designs; the message names "

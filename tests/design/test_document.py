@@ -1,6 +1,7 @@
 """Design files to located nodes: what is kept, every fault with its place, overrides, and odd files."""
 
 import random
+import re
 from pathlib import Path
 
 import numpy as np
@@ -282,7 +283,9 @@ BAD_OVERRIDES = [
 ]
 
 
-@pytest.mark.parametrize(("code", "override", "says"), BAD_OVERRIDES, ids=lambda value: str(value)[:30])
+@pytest.mark.parametrize(
+    ("code", "override", "says"), BAD_OVERRIDES, ids=lambda value: re.sub(" at 0x.*", "", str(value))[:30]
+)
 def test_bad_overrides(code, override, says) -> None:
     document = document_from({"slope": {"face": "60/180"}, "bolts": [{"force": 1}, {"force": 2}]})
     error = caught(lambda: with_overrides(document, [override]))

@@ -23,6 +23,7 @@ from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
 
+_UNBALANCED = 1e-6  # of a block's load: what settles balances to a tenth of that
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -81,6 +82,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
     )  # fmt: skip
     parts = ravelling.parts
+    balance = _balance(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
     size = ModelSize(
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
@@ -95,8 +97,9 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=None, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed)), node_pairs=_node_pairs(scene, parts),
-        findings=findings, balance=_balance(parts), timing_s=clock.done(),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
+        node_pairs=_node_pairs(scene, parts),
+        findings=findings, balance=balance, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -254,13 +257,20 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
 
 
 def _notices(
-    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism], closed: ClosedForm
-) -> Iterator[Notice]:
+    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
+    closed: ClosedForm, balance: Balance | None,
+) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
     if not found:
         return
     first, limit = found[0], ravelling.failures[0].limit
+    if limit.outcome is Outcome.NO_STRENGTH:
+        yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
+    if balance is not None and max(balance.force, balance.moment) > _UNBALANCED:
+        off = max(balance.force, balance.moment)
+        yield Notice("W347", f"the forces at the limit balance only to {off:.1g} of a block's load: with blocks that "
+                     "stand on an edge, or passes that did not settle, the factor is no surer than that")  # fmt: skip
     if first.fos and not first.change <= design.stop_when:
         yield Notice("W317", f"the passes did not settle: their factors still swing by {first.change * 100:.2g} %")
     if first.fos and first.static_bound is None:

@@ -6,7 +6,7 @@ from slopekit.analysis.assembly_scene import AssemblyScene
 from slopekit.arrays import Bools, Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Failure, Part
+from slopekit.preie.ravelling import Failure, Part, block_sizes
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
 _OPENS = 1e-5  # opening beyond this part of the fastest motion counts
@@ -18,7 +18,7 @@ _MOST_INTERFACES = 12
 def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     """A failure in words: status, factor, blocks and governing interfaces."""
     limit = failure.limit
-    size = np.cbrt(scene.assembly.volumes) / 2.0
+    size = block_sizes(scene.assembly)
     blocks = []
     for block, motion in zip(failure.blocks.tolist(), failure.motion, strict=True):
         how = _how(motion, float(size[block]), limit.outcome)

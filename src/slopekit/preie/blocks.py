@@ -36,6 +36,7 @@ _HARDLY = 1e-3  # of the elastic give: the bound needs none
 _BOUND_PASSES, _SETTLED = 8, 1e-6
 _ACCURATE = 1e-5  # of the bound
 _NO_STRENGTH = 1e-6  # tangent of a friction angle that stands for none
+_ROUGH_STRENGTH = 10.0  # of one that holds whatever friction can hold
 _NOTHING = 1e-6  # a load factor below this: nothing drives it
 _OPENS = 1e-4  # of the fastest motion
 _PRESSED = 10.0  # an open pair opens so much more, in parts of the motion, than it carries, in parts of the mean
@@ -89,8 +90,8 @@ def limit_of_blocks(
     bounded : whether the static bound is wanted; `with_bound` adds it later
     after : a rougher limit of the same model to go on from
     """
-    if not model.tan_friction.any() and not model.cohesion.any():  # no strength at all: whatever drives wins
-        model = replace(model, tan_friction=np.full(len(model.tan_friction), _NO_STRENGTH))
+    if not model.tan_friction.any() and not model.cohesion.any():
+        return _without_strength(model, stop_when)
     program = BlockProgram(model)
     in_section = model.unknowns == 3
     bound = _bound(program) if bounded or (in_section and after is None) else None
@@ -137,6 +138,19 @@ def limit_of_blocks(
         frozen(bond), None, passes, steps, 0,
     )  # fmt: skip
     return _bounded(limit, bound) if bounded and bound is not None else limit
+
+
+def _without_strength(model: AssemblyModel, stop_when: float) -> BlocksLimit:
+    """No strength at all: whatever drives wins, and there is no factor; what no strength would hold falls.
+
+    The blocks set off as frictionless ones do.
+    """
+    slick = replace(model, tan_friction=np.full(len(model.tan_friction), _NO_STRENGTH))
+    found = limit_of_blocks(slick, stop_when, bounded=False)
+    if found.outcome is not Outcome.LIFTED:
+        return found
+    rough = BlockProgram(replace(model, tan_friction=np.full(len(model.tan_friction), _ROUGH_STRENGTH)))
+    return found if _is_lifted(_bound(rough)) else replace(found, outcome=Outcome.NO_STRENGTH)
 
 
 def with_bound(model: AssemblyModel, limit: BlocksLimit) -> BlocksLimit:

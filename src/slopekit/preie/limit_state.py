@@ -55,7 +55,11 @@ class LimitState:
 def elastic_displacement(model: Model) -> Floats:
     """Displacement under the load with every pair bonded, springs of stiffness a in all directions: (u,)."""
     weighted = np.repeat(model.control_area, 3)[:, None] * model.flat_rows
-    return np.asarray(np.linalg.solve(model.flat_rows.T @ weighted, model.load), dtype=np.float64)
+    stiffness = model.flat_rows.T @ weighted
+    try:
+        return np.asarray(np.linalg.solve(stiffness, model.load), dtype=np.float64)
+    except np.linalg.LinAlgError:  # a sheet a thousand million times as long as thick has no stiffness against turning
+        return np.asarray(np.linalg.lstsq(stiffness, model.load)[0], dtype=np.float64)
 
 
 def intact_limit_state(model: Model) -> LimitState | None:

@@ -67,6 +67,8 @@ class Part:
             return -1.0
         if self.limit.outcome is Outcome.NOT_CONVERGED and self.limit.factor is None:
             return -0.5  # it is not known to stand
+        if self.limit.outcome is Outcome.NO_STRENGTH:
+            return 0.0
         if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
             return math.inf
         return self.limit.factor
@@ -119,7 +121,7 @@ def ravel(
     idle : (k,) patches that nothing presses on: they count in the static bound only
     """
     idle = np.zeros(len(assembly.patches), dtype=bool) if idle is None else idle
-    scene = _Scene(assembly, loads, strength, stop_when, idle, _sizes(assembly))
+    scene = _Scene(assembly, loads, strength, stop_when, idle, block_sizes(assembly))
     with threadpool_limits(1):  # bands are narrow: threads would only wait for each other
         return _ravel(scene, count)
 
@@ -327,7 +329,7 @@ def _in_layers(scene: _Scene, gone: Bools, blocks: Ints) -> Part:
         parts = [_limit(scene, gone, blocks, group) for group in _components(scene.assembly, free)]
         part = min(parts, key=lambda found: found.rank)
         held = len(blocks) - len(free)
-        if part.limit.outcome is Outcome.LIFTED or layers > deepest:
+        if part.limit.outcome in (Outcome.LIFTED, Outcome.NO_STRENGTH) or layers > deepest:
             return replace(part, held=held, layers=min(layers, deepest + 1))
         if before is not None and before > 0.0 and (before < math.inf or layers > deepest):
             change = 0.0 if part.rank == before else abs(part.rank / before - 1.0) if before < math.inf else math.inf
@@ -356,8 +358,8 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
     return model, limit
 
 
-def _sizes(assembly: Assembly) -> Floats:
-    """Half the size of each block, m."""
+def block_sizes(assembly: Assembly) -> Floats:
+    """Half the size of each block, m: in a section that of its area, whatever the thickness."""
     root = np.cbrt(assembly.volumes)
     if assembly.in_section and len(assembly.patches):
         ends = assembly.patches.corners.reshape(-1, 2, 3)

@@ -10,8 +10,8 @@ from slopekit.errors import DesignError, Fault
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
-_COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b", "#7a6a00", "#8a9bb5")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", "p")
+_COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b", "#7a6a00")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
 #: Where a label may stand beside its point, in points, best first.
 _BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
@@ -93,8 +93,11 @@ def sweep_chart(
             axes.axhline(tolerance, color="#888888", linestyle="--", linewidth=1.0)
         for where, what in jumps:
             axes.axvline(where, color="#c0392b", linestyle=":", linewidth=1.2)
-            axes.annotate(what, (where, 0.97), xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top",
-                          fontsize=8, color="#c0392b")  # fmt: skip
+            axes.annotate(
+                what, (where, 0.97), xytext=(-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
+                rotation=90, ha="right", va="top", fontsize=8, color="#c0392b",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+            )  # fmt: skip
 
     _chart(curves, path, title, dress)
 
