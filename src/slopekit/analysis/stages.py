@@ -37,6 +37,7 @@ from slopekit.result import (
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 _MOST_REFINED = 4
+_MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
 _TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
@@ -132,7 +133,7 @@ def solve(
             break  # the coarser answer stands, and `change` says what the finer one made of it
         scene, analysis, refined = finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
-        if done:
+        if done or after.passes > _MOST_PASSES:
             break
     limit, model = analysis.governing, scene.model
     with clock("bound"):
