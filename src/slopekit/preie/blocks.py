@@ -42,6 +42,7 @@ _OPENS = 1e-4  # of the fastest motion
 _PRESSED = 10.0  # an open pair opens so much more, in parts of the motion, than it carries, in parts of the mean
 _ROUGH = 2e-3  # a limit wanted no better need not be consistent: it tells the mechanism, not the number
 _CONSISTENT = 2e-2  # friction on a block that frozen strengths let exceed the true ones, in parts of its load
+_UNBALANCED = 1e-3  # of a block's load: forces that leave more are not those of a limit
 _STEADY = 3  # passes that agree
 _ROUGHLY = 1e-2  # how well they have to while bonds still break
 #: Passes, and how well they have to agree up to there: what swings on is not unique, and its swing is reported.
@@ -132,7 +133,10 @@ def limit_of_blocks(
         return _ended(model, Outcome.NOT_CONVERGED, at, bond, passes, steps, whole.steps)
     if at.load_factor < _NOTHING:
         return _ended(model, Outcome.NO_DRIVING_FORCE, at, bond, passes, steps)
-    outcome = Outcome.SLIDES if state.settled else Outcome.NOT_CONVERGED
+    settled = state.settled
+    if settled and stop_when < _ROUGH:  # light blocks between heavy ones: the program balances the heavy ones
+        settled = float(np.abs(model.unbalanced(at.normal, at.friction)).max()) < _UNBALANCED
+    outcome = Outcome.SLIDES if settled else Outcome.NOT_CONVERGED
     limit = BlocksLimit(
         outcome, 1.0 / at.load_factor, state.change, _unit(model, at), frozen(at.normal), frozen(at.friction),
         frozen(bond), None, passes, steps, 0,
