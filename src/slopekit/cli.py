@@ -121,7 +121,12 @@ def check(
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the verdict.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for check.json, check.txt, speed-error.png.")] = None,
 ) -> None:
-    """Closed form against PRE-IE on a design, speed against error; or the verification suite."""
+    """Closed form against PRE-IE on a design, speed against error; or the verification suite.
+
+    Takes a few seconds for one block, up to minutes for a bench. Exit codes: 0 consistent or nothing independent to
+    judge by, 1 consistent but an acceptance rule is not met, 4 not consistent. With --suite -o DIR writes
+    verification.md and verification.json.
+    """
     if suite != (design is None):
         message = "check takes a design file or --suite" + (", not both" if suite else "")
         raise DesignError([Fault("E270", message, "", "slopekit check my.yaml, or slopekit check --suite")])
@@ -131,22 +136,24 @@ def check(
     if design is None:
         _check_suite(folder, as_json, quiet)
     from slopekit.studies.check import check as check_design
-    from slopekit.views.check_sheet import check_line, check_picture, check_sheet
+    from slopekit.views.check_sheet import check_line, check_picture, check_sheet, require_matplotlib
 
     image = None if picture is None else _image(Path(picture))
+    if image is not None:
+        require_matplotlib(image)
     checked = check_design(_load(design or "", sets))
     document = json.dumps(checked.to_dict(), ensure_ascii=False, indent=1, allow_nan=False)
     sheet = check_sheet(checked)
-    if image is not None:
-        check_picture(checked, image)
     if folder is not None:
         (folder / "check.json").write_text(document + "\n", encoding="utf-8")
         (folder / "check.txt").write_text(sheet + "\n", encoding="utf-8")
-        try:
-            check_picture(checked, folder / "speed-error.png")
-        except DesignError as error:  # everything else is written: say what is missing
-            _print_faults(error, plainly=True)
     typer.echo(document if as_json else check_line(checked) if quiet else sheet)
+    for path in (image, folder / "speed-error.png" if folder else None):
+        try:
+            if path is not None:
+                check_picture(checked, path)
+        except DesignError as error:  # everything else is there: say what is missing
+            _print_faults(error, plainly=True)
     raise typer.Exit(checked.exit_code)
 
 

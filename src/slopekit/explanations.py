@@ -260,6 +260,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "still trade places. See `slopekit check`.",
     "E270": "check looks at one design file, or with --suite at the published and exact cases that slopekit ships.",
     "E271": "The suite is fixed: its inputs are those of its sources. Copy a case to a file of your own to change it.",
+    "E273": "A chart of errors needs factors of safety to compare; a design that is lifted, falls or stands without "
+    "strength has none. Its sheet and JSON are written all the same.",
     "E272": "The suite knows cases by their id, the sources they come from and the kinds of designs; the message names "
     "those nearest to what was typed. Leave the choice out to run them all.",
     "W320": "`run` takes one value of each distribution, its mean. `prob` draws them all.",

@@ -29,7 +29,7 @@ def test_the_sheet(name, monkeypatch) -> None:
     assert max(map(len, lines)) <= 100
     labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
     assert labels[:5] == ["STATUS", "FoS", "LOOKED AT", "LADDER", "CHEAPEST"]
-    assert "VERDICT   SOUND" in sheet
+    assert "VERDICT   CONSISTENT" in sheet
     assert f"{checked.result.fos.limit:.4f}  limit, PRE-IE" in sheet
     for finding in checked.findings:
         assert finding.name in sheet
@@ -55,12 +55,30 @@ def test_the_picture(tmp_path) -> None:
     assert image[..., :3].std() > 0.02  # something is drawn
 
 
+def test_without_a_factor_there_is_no_picture(tmp_path) -> None:
+    lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
+    with pytest.raises(sk.DesignError) as caught:
+        check_picture(lifted, tmp_path / "none.png")
+    assert caught.value.codes == ("E273",)
+
+
+def test_without_matplotlib_the_rest_is_written(tmp_path, monkeypatch) -> None:
+    """E140 before any work where a picture is all that is asked for."""
+    from slopekit.views import check_sheet as room
+
+    monkeypatch.setattr(room, "find_spec", lambda name: None)
+    with pytest.raises(sk.DesignError) as caught:
+        room.require_matplotlib(tmp_path / "a.png")
+    assert caught.value.codes == ("E140",)
+
+
 def test_the_command(tmp_path) -> None:
+    pytest.importorskip("matplotlib")
     run = slopekit("check", str(path_of("plane")), "-o", str(tmp_path), "--json")
     assert run.returncode == 0
     document = json.loads(run.stdout)
     assert document == json.loads((tmp_path / "check.json").read_text())
-    assert document["sound"] is True
+    assert document["consistent"] is True
     assert "VERDICT" in (tmp_path / "check.txt").read_text()
     assert (tmp_path / "speed-error.png").stat().st_size > 10_000
 
@@ -69,7 +87,7 @@ def test_disagreement_is_exit_code_4() -> None:
     """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
     run = slopekit("check", str(path_of("goodman-bray")), "--set", "analysis.agree_within=1e-9", "--quiet")
     assert run.returncode == 4
-    assert "NOT SOUND: closed form" in run.stdout
+    assert "NOT CONSISTENT: closed form" in run.stdout
 
 
 @pytest.mark.parametrize(

@@ -46,6 +46,7 @@ def test_the_data_in_docs_are_what_the_suite_gives(verification) -> None:
     now = verification.to_dict()
     kept = json.loads((DOCS / "verification.json").read_text(encoding="utf-8"))
     assert kept["counts"] == now["counts"]
+    assert kept["judged_by"] == now["judged_by"]
     assert kept["sources"] == now["sources"]
     assert set(kept) == set(now)
     for new, old in zip(now["rows"], kept["rows"], strict=True):
@@ -62,7 +63,7 @@ def test_the_page_is_whole(verification) -> None:
         line for line in page.splitlines() if line.startswith("| ") and "---" not in line and "Case |" not in line
     ]
     assert len(tables) == len(verification.rows)
-    assert {line.replace(r"\|", "").count(" | ") for line in tables} == {12}
+    assert {line.replace(r"\|", "").count(" | ") for line in tables} == {13}
     for row in verification.rows:
         assert f"`{row.case.id}`" in page
     for row in verification.not_judged:
@@ -81,14 +82,76 @@ def test_a_failed_row_stands_in_the_page_and_on_the_terminal(verification) -> No
     assert "1 outside" in view.table(changed)
 
 
-def test_the_table_fits_a_terminal(verification) -> None:
+def test_marks_of_confidence_are_explained_and_say_nothing_of_slopekit(verification) -> None:
+    page = view.markdown(verification)
+    for row in verification.rows:
+        mark, _, words = row.reference.confidence.partition(": ")
+        assert f"\n  - {mark}: " in page
+        assert words
+        assert "reproduced" not in row.reference.confidence
+
+
+def test_own_values_do_not_stand_under_published(verification) -> None:
+    cells = [line.split(" | ") for line in view.markdown(verification).splitlines() if line.startswith("| ")]
+    own = [row for row in cells if row[1] in ("cases", "prototype", "lem", "exact", "conic")]
+    assert len(own) == sum(row.reference.own for row in verification.rows) > 100
+    assert {row[4] for row in own} == {""}
+    assert "" not in {row[5] for row in own}
+
+
+def test_the_page_says_what_the_rows_rest_on(verification) -> None:
+    page = view.markdown(verification)
+    above = page.partition("\n| ")[0]
+    of = verification.judged_by
+    judged = verification.counts["within"]
+    assert of["published"] + of["own"] + of["recomputed"] == judged
+    assert f"Of the {judged} judged rows {of['published']} have a value published by somebody else" in above
+    low, high = verification.unmet[0], verification.unmet[-1]
+    assert low.error < -0.1 < 0.03 < high.error
+    assert f"{100 * low.error:+.1f} % (`{low.id}`" in above
+    assert f"{100 * high.error:+.1f} % (`{high.id}`" in above
+    assert "1.502 against 1.489, tolerance 1 %" in above
+    cases = {row.case.id for row in verification.rows} | {"-c", "-d", "verification.json"}
+    named = re.findall(r"`([^`]+)`", next(line for line in above.splitlines() if line.startswith("Where moments")))
+    assert set(named) <= cases
+
+
+def test_a_case_stands_in_one_place(verification) -> None:
+    lines = view.markdown(verification).splitlines()
+    headings: dict[str, set[str]] = {}
+    heading = ""
+    for line in lines:
+        heading = line if line.startswith("## ") else heading
+        if line.startswith("| ") and "(`" in line:
+            headings.setdefault(line.split(" | ")[0], set()).add(heading)
+    assert len(headings) == verification.counts["cases"]
+    assert {len(found) for found in headings.values()} == {1}
+
+
+def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
     text = view.table(verification)
-    assert max(map(len, text.splitlines())) <= 100
-    assert sum(line.split()[-2] in ("yes", "-") for line in text.splitlines() if line.startswith("  ")) == len(
-        verification.rows
-    )
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert sum(bool(re.fullmatch(r"    \S.* (yes|-)", line)) for line in lines) == len(verification.rows)
     counts = verification.counts
     assert f"{counts['rows']} rows of {counts['cases']} designs: {counts['within']} within" in text
+    assert not text.endswith("\n")
+    assert "verification.md says why" in lines[-1]
+    for words in ("failed pairs at 1.33 ", "failed pairs at 1.333 ", "failed pairs at 1.334 ", "P of column 13, kN"):
+        assert text.count(words) == 1
+    for row in verification.rows:
+        assert row.case.id in text
+        assert str(row.value).replace("_", " ") in text or not isinstance(row.value, str)
+    whole = " ".join(text.split())
+    for source in {row.case.source for row in verification.rows}:
+        assert " ".join(verification.sources[source].split()) in whole
+
+
+def test_the_terminal_shows_what_the_error_is_against(verification) -> None:
+    (line,) = [
+        line for line in view.table(verification).splitlines() if re.match(r"    wyllie-mah .* 1\.24666 ", line)
+    ]  # fmt: skip
+    assert "1.25" not in line
 
 
 def test_both_files_are_written(tmp_path) -> None:

@@ -16,10 +16,11 @@ from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
-from slopekit.notices import common_notices
+from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
+from slopekit.preie.parts import Part
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
+from slopekit.preie.ravelling import Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
 
@@ -86,7 +87,9 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     first = ravelling.failures[0].parts if ravelling.failures else ()
     size = ModelSize(
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
-        sum(len(part.model.control_area) for part in parts), 0, None, _left_out(design, scene, parts),
+        sum(len(part.model.control_area) for part in parts), max((part.refined for part in first), default=0),
+        max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
+        _left_out(design, scene, parts),
         max((part.limit.passes for part in first), default=0), found[0].change if found else 0.0,
     )  # fmt: skip
     result = Result(
@@ -267,6 +270,9 @@ def _notices(
     first, limit = found[0], ravelling.failures[0].limit
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
+    moved = max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0)
+    if moved > MESH_CHANGE:
+        yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")
     if balance is not None and max(balance.force, balance.moment) > _UNBALANCED:
         off = max(balance.force, balance.moment)
         yield Notice("W347", f"the forces at the limit balance only to {off:.1g} of a block's load: with blocks that "

@@ -41,7 +41,9 @@ def analyse_footing(design: FootingDesign) -> Result:
         section, loads = _loaded(design)
     with clock("closed_form"):
         weight = float(-loads.parts["weight"][2])
-        closed, governs = _closed_form(design, weight), _governs(design, weight)
+        closed = _closed_form(design, weight)
+    with clock("governs"):
+        governs = _governs(design, weight)
     solved = solve(design, lambda refine: _scene(design, section, loads, refine), 0, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
     forces = Forces(
@@ -70,10 +72,14 @@ def prepare(design: FootingDesign, refine: int) -> Scene:
     return _scene(design, section, loads, refine)
 
 
-def closed_form(design: FootingDesign) -> ClosedFormFooting:
-    """The design by limit equilibrium."""
-    _, loads = _loaded(design)
-    return _closed_form(design, float(-loads.parts["weight"][2]))
+def weight_of(design: FootingDesign) -> float:
+    """The weight of the block above the weak plane, kN per metre."""
+    return float(-_loaded(design)[1].parts["weight"][2])
+
+
+def closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:
+    """The design by limit equilibrium; weight in kN per metre."""
+    return _closed_form(design, weight)
 
 
 def _loaded(design: FootingDesign) -> tuple[Section, Loads]:

@@ -5,8 +5,9 @@ import numpy as np
 from slopekit.analysis.assembly_scene import AssemblyScene
 from slopekit.arrays import Bools, Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.preie.parts import Part
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Failure, Part, block_sizes
+from slopekit.preie.ravelling import Failure, block_sizes
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
 _OPENS = 1e-5  # opening beyond this part of the fastest motion counts

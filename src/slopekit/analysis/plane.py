@@ -51,6 +51,8 @@ def analyse_plane(design: PlaneDesign) -> Result:
         loads = _loads(design, section)
     with clock("closed_form"):
         closed = _closed_form(design, section)
+    with clock("governs"):
+        governs = _governs(design)
     solved = solve(design, lambda refine: _scene(design, section, loads, refine), design.refine, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
     name = design.joint_name
@@ -69,7 +71,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
     return result(
         design, solved, status, against, section_geometry(section, name), forces,
         [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), seismic=loads.parts["seismic"],
-        governs=_governs(design), turn=_axes(design.face),
+        governs=governs, turn=_axes(design.face),
     )  # fmt: skip
 
 
@@ -84,9 +86,14 @@ def prepare(design: PlaneDesign, refine: int) -> Scene:
     return _scene(design, section, _loads(design, section), refine)
 
 
-def closed_form(design: PlaneDesign) -> ClosedFormPlane:
+def section_of(design: PlaneDesign) -> Section:
+    """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
+    return _section(design)
+
+
+def closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
     """The design by Hoek & Bray's plane failure."""
-    return _closed_form(design, _section(design))
+    return _closed_form(design, section)
 
 
 def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:

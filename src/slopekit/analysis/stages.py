@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
 from slopekit.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
@@ -29,7 +30,6 @@ from slopekit.result import (
     FactorsOfSafety,
     Forces,
     ModelSize,
-    Movement,
     NodePairState,
     ReductionStep,
     Result,
@@ -151,7 +151,7 @@ def solve(
         if design.criterion == "all-pairs" and limit.factor:
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
-        series = _series(model, design.factors, stiffness, bound)
+        series = series_of(model, design.factors, stiffness, bound)
     return Solved(scene, analysis, refined, change, bound, proved, at_rest, pairs, series)
 
 
@@ -210,9 +210,9 @@ def result(
         fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
         static_bound_proved=solved.proved, geometry=geometry, forces=forces, model=size,
-        mechanism=_turned(_mechanism(limit, model), turn),
+        mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
-            _turned_back(_movement(model, rest.displacement), turn), rest.failed_pairs, rest.residual
+            turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
@@ -221,7 +221,7 @@ def result(
             solved.scene.pairs.control_areas, frozen(limit.normal_force * model.force_scale),
         ),
         methods=methods or {},
-        series=tuple(replace(step, movement=_turned(step.movement, turn)) for step in solved.series),
+        series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=block_balance(model, analysis), timing_s=clock.done(),
     )  # fmt: skip
 
@@ -365,48 +365,3 @@ def water_forces(loads: Loads, names: Mapping[int, str]) -> dict[str, float]:
     """Size (kN) of the water's push on each face."""
     pushes = {name: loads.parts.get(f"water {face}", np.zeros(3)) for face, name in names.items()}
     return {name: math.sqrt(float(push @ push)) for name, push in pushes.items()}
-
-
-def _series(
-    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
-) -> tuple[ReductionStep, ...]:
-    """Rest at each factor, from one to the next; above the static bound there is none to look for."""
-    steps: list[ReductionStep] = []
-    standing: Equilibrium | None = None
-    count = len(model.control_area)
-    for factor in factors:
-        if bound is not None and factor > bound * (1.0 + 1e-7):
-            steps.append(ReductionStep(factor, False, None, count))
-            continue
-        state = equilibrium(model, factor, stiffness, standing)
-        if state.stands:
-            standing = state
-        movement = _movement(model, state.displacement) if state.stands else None
-        steps.append(ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count))
-    return tuple(steps)
-
-
-def _movement(model: Model, displacement: Floats) -> Movement:
-    translation, rotation = model.moved(displacement)
-    return Movement(frozen(translation), frozen(rotation))
-
-
-def _turned_back(movement: Movement, turn: Floats | None) -> Movement:
-    """A movement in the user's axes."""
-    if turn is None:
-        return movement
-    return Movement(frozen(movement.displacement @ turn), frozen(movement.rotation @ turn))
-
-
-def _turned(movement: Movement | None, turn: Floats | None) -> Movement | None:
-    return None if movement is None else _turned_back(movement, turn)
-
-
-def _mechanism(limit: Limit, model: Model) -> Movement | None:
-    """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
-    if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
-        return None
-    displacement, rotation = model.moved(limit.velocity_of(model))
-    rotation = rotation / model.length_scale
-    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
-    return Movement(frozen(displacement / size), frozen(rotation / size))

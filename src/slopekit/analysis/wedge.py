@@ -53,6 +53,7 @@ def analyse_wedge(design: WedgeDesign) -> Result:
         loads = _loads(design, rock, block)
     with clock("closed_form"):
         closed = closed_form(design)
+    with clock("governs"):
         governs = _governs(design, closed)
     solved = solve(design, lambda refine: _scene(design, block, loads, refine), design.refine, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1, J2))

@@ -99,7 +99,8 @@ class AssemblyModel:
         """What forces leave of the loads, (n, u), in parts of each block's load (at least 1e-6 of the largest)."""
         weights = np.sqrt((self.load * self.load).sum(axis=1))
         left: Floats = self.forces_on_blocks(normal, friction) + self.load
-        return left / np.maximum(weights, _LIGHTEST * float(weights.max()))[:, None]
+        parts: Floats = left / np.maximum(weights, _LIGHTEST * float(weights.max()))[:, None]
+        return parts
 
 
 def build_assembly(

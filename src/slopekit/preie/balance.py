@@ -80,7 +80,7 @@ def _balance(model: Model, limit: Limit, friction: Floats, pulls: Floats, factor
     over = np.concatenate([size - allowed, pulls - model.bolt_capacity / factor, -pulls])
     return Balance(
         factor, float(np.abs(out[:most]).max()), float(np.abs(out[most:]).max(initial=0.0)),
-        max(-float(normal.min()), 0.0) / max(float(np.abs(normal).mean()), 1e-300), max(float(over.max()), 0.0),
+        max(0.0, -float(normal.min())) / max(float(np.abs(normal).mean()), 1e-300), max(float(over.max()), 0.0),
         len(normal),
     )  # fmt: skip
 

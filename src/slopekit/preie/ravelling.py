@@ -18,12 +18,13 @@ from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.blocks import BlocksLimit, limit_of_blocks, with_bound
 from slopekit.preie.key_blocks import depths, slide_alone
 from slopekit.preie.model import JointStrength
+from slopekit.preie.parts import Part, chosen, split_contacts
 from slopekit.preie.passes import Outcome
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
@@ -34,44 +35,6 @@ _ROUGHLY, _ALIKE = 1.5e-2, 3.0  # how well the mechanism of many blocks is found
 _SMALL = 6  # blocks of a mechanism whose neighbours are tried
 _ALONE = 12  # so many of them
 _LAYER = 2e-3  # what another layer may change, in parts of the factor
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
-    """A solved component: its model, its limit, and how it was made small.
-
-    Attributes
-    ----------
-    blocks : (n,) indices in the assembly of the blocks that may move
-    free : (f,) those that its model lets move
-    patch : (k,) the assembly's patch of each contact of the model
-    held : blocks of the component held in place, and the layers set free; 0 and 0 where none is held
-    at_rest : blocks that the mechanism leaves at rest, and that were held when its factor was settled
-    change : what the last layer did to the factor, in parts of it
-    """
-
-    model: AssemblyModel
-    limit: BlocksLimit
-    blocks: Ints
-    free: Ints
-    patch: Ints
-    held: int = 0
-    layers: int = 0
-    change: float = 0.0
-    at_rest: int = 0
-
-    @property
-    def rank(self) -> float:
-        """Where it stands in the order of failure: what no strength holds comes first, what nothing drives last."""
-        if self.limit.outcome is Outcome.LIFTED:
-            return -1.0
-        if self.limit.outcome is Outcome.NOT_CONVERGED and self.limit.factor is None:
-            return -0.5  # it is not known to stand
-        if self.limit.outcome is Outcome.NO_STRENGTH:
-            return 0.0
-        if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
-            return math.inf
-        return self.limit.factor
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +97,7 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
     failures: list[Failure] = []
     ended = "count"
     while len(failures) < count:
+        parts = _refined(scene, parts)
         rank = min((part.rank for part in parts), default=math.inf)
         if rank == math.inf:
             ended = "stands" if parts else "gone"
@@ -187,18 +151,26 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
     )  # fmt: skip
 
 
-def finer_model(
-    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, part: Part, refine: int
-) -> AssemblyModel:
-    """The model of a part once more, its contacts with finer node pairs."""
-    kept = np.zeros(len(assembly.patches), dtype=bool)
-    kept[part.patch] = True
-    held = np.ones(len(assembly), dtype=bool)
-    held[part.free] = False
-    return build_assembly(
-        _chosen(assembly.patches, kept), held, assembly.centroids, loads.forces, loads.moments, strength,
-        assembly.in_section, refine=refine,
-    )  # fmt: skip
+def _refined(scene: "_Scene", parts: list[Part]) -> list[Part]:
+    """The parts, those that come first with finer node pairs where their mechanism opens contacts with cohesion.
+
+    How much of such a contact opens depends on its pairs; where none is lost, or nothing has cohesion, they do not
+    matter much (torsion, at most).
+    """
+    done: set[int] = set()
+    while True:
+        first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
+        if first is None or first in done:
+            return parts
+        done.add(first)
+        part = parts[first]
+        if not part.limit.factor or part.limit.outcome is not Outcome.SLIDES or part.limit.bond.all():
+            continue
+        parts = [
+            *parts[:first],
+            split_contacts(scene.assembly, scene.loads, scene.strength, part, scene.stop_when),
+            *parts[first + 1 :],
+        ]
 
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
@@ -239,7 +211,7 @@ def _model(scene: _Scene, gone: Bools, free: Ints, idle: bool) -> tuple[Assembly
     if not kept.any():
         return None
     model = build_assembly(
-        _chosen(patches, kept), held, assembly.centroids, scene.loads.forces, scene.loads.moments, scene.strength,
+        chosen(patches, kept), held, assembly.centroids, scene.loads.forces, scene.loads.moments, scene.strength,
         assembly.in_section,
     )  # fmt: skip
     return model, np.flatnonzero(kept)[model.patch]
@@ -308,15 +280,6 @@ def _bounded(scene: _Scene, there: Bools, part: Part) -> Part:
     """A part with its static bound."""
     found = _model(scene, ~there & ~scene.assembly.fixed, part.free, idle=True)
     return part if found is None else replace(part, limit=with_bound(found[0], part.limit))
-
-
-def _chosen(patches: Patches, kept: Bools) -> Patches:
-    counts = np.diff(patches.first)
-    first = np.concatenate([[0], np.cumsum(counts[kept])])
-    return Patches(
-        patches.plus[kept], patches.minus[kept], patches.joint[kept], patches.normals[kept], patches.areas[kept],
-        patches.centroids[kept], patches.corners[np.repeat(kept, counts)], first,
-    )  # fmt: skip
 
 
 def _in_layers(scene: _Scene, gone: Bools, blocks: Ints) -> Part:

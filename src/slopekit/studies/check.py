@@ -3,7 +3,7 @@
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
 >>> checked = sk.check(sk.load(wedge))
->>> checked.sound, checked.against
+>>> checked.consistent, checked.against
 (True, 'the closed form')
 """
 
@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Any
 
 from slopekit._version import __version__
@@ -21,9 +20,10 @@ from slopekit.result import Result
 from slopekit.studies.ladders import Rung, assembly_ladder, block_ladder, refines
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
-_ROUNDING = 1e-9
-_MOST_UNTIED = 400  # moving blocks for which the all-pairs factor is looked for
-_BOUND_SLACK = 1e-6  # the bound is bracketed to 1e-7 and proved to 1e-9
+_ALIKE = 1e-6  # factors that differ by less are one
+_BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
+_MOST_UNTIED = 100  # moving blocks for which the all-pairs factor is looked for: its search takes long
+_INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,32 +67,44 @@ class Check:
     reference: float | None
     against: str
     orders: tuple[float, ...]
-    cheapest: int | None
+    cheapest: int | None = field(compare=False)
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sound(self) -> bool:
-        """Whether nothing that was judged failed."""
-        return all(finding.met is not False for finding in self.findings)
+    def consistent(self) -> bool | None:
+        """Whether the number follows from the model; None where nothing independent of it could be judged.
+
+        It says nothing of whether the slope is stable, nor whether the model is the slope.
+        """
+        if any(finding.met is False for finding in self.findings) or self.result.exit_code == 4:
+            return False
+        held = any(finding.met and finding.name in _INDEPENDENT for finding in self.findings)
+        return True if held else None
 
     @property
     def exit_code(self) -> int:
-        """0 sound; 4 the methods disagree, or something that the number rests on does not hold."""
-        return 0 if self.sound and self.result.exit_code != 4 else 4
+        """0 done, 1 consistent but an acceptance rule is not met, 4 not consistent, or no convergence."""
+        if self.consistent is False:
+            return 4
+        return 1 if self.result.accepted is False else 0
 
     def to_dict(self) -> dict[str, Any]:
-        """The check as JSON values; times stand in a block of their own."""
-        result = self.result
+        """The check as JSON values; times, and what depends on them, stand in a block of their own."""
+        result = self.result.to_dict()
         return {
             "slopekit": __version__,
-            "kind": result.kind,
-            "title": result.design.title,
-            "input_sha256": result.design.input_hash(),
-            "status": result.status,
-            "fos": result.to_dict()["fos"],
-            "sound": self.sound,
-            "agree_within": result.design.agree_within,
+            "kind": result["kind"],
+            "title": result["title"],
+            "input_sha256": result["input_sha256"],
+            "status": result["status"],
+            "fos": result["fos"],
+            "methods": result["methods"],
+            "moments_govern": result["moments_govern"],
+            "accepted": result["accepted"],
+            "rules": result["rules"],
+            "consistent": self.consistent,
+            "agree_within": self.result.design.agree_within,
             "reference": {"value": self.reference, "what": self.against},
             "findings": [finding.to_dict() for finding in self.findings],
             "ladder": [
@@ -103,11 +115,11 @@ class Check:
                 for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
             "orders": list(self.orders),
-            "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
-            "balance": None if result.balance is None else result.balance.to_dict(),
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in result.warnings],
+            "balance": result["balance"],
+            "warnings": result["warnings"],
             "timing_s": {
                 "total": self.seconds,
+                "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
                 "ladder": [{"setting": rung.setting, "seconds": rung.seconds} for rung in self.ladder],
             },
         }  # fmt: skip
@@ -129,16 +141,16 @@ def check(design: Design) -> Check:
 
         result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
         ladder, unrefined = block_ladder(design, result) if result.fos.limit else (), ""
-    reference, against = _reference(result, ladder)
+    reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
     findings = tuple(_findings(result, ladder, orders, unrefined))
-    return Check(
-        result, ladder, errors, reference, against, orders, _cheapest(ladder, errors, design.agree_within), findings,
-        time.perf_counter() - began,
-    )  # fmt: skip
+    cheapest = None
+    if not any(finding.met is False for finding in findings):
+        cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
+    return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
 
 
 def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], str]:
@@ -157,36 +169,41 @@ def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], str]:
     return result, assembly_ladder(solved), ends
 
 
-def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str]:
-    """The closed form where it is compared, else the finest of our own."""
+def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:
+    """The closed form where it is compared, else the finest of our own, with its rung."""
     if result.fos.limit is None:
-        return None, "nothing: there is no factor of safety"
+        return None, "nothing: there is no factor of safety", None
     if result.agree is not None and not result.moments_govern and result.fos.closed_form is not None:
-        return result.fos.closed_form, "the closed form"
+        return result.fos.closed_form, "the closed form", None
     finest = [rung for rung in ladder if rung.method == "mesh" and rung.factor is not None]
     if finest:
-        return finest[-1].factor, f"the finest node pairs ({finest[-1].node_pairs})"
-    return result.fos.limit, "the settled limit"
+        return finest[-1].factor, f"the finest node pairs ({finest[-1].node_pairs})", finest[-1]
+    return result.fos.limit, "the settled limit", None
 
 
 def _orders(ladder: tuple[Rung, ...]) -> tuple[float, ...]:
     """log₂ of how much less each halving of the mesh changes the factor than the one before it."""
-    factors = [rung.factor for rung in ladder if rung.method == "mesh" and rung.factor is not None]
-    moves = [abs(b - a) for a, b in pairwise(factors)]
-    if not factors or max(moves, default=0.0) < _EXACT * factors[-1]:
-        return ()
-    return tuple(math.log2(a / b) for a, b in pairwise(moves) if min(a, b) > _EXACT * factors[-1])
+    factors = [rung.factor for rung in ladder if rung.method == "mesh"]
+    found = []
+    for a, b, c in zip(factors, factors[1:], factors[2:], strict=False):  # three neighbours: none is left out
+        if a is None or b is None or c is None or min(abs(b - a), abs(c - b)) <= _EXACT * c:
+            continue
+        found.append(math.log2(abs(b - a) / abs(c - b)))
+    return tuple(found)
 
 
-def _cheapest(ladder: tuple[Rung, ...], errors: tuple[float | None, ...], within: float) -> int | None:
+def _cheapest(
+    ladder: tuple[Rung, ...], errors: tuple[float | None, ...], within: float, own: Rung | None, moments_govern: bool
+) -> int | None:
+    """The quickest rung that is near enough: neither the reference itself, nor one that leaves out what governs."""
     fit, missed = list[int](), set[str]()
     for k in reversed(range(len(ladder))):  # from the most effort down: what passes only by the way does not count
-        error, method = errors[k], ladder[k].method
-        if method == "closed form":
+        error, rung = errors[k], ladder[k]
+        if rung is own or rung.method == "closed form" or (moments_govern and rung.method == "forces alone"):
             continue
         if error is None or error > within:
-            missed.add(method)
-        if method not in missed:
+            missed.add(rung.method)
+        if rung.method not in missed:
             fit.append(k)
     return min(fit, key=lambda k: ladder[k].seconds, default=None)
 
@@ -195,72 +212,87 @@ def _findings(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...
     design, fos = result.design, result.fos
     yield _agreement(result)
     if fos.limit is None:
-        yield Finding("factor of safety", None, None, result.status != "not_converged",
-                      f"none, by its status: {result.status_text}")  # fmt: skip
+        met = False if result.status == "not_converged" else None
+        yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
-    yield from _convergence(result, ladder, orders, unrefined)
+    yield _convergence(result, ladder, orders, unrefined)
     settled = result.model.residual <= design.stop_when
-    yield Finding("passes", result.model.residual, design.stop_when, settled,
-                  "change in the last pass (0: settled exactly)")  # fmt: skip
-    yield from _balance(result)
+    yield Finding("last pass", result.model.residual, design.stop_when, settled,
+                  "what it changed of the factor (0: solved exactly)")  # fmt: skip
+    yield from _balance(result, fos.limit)
     if fos.static_bound is None:
         yield Finding("static bound", None, None, None, "not found: nothing is said of limit <= bound")
     else:
         above = max(fos.limit / fos.static_bound - 1.0, 0.0)
-        proved = "proved" if result.static_bound_proved else "not proved"
-        yield Finding("static bound", above, _BOUND_SLACK, above <= _BOUND_SLACK,
-                      f"limit {fos.limit:.6g} <= bound {fos.static_bound:.6g} ({proved})")  # fmt: skip
-    if fos.all_pairs_failed is None:
-        why = "not looked for among so many blocks" if result.all_pairs is None else "the search found none"
-        yield Finding("all pairs failed", None, None, None, f"none: {why}")
+        words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g}: how far the limit lies above"
+        if not result.static_bound_proved:
+            words = f"limit {fos.limit:.6g}, bound {fos.static_bound:.6g} (not proved)"
+        yield Finding("static bound", above, _ALIKE, above <= _ALIKE if result.static_bound_proved else None, words)
+    if fos.all_pairs_failed is not None:
+        yield Finding("all pairs failed", fos.all_pairs_failed, None, None,
+                      f"the paper's criterion, no safety factor: {design.stiffness.in_words()}")  # fmt: skip
     else:
-        words = f"for {design.stiffness.in_words()}"
-        yield Finding("all pairs failed", fos.all_pairs_failed, None, None, words)
+        why = "not looked for among so many blocks" if result.all_pairs is None else (
+            "equilibrium on the elastic bed is lost before the last pair fails"
+        )  # fmt: skip
+        yield Finding("all pairs failed", None, None, None, why)
 
 
 def _agreement(result: Result) -> Finding:
     name, within = "closed form", result.design.agree_within
     if result.agree is None:
-        return Finding(name, None, None, None, "none to compare with: judged by node pairs and bound")
+        words = "there is none of this kind"
+        if result.fos.closed_form is not None:
+            words = f"{result.fos.closed_form:.6g}, not compared: see NOTE"
+        return Finding(name, None, None, None, words)
     if result.difference is None:
         words = "the same status from both" if result.agree else "statuses differ, or no convergence"
         return Finding(name, None, None, result.agree, words)
-    what = "forces alone, as it knows no moments" if result.moments_govern else "limit"
+    what = "forces alone (it knows no moments)" if result.moments_govern else "limit"
     return Finding(name, result.difference, within, result.agree, f"the {what} against the closed form")
 
 
-def _convergence(
-    result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], unrefined: str
-) -> Iterator[Finding]:
-    """Self-convergence: the limit against that of the finest node pairs."""
+def _convergence(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], unrefined: str) -> Finding:
+    """Self-convergence: how far the limit and the finest two meshes lie apart."""
     name, within = "node pairs", result.design.agree_within
     meshes = [rung for rung in ladder if rung.method == "mesh"]
     lost = sum(rung.factor is None for rung in meshes)
     if lost:
-        yield Finding(name, None, None, False, f"{lost} of {len(meshes)} meshes gave no factor")
-        return
-    if len(meshes) < 2:
-        yield Finding(name, None, None, None, unrefined or "no finer ones to compare with")
-        return
-    finest = meshes[-1].factor
-    off = abs((result.fos.limit or math.nan) / (finest or math.nan) - 1.0)
-    words = "finer ones leave the factor as it is"
-    if orders:
-        words = f"the limit against the finest; observed order {', '.join(f'{order:.1f}' for order in orders)}"
-    yield Finding(name, off, within, off <= within, words)
+        return Finding(name, None, None, False, f"{lost} of {len(meshes)} meshes gave no factor")
+    if unrefined or len(meshes) < 2:
+        return Finding(name, None, None, None, unrefined or "no finer ones to compare with")
+    finest, before = meshes[-1], meshes[-2]
+    if (finest.node_pairs or 0) <= result.model.node_pairs:
+        return Finding(
+            name, None, None, None, f"finer than {result.model.node_pairs} were not tried: they would take long"
+        )
+    limit, last, other = (value or math.nan for value in (result.fos.limit, finest.factor, before.factor))
+    off = max(abs(limit / last - 1.0), abs(other / last - 1.0))
+    shown = ", ".join(f"{order:.1f}" for order in orders)
+    if off > within:
+        words = "finer ones change the factor: it is not settled"
+    elif off < _EXACT:
+        words = "finer ones leave the factor as it is"
+    elif not orders or min(orders) <= 0.0:
+        words = "limit and last two meshes; they come closer in no order"
+    else:
+        words = f"limit and last two meshes; observed order {shown}"
+    return Finding(name, off, within, off <= within, words)
 
 
-def _balance(result: Result) -> Iterator[Finding]:
-    balance, wanted = result.balance, max(result.design.stop_when, _ROUNDING)
+def _balance(result: Result, limit: float) -> Iterator[Finding]:
+    balance = result.balance
     if balance is None:
-        yield Finding("balance", None, None, None, "no forces were kept of this limit: nothing to hold it against")
+        yield Finding("forces", None, None, None, "none were kept of this limit: nothing to hold it against")
         return
-    yield Finding("forces", balance.force, wanted, balance.force <= wanted,
+    yield Finding("forces", balance.force, _BALANCED, balance.force <= _BALANCED,
                   "unbalanced force of a block, in parts of its load")  # fmt: skip
-    yield Finding("moments", balance.moment, wanted, balance.moment <= wanted, "unbalanced moment, likewise")
+    yield Finding("moments", balance.moment, _BALANCED, balance.moment <= _BALANCED, "unbalanced moment, likewise")
     worst = max(balance.pull, balance.friction_excess)
-    at = "" if math.isclose(balance.factor, result.fos.limit or 0.0, rel_tol=1e-6) else (
-        f" (at F = {balance.factor:.4g}, so at the limit)"
-    )  # fmt: skip
-    yield Finding("admissible", worst, wanted, balance.admissible_within(wanted),
-                  f"all {balance.node_pairs} push, within their strength{at}")  # fmt: skip
+    yield Finding("admissible", worst, _BALANCED, balance.admissible_within(_BALANCED),
+                  f"of {balance.node_pairs} node pairs none pulls, none beyond its strength")  # fmt: skip
+    # admissible forces that balance at a factor prove that the blocks can be held at every lower one, not at a higher
+    short = max(1.0 - balance.factor / limit, 0.0)
+    above = balance.factor > limit * (1.0 + _ALIKE)
+    words = f"these forces hold at F = {balance.factor:.6g}" + (", above the limit: turning would add" if above else "")
+    yield Finding("holds at limit", short, _ALIKE, short <= _ALIKE, words)

@@ -5,7 +5,7 @@ Each rung is one way to a factor of safety with the time that it took. What the 
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -19,29 +19,30 @@ from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, GeometryError
 from slopekit.extents import SurfaceGeometry
-from slopekit.preie.blocks import BlocksLimit, limit_of_blocks
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.effort import passes_of_blocks
 from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages
 from slopekit.preie.model import Model
+from slopekit.preie.parts import finer_model
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Part, finer_model
 from slopekit.result import Result
 
 #: What rungs vary, in words.
 METHODS = {
-    "closed form": "the closed form",
-    "forces alone": "PRE-IE without turning",
+    "closed form": "closed form",
+    "forces alone": "forces alone, no turning",
     "passes": "plain passes, by their number",
-    "tolerance": "looser and tighter solutions",
-    "mesh": "the limit, by node pairs",
+    "tolerance": "plain passes, by their tolerance",
+    "mesh": "limit, by node pairs",
 }
 _PASSES = (1, 2, 3, 4, 6, 10, 16)
 _MOST_REFINED = 4
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
 _MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
-_TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
+_TOLERANCES, _TOLERANCE_PASSES, _TIGHT = (1e-1, 1e-2, 1e-3, 1e-5, 1e-7), 6, 1e-7  # of each pass of many blocks
 _SETTLED_PASSES = 12
 _STILL = 1e-13
 _SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
@@ -80,10 +81,10 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def block_ladder(design: Design, result: Result) -> tuple[Rung, ...]:
-    """The rungs of a design of one block that has a factor of safety."""
+    """The rungs of a design of one block that has a factor of safety; times are those of the solvers alone."""
     rungs: list[Rung] = []
     closed = _closed_form(design)
-    if closed is not None and result.fos.closed_form is not None:
+    if closed is not None and result.agree is not None and result.fos.closed_form is not None:
         found, seconds = timed(closed)
         rungs.append(Rung("closed form", "closed form", None, None, found.factor, seconds))
     prepare, refine, analyse = _stages(design)
@@ -94,7 +95,10 @@ def block_ladder(design: Design, result: Result) -> tuple[Rung, ...]:
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
     if not model.dilates:  # plain passes know no dilation
         rungs += _passes(model)
-    rungs += _surface_meshes(design, result) if isinstance(design, SurfaceDesign) else _meshes(prepare, refine, analyse)
+    if isinstance(design, SurfaceDesign):
+        rungs += _surface_meshes(design, result)
+    else:
+        rungs += _meshes(prepare, refine, max(_MOST_REFINED, result.model.refined + 1), analyse)
     return tuple(rungs)
 
 
@@ -102,15 +106,15 @@ def _closed_form(design: Design) -> Callable[[], Any] | None:
     if isinstance(design, WedgeDesign):
         from slopekit.analysis import wedge
 
-        return lambda: wedge.closed_form(design)
+        return partial(wedge.closed_form, design)
     if isinstance(design, PlaneDesign):
         from slopekit.analysis import plane
 
-        return lambda: plane.closed_form(design)
+        return partial(plane.closed_form, design, plane.section_of(design))
     if isinstance(design, FootingDesign):
         from slopekit.analysis import footing
 
-        return lambda: footing.closed_form(design)
+        return partial(footing.closed_form, design, footing.weight_of(design))
     return None
 
 
@@ -147,14 +151,22 @@ def _passes(model: Model) -> Iterator[Rung]:
     for end in range(1, len(COLD) + 1):
         stages = COLD[:end]
         factor, seconds = timed(partial(_passed, model, _SETTLED_PASSES, stages))
-        yield Rung("tolerance", f"overlap penalty {stages[-1][0]:.0e}", pairs, 1.0 / stages[-1][0], factor,
+        yield Rung("tolerance", f"12 passes, to {1.0 / stages[-1][0]:.0e}", pairs, 1.0 / stages[-1][0], factor,
                    seconds)  # fmt: skip
 
 
-def _meshes(prepare: Callable[[int], Scene], refine: int, analyse: Callable[[Model], LimitAnalysis]) -> Iterator[Rung]:
-    for level in range(refine, max(_MOST_REFINED, refine) + 1):
-        (pairs, factor), seconds = timed(partial(_solved, partial(prepare, level), analyse))
-        yield Rung("mesh", f"parts split {_often(level)}", pairs, level, factor, seconds)
+def _meshes(
+    prepare: Callable[[int], Scene], refine: int, most: int, analyse: Callable[[Model], LimitAnalysis]
+) -> Iterator[Rung]:
+    for level in range(refine, most + 1):
+        yield _limit_rung(prepare(level), analyse, f"parts split {_often(level)}", level)
+
+
+def _limit_rung(scene: Scene, analyse: Callable[[Model], LimitAnalysis], setting: str, level: int) -> Rung:
+    found, seconds = timed(partial(analyse, scene.model))
+    limit = found.governing
+    factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+    return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
 
 def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
@@ -168,21 +180,16 @@ def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
     for level, times in enumerate(_EDGES):
         if result.model.node_pairs / times**2 > _MOST_PAIRS:
             break
-        finer = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
+        other = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
         try:
-            (pairs, factor), seconds = timed(partial(_solved, partial(surface.prepare, finer), curved_limit_analysis))
+            scene = surface.prepare(other)
         except (DesignError, GeometryError):  # too coarse to cut this mass
             continue
-        if rungs and pairs == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
+        if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
-        rungs.append(Rung("mesh", f"edges of {times * geometry.edge_m:.3g} m", pairs, level, factor, seconds))
+        setting = f"edges of {times * geometry.edge_m:.3g} m"
+        rungs.append(_limit_rung(scene, curved_limit_analysis, setting, level))
     yield from rungs
-
-
-def _solved(prepare: Callable[[], Scene], analyse: Callable[[Model], LimitAnalysis]) -> tuple[int, float | None]:
-    scene = prepare()
-    limit = analyse(scene.model).governing
-    return len(scene.pairs), limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
 
 
 def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
@@ -193,26 +200,26 @@ def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
 
 def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
     result, scene, failures = solved.result, solved.scene, solved.ravelling.failures
-    if result.fos.closed_form is not None:
+    if result.agree is not None and result.fos.closed_form is not None:
         taken = result.timing_s["closed_form"]
         yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
     if not failures or not failures[0].limit.factor:
         return
     part = failures[0].parts[0]
-    yield from _block_passes(part)
+    yield from _block_passes(part.model, _TIGHT, _PASSES, "passes")
     for tolerance in _TOLERANCES:
-        limit, seconds = timed(partial(limit_of_blocks, part.model, tolerance, bounded=False))
-        yield Rung("tolerance", f"settled to {tolerance:g}", len(part.model.control_area), tolerance,
-                   _settled(limit), seconds)  # fmt: skip
-    if not refines(solved):
-        return
+        yield from _block_passes(part.model, tolerance, (_TOLERANCE_PASSES,), "tolerance")
     strength = joint_strength(scene.strengths)
-    for level in range(3):
-        model = finer_model(scene.assembly, solved.loads, strength, part, level)
+    for level in range(3 if refines(solved) else 1):
+        model = part.model
+        if refines(solved):
+            model = finer_model(scene.assembly, solved.loads, strength, part, level)
         if level and len(model.control_area) > _MOST_PAIRS:
             break
         limit, seconds = timed(partial(limit_of_blocks, model, result.design.stop_when, bounded=False))
-        yield Rung("mesh", f"parts split {_often(level)}", len(model.control_area), level, _settled(limit), seconds)
+        setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
+        factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+        yield Rung("mesh", setting, len(model.control_area), level, factor, seconds)
 
 
 def refines(solved: SolvedAssembly) -> bool:
@@ -221,18 +228,17 @@ def refines(solved: SolvedAssembly) -> bool:
     return not scene.assembly.in_section or any(strength.cohesion_kpa for strength in scene.strengths)
 
 
-def _settled(limit: BlocksLimit) -> float | None:
-    return limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
-
-
-def _block_passes(part: Part) -> Iterator[Rung]:
-    pairs, before = len(part.model.control_area), math.inf
+def _block_passes(model: AssemblyModel, tolerance: float, counts: Sequence[int], method: str) -> Iterator[Rung]:
+    pairs, before = len(model.control_area), math.inf
     began = time.perf_counter()
-    for count, factor in enumerate(passes_of_blocks(part.model), 1):
+    for count, factor in enumerate(passes_of_blocks(model, tolerance), 1):
         seconds = time.perf_counter() - began
-        if count in _PASSES:
-            yield Rung("passes", _times(count, "pass", "passes"), pairs, count, factor, seconds)
-        if count >= _PASSES[-1] or abs(factor / before - 1.0) < _STILL:
+        if count in counts:
+            setting, effort = _times(count, "pass", "passes"), float(count)
+            if method == "tolerance":
+                setting, effort = f"{setting}, each to {tolerance:.0e}", tolerance
+            yield Rung(method, setting, pairs, effort, factor, seconds)
+        if count >= counts[-1] or abs(factor / before - 1.0) < _STILL:
             return
         before = factor
 

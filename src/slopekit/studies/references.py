@@ -13,7 +13,7 @@ from typing import Any
 
 from slopekit.errors import DesignError, Fault
 
-#: What a row can hold against its reference, and its unit.
+#: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {
     "limit": "PRE-IE limit",
     "closed_form": "closed form",
@@ -25,15 +25,22 @@ QUANTITIES: Mapping[str, str] = {
     "bishop": "Bishop",
     "all_equilibrium": "all equilibrium",
     "critical_friction_deg": "critical φ, °",
-    "column_force_kn": "P of column",
+    "column_force_kn": "P of column {of}, kN",
     "toe_force_kn": "toe force, kN",
-    "failed_pairs": "failed pairs at",
-    "displacement_x_mm": "x in mm at",
-    "displacement_z_mm": "z in mm at",
+    "failed_pairs": "failed pairs at {of}",
+    "displacement_x_mm": "x at {of}, mm",
+    "displacement_z_mm": "z at {of}, mm",
     "volume_m3": "volume, m³",
     "weight_kn": "weight, kN",
     "status": "status",
 }
+#: Quantities that are factors of safety.
+FACTORS = (
+    "limit", "closed_form", "static_bound", "all_pairs_failed", "forces_only", "fellenius", "janbu", "bishop",
+    "all_equilibrium",
+)  # fmt: skip
+#: Sources that are the project's own lists and code, written apart from slopekit.
+OWN_SOURCES = ("cases", "prototype", "lem", "exact", "conic")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +50,8 @@ class Reference:
     Attributes
     ----------
     quantity : a key of `QUANTITIES`; of : the column, reduction factor or friction angle (degrees) that it is meant for
-    published : as printed, so that its digits count
+    confidence : of the source and of the inputs, whatever slopekit gives: a mark from A to D, and words
+    published : as printed, so that its digits count; of the project's own sources only a status
     exact : recomputed or exact value; formula : how, in words or symbols
     tolerance : relative to the exact value, or to the published one where there is no other
     not_judged : why the row is shown but not judged; empty where it is judged
@@ -59,6 +67,21 @@ class Reference:
     tolerance: float | None = None
     why: str = ""
     not_judged: str = ""
+
+    @property
+    def own(self) -> bool:
+        """Whether the value comes from the project's own lists or code."""
+        return self.source in OWN_SOURCES
+
+    @property
+    def printed(self) -> str | None:
+        """The value as somebody else printed it."""
+        return None if self.own else self.published
+
+    @property
+    def is_factor(self) -> bool:
+        """Whether the quantity is a factor of safety."""
+        return self.quantity in FACTORS
 
 
 @dataclass(frozen=True, slots=True)

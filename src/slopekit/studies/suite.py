@@ -24,26 +24,6 @@ from slopekit.studies.references import Case, Reference, chosen, document, half_
 
 #: Called with the number of cases done and the number of all.
 Progress = Callable[[int, int], None]
-#: What a row can hold against its reference, and its unit.
-QUANTITIES: Mapping[str, str] = {
-    "limit": "PRE-IE limit",
-    "closed_form": "closed form",
-    "static_bound": "static bound",
-    "all_pairs_failed": "all pairs failed",
-    "forces_only": "PRE-IE, forces only",
-    "fellenius": "Fellenius",
-    "janbu": "Janbu",
-    "bishop": "Bishop",
-    "all_equilibrium": "all equilibrium",
-    "critical_friction_deg": "critical φ, °",
-    "column_force_kn": "P of column, kN",
-    "failed_pairs": "failed pairs at",
-    "displacement_x_mm": "x in mm at",
-    "displacement_z_mm": "z in mm at",
-    "volume_m3": "volume, m³",
-    "weight_kn": "weight, kN",
-    "status": "status",
-}
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
 _VERSIONS_OF = ("numpy", "scipy", "clarabel", "manifold3d")
@@ -142,6 +122,31 @@ class Verification:
         }
 
     @property
+    def judged_by(self) -> dict[str, int]:
+        """What the judged rows are held against: the first, `own` and `recomputed` make up all of them.
+
+        `published` has a printed value of somebody else, `published_alone` no closer value beside it, and
+        `published_inferred` inputs that were inferred; `own` comes from the project's own lists and other code, and
+        `recomputed` from a source's formula, or to more digits from the tests of another program.
+        """
+        judged = [row.reference for row in self.rows if row.ok is not None]
+        published = [one for one in judged if one.printed is not None]
+        own = sum(one.own for one in judged)
+        return {
+            "published": len(published),
+            "published_alone": sum(one.exact is None for one in published),
+            "published_inferred": sum(one.confidence.startswith("D") for one in published),
+            "own": own,
+            "recomputed": len(judged) - len(published) - own,
+        }
+
+    @property
+    def unmet(self) -> tuple[Row, ...]:
+        """Rows that are not judged and have a published factor of safety, from the lowest error to the highest."""
+        rows = [row for row in self.not_judged if row.reference.printed is not None and row.error is not None]
+        return tuple(sorted((row for row in rows if row.reference.is_factor), key=lambda row: row.error or 0.0))
+
+    @property
     def exit_code(self) -> int:
         """0 where every judged row is within its tolerance, else 4: the methods disagree."""
         return 4 if self.failed else 0
@@ -151,6 +156,7 @@ class Verification:
         return {
             "slopekit": __version__,
             "counts": self.counts,
+            "judged_by": self.judged_by,
             "exit_code": self.exit_code,
             "sources": dict(self.sources),
             "rows": [row.to_dict() for row in self.rows],

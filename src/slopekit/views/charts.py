@@ -1,6 +1,7 @@
 """Charts (matplotlib, off-screen): error against time, error along a sweep. Needs the extra `plot`."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +15,9 @@ _COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
 #: Where a label may stand beside its point, in points, best first.
 _BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
+#: A line of the legend, in letters of its size: all of it, and what marker and gap take of an entry.
+_LINE, _HANDLE = 125, 7
+_OPEN = "open: no error to 16 digits"
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
 
 
@@ -28,6 +32,7 @@ class Curve:
     errors : (n,) relative errors, 0 where there is none to see
     labels : (n,) what to write beside the points, or nothing
     joined : whether a line joins the points
+    crossed : (n,) points to draw as crosses in place of the marker, or nothing
     """
 
     name: str
@@ -35,6 +40,7 @@ class Curve:
     errors: Sequence[float]
     labels: Sequence[str] = ()
     joined: bool = True
+    crossed: Sequence[bool] = ()
 
 
 def speed_error_chart(
@@ -51,7 +57,7 @@ def speed_error_chart(
     Raises
     ------
     DesignError
-        E140 where matplotlib is not installed.
+        E140 where matplotlib is not installed, E273 without a point to draw.
     """
 
     def dress(axes: Any) -> None:
@@ -67,7 +73,8 @@ def speed_error_chart(
 
 def sweep_chart(
     curves: Sequence[Curve], path: Path, title: str, label: str, *, tolerance: float | None = None,
-    logarithmic: bool = True, jumps: Sequence[tuple[float, str]] = (),
+    logarithmic: bool = True, jumps: Sequence[tuple[float, str]] = (), errors: str = "of the factor of safety",
+    tolerances: Sequence[tuple[float, str]] = (), crosses: str = "",
 ) -> None:  # fmt: skip
     """Error along a sweep of one parameter, written as a PNG.
 
@@ -77,20 +84,29 @@ def sweep_chart(
     tolerance : drawn as a line
     logarithmic : of the parameter; the error always is
     jumps : (where, what) of places where the answer jumps, drawn as upright lines
+    errors : what the errors are relative errors of
+    tolerances : (tolerance, for what) where there is more than one
+    crosses : what a cross means, for the legend
 
     Raises
     ------
     DesignError
-        E140 where matplotlib is not installed.
+        E140 where matplotlib is not installed, E273 without a point to draw.
     """
+    lines = [*tolerances, *([] if tolerance is None else [(tolerance, "")])]
 
     def dress(axes: Any) -> None:
         axes.set_xlabel(label)
-        axes.set_ylabel("relative error of the factor of safety")
+        axes.set_ylabel(f"relative error {errors}")
         if not logarithmic:
             axes.set_xscale("linear")
-        if tolerance is not None:
-            axes.axhline(tolerance, color="#888888", linestyle="--", linewidth=1.0)
+        for size, of in lines:
+            axes.axhline(size, color="#888888", linestyle="--", linewidth=1.0)
+            text = f"tolerance {in_short(size)}" + (f": {of}" if of else "")
+            axes.annotate(
+                text, (0.995, size), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8,
+                color="#555555", bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+            )  # fmt: skip
         for where, what in jumps:
             axes.axvline(where, color="#c0392b", linestyle=":", linewidth=1.2)
             axes.annotate(
@@ -99,10 +115,27 @@ def sweep_chart(
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
             )  # fmt: skip
 
-    _chart(curves, path, title, dress)
+    _chart(curves, path, title, dress, logarithmic=logarithmic, sizes=(9.5, 5.0), crosses=crosses)
 
 
-def _chart(curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any], None]) -> None:
+def in_short(size: float) -> str:
+    """A power of ten as people write it.
+
+    >>> in_short(1e-9), in_short(2e-6), in_short(0.0005)
+    ('1e-9', '2e-6', '0.0005')
+    """
+    return f"{size:g}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def _chart(
+    curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
+    sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
+) -> None:  # fmt: skip
+    """Draw; `sizes` of the first and the last marker, so that a curve below another can be seen."""
+    points = [point for curve in curves for point in zip(curve.at, curve.errors, strict=True)]
+    if not any(math.isfinite(x + error) and (x > 0.0 or not logarithmic) for x, error in points):
+        message = "there is nothing to draw: no curve has a point"
+        raise DesignError([Fault("E273", message, str(path), "Give at least one curve with one point.")])
     try:
         import matplotlib as mpl
     except ImportError:
@@ -117,38 +150,59 @@ def _chart(curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    names = list(dict.fromkeys(curve.name for curve in curves))
+    names = list(dict.fromkeys(curve.name for curve in curves if len(curve.at)))
+    first, last = sizes
+    size_of = [first + (last - first) * k / max(1, len(names) - 1) for k in range(len(names))]
     labels: list[tuple[float, float, str, str]] = []
     for curve in curves:
+        if not len(curve.at):
+            continue
         k = names.index(curve.name)
         colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
         drawn = [max(abs(error), FLOOR) for error in curve.errors]
         style = "-" if curve.joined else "none"
         axes.plot(curve.at, drawn, color=colour, linestyle=style, linewidth=1.2, alpha=0.8)
-        for x, error, y in zip(curve.at, curve.errors, drawn, strict=True):
+        crossed = curve.crossed or [False] * len(drawn)
+        for x, error, y, cross in zip(curve.at, curve.errors, drawn, crossed, strict=True):
             face = colour if abs(error) > FLOOR else "white"
-            axes.plot([x], [y], marker=marker, color=colour, markerfacecolor=face, markersize=6.5, linestyle="none")
+            shape, edge = ("x", 1.5) if cross else (marker, 1.0)
+            axes.plot([x], [y], marker=shape, color=colour, markerfacecolor=face, markersize=size_of[k],
+                      markeredgewidth=edge, linestyle="none")  # fmt: skip
         labels += [(x, y, text, colour) for x, y, text in zip(curve.at, drawn, curve.labels, strict=False) if text]
     for k, name in enumerate(names):
         style = "-" if any(curve.joined and len(curve.at) > 1 for curve in curves if curve.name == name) else "none"
         colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
-        axes.plot([], [], color=colour, marker=marker, linestyle=style, label=name)
+        axes.plot([], [], color=colour, marker=marker, markersize=size_of[k], linestyle=style, label=name)
+    entries = list(names)
+    if crosses and any(any(curve.crossed) for curve in curves):
+        axes.plot([], [], color="#4d4d4d", marker="x", markeredgewidth=1.5, linestyle="none", label=crosses)
+        entries.append(crosses)
+    bare = any(abs(error) <= FLOOR for _, error in points)
+    if bare:
+        axes.plot([], [], color="#4d4d4d", marker="o", markerfacecolor="white", linestyle="none", label=_OPEN)
+        entries.append(_OPEN)
     dress(axes)
     axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
     axes.set_axisbelow(True)
     axes.set_title(title, fontsize=11)
     low, high = axes.get_ylim()
-    axes.set_ylim(min(low, FLOOR / 2.0) if any(abs(e) <= FLOOR for c in curves for e in c.errors) else low, high * 2.0)
+    axes.set_ylim(min(low, FLOOR / 2.0) if bare else low, high * 2.0)
     axes.margins(x=0.08)
-    figure.legend(
-        fontsize=8.5,
-        loc="outside lower center",
-        ncols=max(1, min(len(names), 110 // (7 + max(map(len, names), default=1)))),
-        frameon=False,
-    )
+    figure.legend(fontsize=8.5, loc="outside lower center", ncols=_columns(map(len, entries)), frameon=False)
     figure.draw_without_rendering()  # the layout settles where points and labels come to lie
     _write_labels(figure, axes, labels, curves)
     figure.savefig(path)
+
+
+def _columns(letters: Iterable[int]) -> int:
+    """Into how many columns entries of so many letters go; the first columns hold one entry more than the last."""
+    widths = [_HANDLE + many for many in letters]
+    for columns in range(len(widths), 1, -1):
+        rows, longer = divmod(len(widths), columns)
+        ends = [rows * k + min(k, longer) for k in range(columns + 1)]
+        if sum(max(widths[begin:end]) for begin, end in pairwise(ends)) <= _LINE:
+            return columns
+    return 1
 
 
 def _write_labels(

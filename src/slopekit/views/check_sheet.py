@@ -1,12 +1,15 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
+import textwrap
+from importlib.util import find_spec
 from pathlib import Path
 
 from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault
 from slopekit.studies.check import Check, Finding
 from slopekit.studies.ladders import METHODS, Rung
 from slopekit.views.charts import Curve, speed_error_chart
-from slopekit.views.entries import block, factor_text
+from slopekit.views.entries import LABEL, WIDTH, accept, block, factor_text, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
 
@@ -16,13 +19,16 @@ def check_sheet(checked: Check) -> str:
     result = checked.result
     design = result.design
     title = f"   {design.title}" if design.title else ""
-    lines = [f"slopekit {__version__}   check   {result.kind}   sha {design.input_hash()[:6]}{title}"]
+    head = f"slopekit {__version__}   check   {result.kind}   sha {design.input_hash()[:6]}{title}"
+    lines = textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
     lines += block("STATUS", [result.status_text])
     lines += block("FoS", _factors(checked))
     lines += block("LOOKED AT", [_finding(finding) for finding in checked.findings], hang=42)
+    lines += block("COLUMNS", methods(result))
     lines += block("LADDER", _ladder(checked))
     lines += block("CHEAPEST", _cheapest(checked))
-    lines += block("VERDICT", [_verdict(checked)])
+    lines += block("ACCEPT", accept(result))
+    lines += block("VERDICT", [_verdict(checked), _MEANING])
     lines += block("NOTE", [str(notice) for notice in result.warnings])
     return "\n".join(lines)
 
@@ -36,6 +42,8 @@ def check_picture(checked: Check, path: Path) -> None:
         E140 where matplotlib is not installed.
     """
     curves = []
+    if checked.reference is None:
+        raise DesignError([Fault("E273", "there is nothing to draw: the design has no factor of safety", str(path))])
     own = None if checked.against == "the closed form" else checked.reference  # a rung against itself has no error
     for method in METHODS:
         drawn = [
@@ -56,12 +64,20 @@ def check_picture(checked: Check, path: Path) -> None:
     speed_error_chart(curves, path, title, wanted=result.design.agree_within, against=checked.against)
 
 
+def require_matplotlib(path: Path) -> None:
+    """Raise E140 where no picture can be drawn, before the work is done."""
+    if find_spec("matplotlib") is None:
+        advice = "In slopekit's folder: pip install '.[plot]'"
+        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)])
+
+
 def check_line(checked: Check) -> str:
     """The verdict on one line."""
     fos = checked.result.fos.limit
     factor = "none" if fos is None else f"{fos:.4f}"
     codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
-    return "  ".join([checked.result.status, factor, _verdict(checked), *codes])
+    met = [] if checked.result.accepted is None else ["met" if checked.result.accepted else "not met"]
+    return "  ".join([checked.result.status, factor, *met, _verdict(checked), *codes])
 
 
 def _label(rung: Rung) -> str:
@@ -78,9 +94,19 @@ def _factors(checked: Check) -> list[str]:
         (fos.limit, "limit, PRE-IE"),
         (fos.closed_form, "closed form"),
         (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
-        (fos.all_pairs_failed, "all pairs failed (the paper's criterion)"),
     ]
-    return [f"{factor_text(value)}  {name}" for value, name in named]
+    lines = [f"{factor_text(value)}  {name}" for value, name in named]
+    if checked.result.moments_govern:
+        lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
+    if checked.result.kind == "surface" and fos.limit is not None:
+        lines.append(
+            "on a curved surface equilibrium alone does not fix the factor: this is that of a rigid mass on an even "
+            "elastic bed; judge by all that is given"
+        )
+    if checked.result.findings is not None and fos.limit is not None:
+        moving = len(checked.result.findings.mechanisms[0].blocks)
+        lines.append(f"{moving} of {checked.result.model.moving_blocks} blocks move; the ladder is that of their group")
+    return lines
 
 
 def _finding(finding: Finding) -> str:
@@ -95,9 +121,12 @@ def _ladder(checked: Check) -> list[str]:
     if not checked.ladder:
         return ["none: there is no factor of safety to come near to"]
     base = next((rung.seconds for rung in checked.ladder if rung.method == "closed form"), None)
-    than = "closed form" if base is not None else "cheapest"
+    than = "closed form" if base is not None else "quickest"
     base = min(rung.seconds for rung in checked.ladder) if base is None else base
-    lines = [f"errors against {checked.against} ({checked.reference:.10g}); times as multiples of the {than}"]
+    lines = [
+        f"relative errors against {checked.against} ({checked.reference:.10g}); solver times of this run, as multiples "
+        f"of the {than}'s; plain passes start cold and keep every bond, the limit lets go what opens"
+    ]
     lines.append(f"{'method':<13}{'setting':<23}{'pairs':>6}{'F':>13}{'error':>9}{'ms':>10} {'times':>9}")
     said = ""
     for rung, error in zip(checked.ladder, checked.errors, strict=True):
@@ -117,20 +146,29 @@ def _brief(value: float) -> str:
 
 
 def _cheapest(checked: Check) -> list[str]:
-    within = checked.result.design.agree_within * 100
+    within = f"{checked.result.design.agree_within * 100:g} %, agree_within"
     if checked.cheapest is None:
-        return [f"no setting comes within {within:g} %"] if checked.ladder else []
+        return [f"no setting that may be used comes within {within}"] if checked.ladder else []
     rung, error = checked.ladder[checked.cheapest], checked.errors[checked.cheapest]
-    return [
-        f"{rung.method}, {rung.setting}: {rung.seconds * 1e3:.3g} ms for an error of {error:.1e} (wanted {within:g} %)"
-    ]
+    return [f"{rung.method}, {rung.setting}: {_brief(rung.seconds * 1e3)} ms, error {error:.1e} (wanted {within})"]
 
 
 def _verdict(checked: Check) -> str:
     judged = [finding for finding in checked.findings if finding.met is not None]
     failed = [finding.name for finding in judged if not finding.met]
-    open_ = [finding.name for finding in checked.findings if finding.met is None and finding.wanted is None]
+    open_ = [finding.name for finding in checked.findings if finding.met is None and finding.name != "all pairs failed"]
     left = f"; not judged: {', '.join(open_)}" if open_ else ""
     if failed:
-        return f"NOT SOUND: {', '.join(failed)} ({len(failed)} of {len(judged)}){left}"
-    return f"SOUND: all {len(judged)} that were judged hold{left}"
+        counted = f"{', '.join(failed)} ({len(failed)} of {len(judged)})"
+        return f"NOT CONSISTENT: {counted}{left}. Do not use the factor before the reason is known"
+    if checked.consistent is False:
+        return f"NOT CONSISTENT: the methods disagree, or no convergence{left}"
+    if checked.consistent is None:
+        return f"NOT JUDGED: nothing independent to hold it against{left}"
+    return f"CONSISTENT: all {len(judged)} that were judged are met{left}"
+
+
+_MEANING = (
+    "consistent says that the number follows from the model; whether the slope is stable, ACCEPT and the factor say, "
+    "whether the model is the slope, no program"
+)
