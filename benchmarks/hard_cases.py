@@ -1,7 +1,8 @@
 """The hard cases as curves: docs/hard-cases.json, docs/hard-cases.md and docs/images/hard-*.png.
 
-Run by hand: ``python -m benchmarks.hard_cases`` (ten to fifteen minutes; with names of pictures only
-these again, with ``none`` only the page and the pictures). The tests take a few points of each curve.
+Run by hand: ``python -m benchmarks.hard_cases`` (ten to fifteen minutes). Words after it choose what is computed again,
+pictures by their names (``water``) and ``jumps``; the rest stays as on file. ``pictures`` computes nothing: the page
+and the pictures from the points on file. The tests take a few points of each curve.
 """
 
 import json
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from slopekit import __version__
-from slopekit.views.charts import Curve, sweep_chart
+from slopekit.views.charts import Curve, in_short, sweep_chart
 from tests.hard_cases.catalogue import SWEEPS
 from tests.hard_cases.jumps import JUMPS, Jump, Located, located
 from tests.hard_cases.sweeps import NO_DRIVE, Point, Sweep, verdict, walk
@@ -38,9 +39,36 @@ SHOWN = {
               ("paper's wedge, water on both", "lifted: symmetric wedge"), ("plane, water", "lifted: plane"),
               ("block on wet ground", "block tips")),
     "facing": (("wedge, dip direction of J2", "J2 comes into contact"),),
-    "seismic": (("steep wedge", "wedge is lifted"),),
-    "pull": (("paper's wedge pulled uphill", "wedge: sliding reverses"),),
+    "seismic": (("steep wedge", "steep wedge is lifted"), ("plane, earthquake: it is", "plane is lifted")),
+    "pull": (("paper's wedge pulled uphill", "wedge: sliding reverses"),
+             ("plane pulled uphill", "plane: sliding reverses")),
 }  # fmt: skip
+#: Jumps whose parameter is not that of their picture, by the beginning of their names: what to multiply it with.
+IN_PICTURE = {"plane pulled uphill": 1.0 / 1835.0}
+COMPARED = {"factor": "limit", "volume": "volume", "coordinates": "corners"}
+#: What the errors of a picture are errors of, and what is written below it.
+ERRORS = {"factor": "factor of safety", "volume": "volume", "coordinates": "corners"}
+ALONE = "forces alone; moments govern the limit"
+BRACKET = 1e-5  # of the search for the all-pairs factor
+ALL_PAIRS = "1 - all-pairs/limit"
+WORDS = {
+    "aspect": """What the aspect is:
+
+- long wedge: the line of intersection meets the upper slope that many times as far away as on level ground.
+- thin wedge: the line of intersection plunges 0.5/aspect (radians) less than the face dips.
+- long plane: the upper slope dips 20°/aspect less than the joint (35°), which it would never meet if parallel.
+- thin plane: the joint dips 25°/aspect less than the face (60°).
+- long plate: a plate that many metres long and 1 m thick; slender column: that many metres high and 1 m wide, leaning
+  half as far as tips it; stack of six plates: each 30 times that long, in metres, and 1 m thick.
+- bench: 30 m times that long, the third spacing 14 m times that.
+""",
+    "stiffness": """The limit does not depend on the stiffness; the factor at which all node pairs have failed (the
+paper's criterion) does. That is the upper end of a bracket 1e-5 wide: distances to the limit below 1e-5 are not drawn.
+The plane's is never as far off.
+""",
+    "seismic": """From 0.75 (steep wedge) and 1.05 (plane) on the block topples before it slides, and there is no limit.
+""",
+}
 
 
 @dataclass(frozen=True)
@@ -61,24 +89,34 @@ class Walked:
             **{key: [row[key] for row in rows] for key in rows[0]},
         }  # fmt: skip
 
-    def worst(self) -> tuple[float, float] | None:
-        """Largest error and where it is."""
-        errors = [(found.error, found.value) for found in self.points if found.error is not None]
+    def worst(self, *, governed: bool = False) -> tuple[float, float] | None:
+        """Largest error and where it is: of what is compared, or of the forces alone where moments govern the limit."""
+        errors = [
+            (found.error, found.value) for found in self.points
+            if found.error is not None and self.governed(found) == governed
+        ]  # fmt: skip
         return max(errors) if errors else None
+
+    def governed(self, found: Point) -> bool:
+        """Whether the error of a point is that of the forces alone, because moments govern its limit."""
+        return self.sweep.quantity == "factor" and found.below is not None
 
     def row(self) -> str:
         """The sweep as a line of the table."""
-        sweep, worst = self.sweep, self.worst()
+        sweep = self.sweep
         low, high = min(sweep.values), max(sweep.values)
-        largest, where = ("none", "") if worst is None else (f"{worst[0]:.1e}", f"{worst[1]:.4g}")
+        largest, alone = self.worst(), self.worst(governed=True)
         statuses = Counter(found.status or found.refused for found in self.points)
         lost = [found.value for found in self.points if found.status == "not_converged"]
         said = f"{len(lost)}" + (": " + ", ".join(f"{value:.4g}" for value in lost) if lost else "")
         met = ", ".join(f"{name} {count}" for name, count in statuses.most_common())
-        below = sum(verdict(sweep, found) == "below" for found in self.points)
         name = f"[{sweep.name}](images/hard-{sweep.picture}.png)"
-        cells = (name, sweep.kind, sweep.label, f"{low:.4g} to {high:.4g}", largest, where, f"{sweep.tolerance[0]:g}",
-                 met, below, said)  # fmt: skip
+        cells = (
+            name, sweep.kind, sweep.label, f"{low:.4g} to {high:.4g}", COMPARED[sweep.quantity],
+            *(("none", "") if largest is None else (f"{largest[0]:.1e}", f"{largest[1]:.4g}")),
+            in_short(sweep.tolerance[0]), met, sum(self.governed(found) for found in self.points),
+            "" if alone is None else f"{alone[0]:.1e}", said,
+        )  # fmt: skip
         return f"| {' | '.join(str(cell) for cell in cells)} |"
 
 
@@ -86,32 +124,50 @@ def draw(picture: str, walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Loca
     """One chart: the errors along all sweeps that share a parameter."""
     curves: list[Curve] = []
     for one in walks:
-        curves += _curves(one.sweep.name, one.sweep, [(found.value, found.error) for found in one.points])
+        curves += _curves(one.sweep.name, one.sweep, [(x.value, x.error, one.governed(x)) for x in one.points])
+    quantities = dict.fromkeys(one.sweep.quantity for one in walks)
+    errors = "of the " + ", ".join(ERRORS[quantity] for quantity in quantities)
+    if len(quantities) > 1:
+        errors += " (as named)"
     if picture == "stiffness":
+        errors = f"of the limit; {ALL_PAIRS} (as named)"
         for one in walks:
-            failed = [(found.value, found.all_pairs, found.limit) for found in one.points]
-            below = [(value, max(1.0 - pairs / limit, 0.0)) for value, pairs, limit in failed if pairs and limit]
-            curves += _curves(f"{one.sweep.name}: 1 - all-pairs factor / limit", one.sweep, below)
+            failed = [(x.value, 1.0 - x.all_pairs / x.limit) for x in one.points if x.all_pairs and x.limit]
+            below = [(value, distance, False) for value, distance in failed if distance > BRACKET]
+            curves += _curves(f"{one.sweep.name}: {ALL_PAIRS}", one.sweep, below)
     shown = [
-        (found.exact_place, text) for start, text in SHOWN.get(picture, ()) for jump, found in jumps
-        if jump.name.startswith(start)
+        (found.exact_place * _in_picture(jump), text) for start, text in SHOWN.get(picture, ())
+        for jump, found in jumps if jump.name.startswith(start)
     ]  # fmt: skip
     sweep = walks[0].sweep
-    labels = list(dict.fromkeys(one.sweep.label for one in walks))
     sweep_chart(
-        curves, DOCS / "images" / f"hard-{picture}.png", TITLES[picture], labels[0], logarithmic=sweep.logarithmic,
-        jumps=shown, tolerance=max(one.sweep.tolerance[0] for one in walks),
+        curves, DOCS / "images" / f"hard-{picture}.png", TITLES[picture], sweep.label, logarithmic=sweep.logarithmic,
+        jumps=shown, errors=errors, tolerances=_tolerances([one.sweep for one in walks]), crosses=ALONE,
     )  # fmt: skip
 
 
-def _curves(name: str, sweep: Sweep, points: Iterable[tuple[float, float | None]]) -> list[Curve]:
-    """The pieces of a curve between the points that have no number."""
+def _in_picture(jump: Jump) -> float:
+    return next((factor for start, factor in IN_PICTURE.items() if jump.name.startswith(start)), 1.0)
+
+
+def _tolerances(sweeps: Sequence[Sweep]) -> list[tuple[float, str]]:
+    """Each tolerance with the names of its curves; those of most curves are the others."""
+    names: dict[float, list[str]] = {}
+    for sweep in sweeps:
+        names.setdefault(sweep.tolerance[0], []).append(sweep.name)
+    most = max(names, key=lambda size: len(names[size]))
+    others = "" if len(names) == 1 else "the others" if len(names[most]) > 1 else names[most][0]
+    return [(size, others if size == most else "; ".join(of)) for size, of in names.items()]
+
+
+def _curves(name: str, sweep: Sweep, points: Iterable[tuple[float, float | None, bool]]) -> list[Curve]:
+    """The pieces of a curve between the points that have no number; each point with whether it is drawn as a cross."""
     pieces = []
-    seen = [(value, error) for value, error in points if value > 0.0 or not sweep.logarithmic]
+    seen = [at for at in points if at[0] > 0.0 or not sweep.logarithmic]
     for has_number, piece in groupby(seen, key=lambda at: at[1] is not None):
         if has_number:
-            values, errors = zip(*piece, strict=True)
-            pieces.append(Curve(name, values, errors))
+            values, errors, crossed = zip(*piece, strict=True)
+            pieces.append(Curve(name, values, errors, crossed=crossed))
     return pieces
 
 
@@ -119,37 +175,54 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
     """docs/hard-cases.md."""
     points = [(one.sweep, found) for one in walks for found in one.points]
     verdicts = Counter(verdict(sweep, found).split(":")[0] for sweep, found in points)
+    agreed = [(sweep, found) for sweep, found in points if verdict(sweep, found) == "agrees"]
+    numbers = sum(sweep.quantity == "factor" and found.exact is not None for sweep, found in agreed)
+    shapes = sum(sweep.quantity != "factor" for sweep, _ in agreed)
+    none = sum(
+        found.limit is None for sweep, found in points if verdict(sweep, found) == "moments govern"
+    )  # fmt: skip
+    sizes = sorted({one.sweep.tolerance[0] for one in walks})
     lines = [
         "# Hard cases", "",
         f"slopekit {__version__} against closed forms in 50 digits (`tests/hard_cases/exact.py`), made by "
         "`python -m benchmarks.hard_cases`; the points are in [hard-cases.json](hard-cases.json).", "",
-        f"{len(points)} points: {verdicts['exact']} exact (the number, or the same status where there is none), "
-        f"{verdicts['below']} where moments govern (the limit lies below the forces alone, and these are exact), "
-        f"{verdicts['said']} without an answer that say so, {verdicts['wrong']} wrong.", "",
-        "The largest error is that of the factor of safety (of the volume, of the coordinates where the name says so), "
-        "relative; where moments govern it is that of the forces alone, which is what the closed form computes.", "",
-        "| sweep | kind | parameter | range | largest error | where | tolerance | statuses met | moments govern "
-        "| not converged |",
-        "|---|---|---|---|---|---|---|---|---|---|", *(one.row() for one in walks), "",
+        f"{len(points)} points:", "",
+        f"- {verdicts['agrees']} agree with the closed form within the tolerance of their sweep "
+        f"({in_short(sizes[0])} to {in_short(sizes[-1])}, causes below): {numbers} factors of safety, {shapes} volumes "
+        f"and places of corners, {len(agreed) - numbers - shapes} without a number on either side.",
+        f"- {verdicts['moments govern']} where moments govern. There the answer, the limit, has no reference: the "
+        "closed form knows forces only. What is checked is slopekit's number of the forces alone, which agrees within "
+        f"the same tolerances, and that the limit does not lie above it (in {none} of them no limit is left: the block "
+        "topples or turns).",
+        f"- {verdicts['said']} without an answer that say so.",
+        f"- {verdicts['wrong']} wrong.", "",
+        "Errors are relative. Largest error: of what is compared, at the points where moments do not govern; beside it "
+        "that of the forces alone at the points where they do. Pictures: a cross is the error of the forces alone "
+        "where moments govern the limit; an open marker, at the bottom, is no error to 16 digits; dashed lines are the "
+        "tolerances, dotted ones the jumps.", "",
+        "| sweep | kind | parameter | range | compared | largest error | where | tolerance | statuses met "
+        "| moments govern | forces alone there, largest error | not converged |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|", *(one.row() for one in walks), "",
         "## Causes of the tolerances", "",
-        *(f"- {size:g}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
-        f"- `no_driving_force` instead of a number above {NO_DRIVE:g}: what drives is less than a millionth of the "
-        "strength.", "",
+        *(f"- {in_short(size)}: {cause}" for size, cause in sorted({one.sweep.tolerance for one in walks})), "",
+        f"- `no_driving_force` instead of a number above {in_short(NO_DRIVE)}: what drives is less than a millionth of "
+        "the strength.", "",
         "## Jumps", "",
         "Places by bisection, in slopekit to a thousandth of the tolerance. Values: what the reference and the "
-        "forces alone (many blocks: the limit) of slopekit have, as far beside the jump as the tolerance.", "",
+        "forces alone (many blocks: the limit) of slopekit have, as far beside the jump as the tolerance. Where the "
+        "status is that of a block that rotates or topples, moments govern: the limit has no reference.", "",
         "| jump | parameter | place, 50 digits | place, slopekit | apart | tolerance | below: exact, slopekit, limit, "
         "status | above: exact, slopekit, limit, status |",
         "|---|---|---|---|---|---|---|---|",
         *(f"| {jump.name} | {jump.label} | {found.exact_place:.13g} | {found.place:.13g} | {found.off:.1e} "
-          f"| {jump.tolerance[0]:g} | {_side(found.below)} | {_side(found.above)} |" for jump, found in jumps), "",
-        *(f"- {size:g}: {cause}" for size, cause in sorted({jump.tolerance for jump, _ in jumps})), "",
+          f"| {in_short(jump.tolerance[0])} | {_side(found.below)} | {_side(found.above)} |" for jump, found in jumps),
+        "",
+        *(f"- {in_short(size)}: {cause}" for size, cause in sorted({jump.tolerance for jump, _ in jumps})), "",
     ]  # fmt: skip
     for picture in dict.fromkeys(one.sweep.picture for one in walks):
         lines += [f"## {TITLES[picture]}", "", f"![{TITLES[picture]}](images/hard-{picture}.png)", ""]
-        if picture == "stiffness":
-            lines += ["The all-pairs factor is the upper end of a bracket 1e-5 wide: where that lies above the limit, "
-                      "the picture shows no distance.", ""]  # fmt: skip
+        if picture in WORDS:
+            lines += [WORDS[picture]]
     return "\n".join(lines)
 
 
@@ -160,7 +233,10 @@ def _side(found: Point) -> str:
 
 
 def main(again: Sequence[str]) -> None:
-    """Walk, bisect, write, draw; with names of pictures (or "jumps", or "none") only these, the rest as on file."""
+    """Walk, bisect, write, draw; with names of pictures, "jumps" or "pictures" only these, the rest as on file."""
+    unknown = sorted(set(again) - {*TITLES, "jumps", "pictures"})
+    if unknown:
+        sys.exit(f"no such picture: {', '.join(unknown)}; there are {', '.join(TITLES)}, and the words jumps, pictures")
     (DOCS / "images").mkdir(parents=True, exist_ok=True)
     kept = json.loads((DOCS / "hard-cases.json").read_text(encoding="utf-8")) if again else {"sweeps": [], "jumps": []}
     curves = {(curve["picture"], curve["name"]): curve for curve in kept["sweeps"]}

@@ -79,7 +79,7 @@ the reference itself, is left out.
 
 - **closed form**: the book's formula.
 - **slopekit limit**: the largest factor with zero dilation, moments included; of many blocks with the static bound.
-- **frozen passes**: slopekit's own passes alone, friction frozen at the normal forces of the last, stopped early.
+- **plain passes**: slopekit's own passes alone, friction frozen at the normal forces of the last, stopped early.
 - **conic sequence**: the same passes put to Clarabel, a generic conic solver, until three factors agree.
 - **conic bisection**: generic conic limit analysis, bisection on F with Clarabel from a bracket of 0.5 to 1.9 times the
   answer. It answers another question, the static bound: joints dilate with their friction angle (normality). Where

@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from tests.support import random_wedge
 
-COUNT = 300
+COUNT = 200
 
 
 @pytest.fixture(scope="module")

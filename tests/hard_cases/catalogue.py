@@ -107,7 +107,7 @@ OFFSET = [
 # -- aspect -----------------------------------------------------------------------------------------------
 
 ASPECTS = geometric(1.0, 1e5, 31)
-SLENDER = "aspect"
+SLENDER = "aspect: how many times as long, thin or slender"
 
 
 def long_wedge(aspect: float) -> Case:

@@ -128,18 +128,23 @@ def misplaced(result: Result, answer: Exact, shift: Sequence[float]) -> float:
 
 
 def verdict(sweep: Sweep, found: Point) -> str:
-    """What a point is worth: exact, below (moments govern), said (no number, and it says so), or what is wrong."""
+    """What a point is worth, in one of four ways.
+
+    "agrees": within the tolerance of the reference, or no number where there is none. "moments govern": the limit lies
+    below the forces alone and has no reference; the number of the forces alone agrees. "said": no number, and it says
+    so. "wrong: ...": why.
+    """
     if found.refused:
         return f"wrong: our own fault, {found.refused}" if found.refused.startswith("E5") else "said"
     if found.status == "not_converged":
         return "said"
     if sweep.quantity != "factor":
-        return _within(sweep, found) or "exact"
+        return _within(sweep, found) or "agrees"
     if found.exact is None:
         if found.limit is not None:
             return f"wrong: {found.limit:.6g} for no number"
         same = found.status in (found.exact_status, *sweep.statuses)
-        return "exact" if same else f"wrong: {found.status} for {found.exact_status}"
+        return "agrees" if same else f"wrong: {found.status} for {found.exact_status}"
     if found.status == "no_driving_force" and found.exact > NO_DRIVE:
         return "said"
     if found.agree is False:
@@ -147,12 +152,12 @@ def verdict(sweep: Sweep, found: Point) -> str:
     if found.below is not None:
         if found.forces_only is None or (found.limit or 0.0) > found.exact * (1.0 + sweep.tolerance[0]):
             return f"wrong: {found.limit} where forces alone give {found.exact:.6g}"
-        return _within(sweep, found) or "below"
+        return _within(sweep, found) or "moments govern"
     if found.limit is None:
         return f"wrong: {found.status}, no number for {found.exact:.6g}"
     if found.status not in (found.exact_status, *sweep.statuses):
         return f"wrong: {found.status} for {found.exact_status}"
-    return _within(sweep, found) or "exact"
+    return _within(sweep, found) or "agrees"
 
 
 def _within(sweep: Sweep, found: Point) -> str:

@@ -6,7 +6,7 @@ import pytest
 
 from tests.hard_cases import exact
 from tests.hard_cases.cases import WYLLIE, wedge
-from tests.hard_cases.jumps import JUMPS, exact_place, located, side_of, sides, triangle_centroid
+from tests.hard_cases.jumps import EDGE, JUMPS, exact_place, located, side_of, sides, triangle_centroid
 from tests.hard_cases.sweeps import point
 
 TESTED = [jump for jump in JUMPS if jump.tested]
@@ -38,6 +38,17 @@ def test_a_jump_bisected_in_both() -> None:
     assert located(jump).off < 1e-11
 
 
+@pytest.mark.parametrize("beyond", [1e-5, 1e-4])
+@pytest.mark.parametrize("jump", [jump for jump in JUMPS if jump.tolerance is EDGE], ids=lambda jump: jump.name)
+def test_a_number_beyond_the_exact_tipping_point_says_that_its_forces_balance_badly(jump, beyond) -> None:
+    """Nothing balances these loads: no number, or one with W347; never one that looks sound."""
+    found = point(jump.at(exact_place(jump) * (1.0 + beyond)))
+    assert found.exact is None
+    assert found.refused == ""
+    assert found.status == "topples"
+    assert found.limit is None or "W347" in found.flags
+
+
 def test_lost_contact_drops_the_cohesion_and_no_more() -> None:
     """At the jump F falls by c₂ A₂ / T (Hoek & Bray 1981, ch. 8); the friction on J2 is nothing already."""
     jump = JUMPS[0]
@@ -52,6 +63,8 @@ def test_lost_contact_drops_the_cohesion_and_no_more() -> None:
 def test_places_by_hand() -> None:
     """A block tips at b/h = tan β; a plane block tips about its toe at k = |x|/z of its centroid."""
     places = {jump.name: exact_place(jump) for jump in JUMPS if "tip" in jump.name or "edge" in jump.name}
+    lifted = next(jump for jump in JUMPS if jump.name == "plane, earthquake: it is lifted")
+    assert exact_place(lifted) == pytest.approx(1 / math.tan(math.radians(35)), rel=1e-14)  # cos β = k sin β
     assert places["block of 1 m by 2 m: its centre of gravity passes its edge"] == pytest.approx(
         math.degrees(math.atan(0.5)), rel=1e-14
     )

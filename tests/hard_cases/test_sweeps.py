@@ -20,7 +20,7 @@ def walked() -> dict:
 
 
 @pytest.mark.parametrize("sweep", SWEEPS, ids=NAMES)
-def test_every_point_is_exact_or_says_why_not(sweep, walked) -> None:
+def test_every_point_agrees_or_says_why_not(sweep, walked) -> None:
     """Against 50 digits, at the tolerance that the sweep names with its cause."""
     points = walked[sweep.picture, sweep.name] = walk(sweep, sweep.thinned)
     wrong = {found.value: text for found in points if (text := verdict(sweep, found)).startswith("wrong")}
@@ -49,7 +49,7 @@ def test_the_verdict_notices_what_is_wrong(spoilt) -> None:
     """A number 1 % off, none at all, another status, a dispute and our own fault are all called wrong."""
     sweep = SWEEPS[0]
     found = point(apart(30.0))
-    assert verdict(sweep, found) == "exact"
+    assert verdict(sweep, found) == "agrees"
     change = dict(spoilt)
     if change.get("limit"):
         change = {"limit": found.limit * 1.01, "error": 0.01}
@@ -60,7 +60,7 @@ def test_no_number_where_there_is_none_and_not_converged_is_said() -> None:
     sweep = SWEEPS[0]
     found = replace(point(apart(30.0)), exact=None, exact_status="lifted")
     assert verdict(sweep, found).startswith("wrong")
-    assert verdict(sweep, replace(found, status="lifted", limit=None)) == "exact"
+    assert verdict(sweep, replace(found, status="lifted", limit=None)) == "agrees"
     assert verdict(sweep, replace(found, status="not_converged", limit=None)) == "said"
 
 

@@ -44,9 +44,12 @@ def test_debonded_pair_carries_almost_nothing_until_it_closes() -> None:
     assert closed == pytest.approx([100.0, -100.0 * np.tan(np.radians(20.0)), 0.0])
 
 
-@pytest.mark.parametrize(("opening", "factor", "parts"), [(1e-6, 1.0, False), (3e-6, 1.0, True), (1e-6, 4.0, True)])
+@pytest.mark.parametrize(
+    ("opening", "factor", "parts"),
+    [(1e-6, 1.0, False), (3e-6, 1.0, True), (1e-6, 4.0, True), (1.996e-6, 1.0, False), (2.004e-6, 1.0, True)],
+)
 def test_tension_holds_until_its_reduced_strength(opening, factor, parts) -> None:
-    """σ_t = 20 kPa against k_zz x opening = 10 or 30 kPa."""
+    """σ_t = 20 kPa against k_zz x opening: 10 or 30 kPa, and a five-hundredth to either side of its strength."""
     bonded = law([opening, 0.0, 0.0], factor=factor)
     assert breaks(bonded, np.array([20.0]), factor, 0.0).tolist() == [parts]
 
@@ -85,3 +88,15 @@ def test_slopes_are_the_derivatives(tangential, psi) -> None:
     assert set(at.modes[keeps_mode].tolist()) == {0, 1, 2}
     scale = np.abs(slopes).max()
     assert np.abs(slopes - at.slopes)[keeps_mode].max() < 2e-5 * scale
+
+
+@pytest.mark.parametrize("psi", [3.0, 10.0])
+def test_plastic_slip_closes_a_joint_that_dilates(psi) -> None:
+    """By hand, step by step: what slips beyond τ / k_t opens by tan ψ of it, and presses with k_n on what it cannot."""
+    k_n, k_t, slip, elastic = 1e7, 1e6, 3e-4, 100.0
+    normal = elastic
+    for _ in range(20_000):  # a small part of the way each time: the plain iteration runs away at k_n tan ψ > k_t
+        strength = 50.0 + normal * np.tan(np.radians(20.0))
+        normal += 1e-2 * (elastic + k_n * np.tan(np.radians(psi)) * (slip - strength / k_t) - normal)
+    out = law([-elastic / k_n, slip, 0.0], psi=psi).tractions[0]
+    assert out == pytest.approx([normal, -strength, 0.0], rel=1e-9)

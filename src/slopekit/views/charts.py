@@ -105,17 +105,18 @@ def sweep_chart(
             text = f"tolerance {in_short(size)}" + (f": {of}" if of else "")
             axes.annotate(
                 text, (0.995, size), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8,
-                color="#555555", bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
+                color="#555555", zorder=1.9, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
             )  # fmt: skip
-        for where, what in jumps:
+        top, kind = (min(size for size, _ in lines) / 2.0, "data") if lines else (0.97, "axes fraction")
+        for where, what in jumps:  # beneath the lines and their labels
             axes.axvline(where, color="#c0392b", linestyle=":", linewidth=1.2)
             axes.annotate(
-                what, (where, 0.97), xytext=(-3, 0), xycoords=("data", "axes fraction"), textcoords="offset points",
+                what, (where, top), xytext=(-3, 0), xycoords=("data", kind), textcoords="offset points",
                 rotation=90, ha="right", va="top", fontsize=8, color="#c0392b",
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
             )  # fmt: skip
 
-    _chart(curves, path, title, dress, logarithmic=logarithmic, sizes=(9.5, 5.0), crosses=crosses)
+    _chart(curves, path, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
 
 
 def in_short(size: float) -> str:
@@ -131,7 +132,7 @@ def _chart(
     curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
     sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
 ) -> None:  # fmt: skip
-    """Draw; `sizes` of the first and the last marker, so that a curve below another can be seen."""
+    """Draw; `sizes` of the first and the last marker: where they grow the first lie on top, and none is hidden."""
     points = [point for curve in curves for point in zip(curve.at, curve.errors, strict=True)]
     if not any(math.isfinite(x + error) and (x > 0.0 or not logarithmic) for x, error in points):
         message = "there is nothing to draw: no curve has a point"
@@ -152,7 +153,7 @@ def _chart(
     axes.set_yscale("log")
     names = list(dict.fromkeys(curve.name for curve in curves if len(curve.at)))
     first, last = sizes
-    size_of = [first + (last - first) * k / max(1, len(names) - 1) for k in range(len(names))]
+    size_of = [first + min(1.5, (last - first) / max(1, len(names) - 1)) * k for k in range(len(names))]
     labels: list[tuple[float, float, str, str]] = []
     for curve in curves:
         if not len(curve.at):
@@ -161,13 +162,14 @@ def _chart(
         colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
         drawn = [max(abs(error), FLOOR) for error in curve.errors]
         style = "-" if curve.joined else "none"
+        above = 3.0 - (k + 1) / (len(names) + 1) if last > first else 2.0
         axes.plot(curve.at, drawn, color=colour, linestyle=style, linewidth=1.2, alpha=0.8)
         crossed = curve.crossed or [False] * len(drawn)
         for x, error, y, cross in zip(curve.at, curve.errors, drawn, crossed, strict=True):
-            face = colour if abs(error) > FLOOR else "white"
+            face = colour if abs(error) > FLOOR else "none" if last > first else "white"
             shape, edge = ("x", 1.5) if cross else (marker, 1.0)
             axes.plot([x], [y], marker=shape, color=colour, markerfacecolor=face, markersize=size_of[k],
-                      markeredgewidth=edge, linestyle="none")  # fmt: skip
+                      markeredgewidth=edge, linestyle="none", zorder=above)  # fmt: skip
         labels += [(x, y, text, colour) for x, y, text in zip(curve.at, drawn, curve.labels, strict=False) if text]
     for k, name in enumerate(names):
         style = "-" if any(curve.joined and len(curve.at) > 1 for curve in curves if curve.name == name) else "none"

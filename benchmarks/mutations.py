@@ -1,0 +1,152 @@
+"""What the tests see when the code is wrong by 1 %: ``python -m benchmarks.mutations``.
+
+Each mutation of `mutation_table` is made in a copy of the sources, and the tests that should see it are run there up
+to the first failure. ``--all`` goes on and counts every failing test; words choose groups or names that contain them.
+All of them together write docs/mutations.md. The exit code is 1 where one survives.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.mutation_table import MUTATIONS, Mutation
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "mutations.md"
+_COPIED = ("src", "tests", "templates", "examples", "benchmarks", "pyproject.toml", "README.md")
+_PYTEST = (
+    "-m", "pytest", "-o", "addopts=--strict-markers --doctest-modules --import-mode=importlib", "-q", "--no-header",
+    "-p", "no:cacheprovider", "--tb=no", "-rfE",
+)  # fmt: skip
+_SHOWN = 3  # failing tests that are named
+_LONGEST = 600  # s; tests that hang have seen it
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The tests that failed with a mutation."""
+
+    mutation: Mutation
+    failed: tuple[str, ...]
+
+    @property
+    def caught(self) -> bool:
+        return bool(self.failed)
+
+
+def copied(folder: Path) -> Path:
+    """A copy of all that the tests need."""
+    for name in _COPIED:
+        source, target = ROOT / name, folder / name
+        if source.is_dir():
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
+        elif source.exists():
+            shutil.copy(source, target)
+    return folder
+
+
+def _python(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Python in the copy; its sources come before an editable installation."""
+    variables = os.environ | {"PYTHONPATH": str(folder / "src")}
+    return subprocess.run(
+        [sys.executable, *words], cwd=folder, env=variables, capture_output=True, text=True, timeout=_LONGEST,
+        check=False,
+    )  # fmt: skip
+
+
+def checked(folder: Path) -> None:
+    """Refuse to go on where the installed package would be tested instead of the copy."""
+    found = _python(folder, "-c", "import slopekit; print(slopekit.__file__)").stdout.strip()
+    if not Path(found).resolve().is_relative_to(folder.resolve()):
+        sys.exit(f"the tests would import {found}, not the copy")
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a source and forget how it was compiled: a file changed within a second looks the same to Python."""
+    path.write_text(text, encoding="utf-8")
+    for compiled in (path.parent / "__pycache__").glob(f"{path.stem}.*.pyc"):
+        compiled.unlink()
+
+
+def run(folder: Path, mutation: Mutation, everything: bool) -> Outcome:
+    """Break the copy, run the tests, mend it."""
+    path = folder / mutation.file
+    whole = path.read_text(encoding="utf-8")
+    if whole.count(mutation.old) != 1:
+        sys.exit(f"{mutation.name}: {mutation.old!r} occurs {whole.count(mutation.old)} times in {mutation.file}")
+    _write(path, whole.replace(mutation.old, mutation.new))
+    tests = list(dict.fromkeys(mutation.tests))
+    try:
+        found = _python(folder, *_PYTEST, *([] if everything else ["-x"]), *tests)
+    except subprocess.TimeoutExpired:
+        return Outcome(mutation, ("(the tests did not end)",))
+    finally:
+        _write(path, whole)
+    lines = found.stdout.splitlines()
+    failed = [line.split(" - ")[0].split(" ", 1)[1] for line in lines if line.startswith(("FAILED ", "ERROR "))]
+    if not failed and found.returncode not in (0, 1):
+        sys.exit(f"{mutation.name}: pytest could not run\n{found.stdout[-2000:]}{found.stderr[-2000:]}")
+    return Outcome(mutation, tuple(failed))
+
+
+def page(outcomes: list[Outcome], everything: bool) -> str:
+    """The outcome as a page."""
+    caught = sum(outcome.caught for outcome in outcomes)
+    lines = [
+        "# What the tests see when the code is wrong by 1 %", "",
+        f"`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources: {caught} of "
+        f"{len(outcomes)} mutations are caught.",
+        "The tests that should see it are run " + (
+            "to their end." if everything else "up to the first that fails; `--all` counts every one."
+        ), "",
+    ]  # fmt: skip
+    for group in dict.fromkeys(outcome.mutation.group for outcome in outcomes):
+        lines += [
+            f"## {group.capitalize()}",
+            "",
+            "| what was made 1 % wrong | file | tests that fail |",
+            "|---|---|---|",
+        ]
+        for outcome in outcomes:
+            if outcome.mutation.group != group:
+                continue
+            named = "<br>".join(f"`{test.removeprefix('tests/')}`" for test in outcome.failed[:_SHOWN])
+            count = f"{len(outcome.failed)}: " if everything and outcome.caught else ""
+            file = outcome.mutation.file.removeprefix("src/slopekit/")
+            lines.append(f"| {outcome.mutation.name} | `{file}` | {count}{named or '**none**'} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def main(words: list[str]) -> int:
+    """Run them; 1 where one survives."""
+    everything = "--all" in words
+    chosen = [word.lower() for word in words if word != "--all"]
+    wanted = [m for m in MUTATIONS if not chosen or any(word in f"{m.group} {m.name}".lower() for word in chosen)]
+    outcomes: list[Outcome] = []
+    with tempfile.TemporaryDirectory() as made:
+        folder = copied(Path(made))
+        checked(folder)
+        for mutation in wanted:
+            began = time.perf_counter()
+            outcome = run(folder, mutation, everything)
+            outcomes.append(outcome)
+            seen = ", ".join(outcome.failed[:_SHOWN]) if outcome.caught else "SURVIVES"
+            took = time.perf_counter() - began
+            print(f"{mutation.group}: {mutation.name}: {len(outcome.failed)} ({took:.0f} s) {seen}", flush=True)
+    survivors = [outcome.mutation.name for outcome in outcomes if not outcome.caught]
+    print(f"{len(outcomes) - len(survivors)} of {len(outcomes)} caught")
+    if survivors:
+        print("survive: " + "; ".join(survivors))
+    if not chosen:
+        PAGE.write_text(page(outcomes, everything), encoding="utf-8")
+    return 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

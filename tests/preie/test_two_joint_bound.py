@@ -1,0 +1,21 @@
+"""The static bound of a wedge by three equations, without the cone program that would stand in for them."""
+
+import pytest
+
+from slopekit.preie import bound
+from slopekit.preie.limit import limit_analysis
+from tests.preie.test_limit import paper_model
+
+
+def test_two_joints_need_no_cone_program(monkeypatch) -> None:
+    """METHOD.md §3: 1.5868 on the wedge of Table 4, to the digits given; wrong equations would fail their proof."""
+    model = paper_model()
+    limit = limit_analysis(model).governing
+
+    def unwanted(*_: object) -> None:
+        raise AssertionError("the three equations gave no proved bound")
+
+    monkeypatch.setattr(bound, "_conic_bound", unwanted)
+    found = bound.static_bound(model, limit.velocity_of(model), limit.factor)
+    assert found.proved
+    assert found.factor == pytest.approx(1.5868, abs=5e-5)

@@ -1,0 +1,91 @@
+"""Loads on many blocks, added up by hand: each force at its place, each pressure on both sides of its contact."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis.assembly_scene import assembly_scene
+from slopekit.analysis.stages import Clock
+from slopekit.loads import PointForce, assembly_loads, drained
+
+BLOCKS = {
+    "base": {"polygon": [[-9, -1], [9, -1], [9, 0], [-9, 0]], "fixed": True},
+    "A": {"polygon": [[0, 0], [2, 0], [2, 3], [0, 3]]},
+    "B": {"polygon": [[2, 0], [5, 0], [5, 2], [2, 2]]},
+}
+DESIGN = {
+    "slopekit": 1, "kind": "blocks", "blocks": BLOCKS, "strength": {"j": {"c": 0, "phi": 60}},
+    "rock": {"unit_weight": 25},
+}  # fmt: skip
+
+
+@pytest.fixture
+def scene():
+    return assembly_scene(sk.load(DESIGN), Clock())
+
+
+def sides(scene) -> np.ndarray:
+    """Pressures by contact: 4 kPa below A, 6 below B, 8 between them."""
+    names = [(scene.names[a], scene.names[b]) for a, b in zip(*pair_of(scene), strict=True)]
+    known = {frozenset(("base", "A")): 4.0, frozenset(("base", "B")): 6.0, frozenset(("A", "B")): 8.0}
+    return np.array([known[frozenset(pair)] for pair in names])
+
+
+def pair_of(scene):
+    return scene.assembly.patches.plus, scene.assembly.patches.minus
+
+
+def test_every_load_at_its_place(scene) -> None:
+    """A: 3 m² at its height of 1.5 m, B: 2 m² of the 2 m that they share; moments about y are z Fx - x Fz."""
+    push = PointForce(np.array([-7.0, 0.0, -5.0]), np.array([2.0, 0.0, 2.5]))
+    found = assembly_loads(
+        scene.assembly, scene.unit_weights, np.array([0.1, 0.0, 0.0]), sides(scene), ((1, push),)
+    )  # fmt: skip
+    a, b = 150.0, 150.0  # weights
+    assert found.weights[1:] == pytest.approx([a, b])
+    # the water between them pushes A west and B east over the 2 m that they share
+    assert found.forces[1] == pytest.approx([0.1 * a - 16.0 - 7.0, 0.0, -a + 8.0 - 5.0])
+    assert found.forces[2] == pytest.approx([0.1 * b + 16.0, 0.0, -b + 18.0])
+    # about A's centroid (1, 1.5): water between at z = 1, the push at (2, 2.5); uplift is even
+    assert found.moments[1, 1] == pytest.approx(-0.5 * -16.0 + (1.0 * -7.0 - 1.0 * -5.0))
+    assert found.moments[2, 1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_uplift_on_part_of_a_base_turns_its_block() -> None:
+    """A block that overhangs: 1 of its 3 m rests on the base."""
+    low = {"base": {"polygon": [[-9, -1], [1, -1], [1, 0], [-9, 0]], "fixed": True},
+           "A": {"polygon": [[0, 0], [3, 0], [3, 1], [0, 1]]}}  # fmt: skip
+    scene = assembly_scene(sk.load(DESIGN | {"blocks": low}), Clock())
+    found = assembly_loads(scene.assembly, scene.unit_weights, np.zeros(3), np.array([5.0]))
+    assert found.forces[1] == pytest.approx([0.0, 0.0, -75.0 + 5.0])
+    assert found.moments[1, 1] == pytest.approx(-(0.5 - 1.5) * 5.0)
+    dry = drained(scene.assembly, found, np.array([True]))
+    assert dry.forces[1] == pytest.approx([0.0, 0.0, -75.0])
+    assert dry.moments[1] == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
+
+
+def test_water_drains_from_the_contacts_that_are_named(scene) -> None:
+    """The same loads as if there had been none there."""
+    wet, between = sides(scene), sides(scene) == 8.0
+    whole = assembly_loads(scene.assembly, scene.unit_weights, np.zeros(3), wet)
+    found = drained(scene.assembly, whole, between)
+    dry = assembly_loads(scene.assembly, scene.unit_weights, np.zeros(3), np.where(between, 0.0, wet))
+    assert found.forces == pytest.approx(dry.forces)
+    assert found.moments == pytest.approx(dry.moments, abs=1e-9)
+    assert found.water == pytest.approx(dry.water)
+
+
+@pytest.mark.parametrize(("part", "status"), [(0.998, "slides"), (1.002, "topples")])
+def test_a_block_tips_under_a_push_at_its_top(part, status) -> None:
+    """H h = W b / 2: just below it slides at tan φ W / H, just above no strength holds it."""
+    wide, high = 1.0, 2.0
+    weight = 25.0 * wide * high
+    push = part * weight * wide / 2.0 / high
+    block = {"base": BLOCKS["base"], "A": {"polygon": [[0, 0], [wide, 0], [wide, high], [0, high]]}}
+    force = {"force": [-push, 0, 0], "at": [wide / 2.0, 0, high], "block": "A"}
+    result = sk.run(DESIGN | {"blocks": block, "loads": {"forces": [force]}})
+    assert result.status == status
+    if status == "slides":
+        assert result.fos.limit == pytest.approx(math.tan(math.radians(60.0)) * weight / push, rel=1e-4)
