@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from tests.support import random_wedge
 
-COUNT = 200
+COUNT = 150
 
 
 @pytest.fixture(scope="module")

@@ -416,7 +416,7 @@ def test_a_block_that_can_slide_alone_does(seed) -> None:
 
 
 def test_a_factor_that_light_blocks_do_not_carry_is_none() -> None:
-    """A light block nearly wedged: the passes agree at 3.5, where Clarabel's bound is 1.784; its forces give it away."""
+    """A light block nearly wedged: the passes agree at 3.5, Clarabel's bound is 1.784; its forces give it away."""
     scene, phi = random_bench(5)
     model = scene.model(phi)
     found = limit_of_blocks(model)

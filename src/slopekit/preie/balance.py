@@ -6,15 +6,17 @@ believed because they balance, not because the search for it says so.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+
+if TYPE_CHECKING:  # one block needs no sparse matrices
+    from slopekit.preie.assembly import AssemblyModel
 
 _SOUND = 1e-6
 
@@ -89,7 +91,7 @@ def _balance(model: Model, limit: Limit, friction: Floats, pulls: Floats, factor
 class Carried:
     """A model of many blocks with its forces at a factor: N (m,), T (g, t) and what bonds are left (m,)."""
 
-    model: AssemblyModel
+    model: "AssemblyModel"
     factor: float
     normal: Floats
     friction: Floats
