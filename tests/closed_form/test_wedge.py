@@ -111,10 +111,10 @@ def loaded(rng: np.random.Generator) -> dict:
 
 
 def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
-    """Two codes without a line in common; to 1e-6 over 60 random wedges, most with a crack, some with two bolts."""
+    """Two codes without a line in common; to 1e-6 over 30 random wedges, most with a crack, some with two bolts."""
     rng = np.random.default_rng(77)
     cracks = numbers = 0
-    for _ in range(60):
+    for _ in range(30):
         wedge = loaded(rng)
         design = wedge_design(wedge)
         model, closed = prepare(design, 0).model, closed_form(design).factor
@@ -128,8 +128,8 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
             if numbers % 5 == 0:
                 limit = limit_analysis(model).governing.factor
                 assert limit is None or limit <= closed * (1 + 1e-6)
-    assert cracks > 10
-    assert numbers > 40
+    assert cracks > 5
+    assert numbers > 20
 
 
 def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
