@@ -13,6 +13,7 @@ from slopekit.studies import check as module
 from slopekit.studies import ladders
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.ladders import Rung, timed
+from tests.properties.test_not_unique import ROUGH_COLUMNS
 
 ONE_PLANE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
@@ -179,6 +180,14 @@ def test_nothing_independent_is_not_judged() -> None:
     assert resting.result.status == "no_driving_force"
     assert resting.consistent is None
     assert resting.exit_code == 0
+
+
+def test_a_limit_that_is_not_the_only_one_is_found_out() -> None:
+    """Rough columns (`tests/properties/test_not_unique.py`): 1.000, and 0.871 where the strength is doubled."""
+    found = check(sk.load(ROUGH_COLUMNS))
+    assert finding(found, "other strengths").value > 0.05
+    assert "not unique" in finding(found, "other strengths").words
+    assert found.exit_code == 4
 
 
 def test_acceptance_is_judged() -> None:

@@ -17,7 +17,14 @@ from slopekit._version import __version__
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design
 from slopekit.result import Result
-from slopekit.studies.ladders import Rung, assembly_ladder, block_ladder, refines
+from slopekit.studies.ladders import (
+    Rung,
+    assembly_at_other_strengths,
+    assembly_ladder,
+    block_at_other_strengths,
+    block_ladder,
+    refines,
+)
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
@@ -135,26 +142,28 @@ def check(design: Design) -> Check:
     """
     began = time.perf_counter()
     if isinstance(design, AssemblyDesign):
-        result, ladder, unrefined = _blocks(design)
+        result, ladder, others, unrefined = _blocks(design)
     else:
         from slopekit.analysis import analyse
 
         result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
-        ladder, unrefined = block_ladder(design, result) if result.fos.limit else (), ""
+        ladder, others, unrefined = (), (), ""
+        if result.fos.limit:
+            ladder, others = block_ladder(design, result), block_at_other_strengths(design, result)
     reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = tuple(_findings(result, ladder, orders, unrefined))
+    findings = tuple(_findings(result, ladder, orders, others, unrefined))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
     return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
 
 
-def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], str]:
-    """The result with its all-pairs factor, the ladder, and why it has no meshes."""
+def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[float | None, ...], str]:
+    """The result with its all-pairs factor, the ladder, the limit at other strengths, and why it has no meshes."""
     from slopekit.analysis.assembly import all_pairs, solve_assembly, untied_search
 
     solved = solve_assembly(design)
@@ -166,7 +175,7 @@ def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], str]:
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=all_pairs(search))
     ends = "" if refines(solved) else "without cohesion the ends of contacts carry all they can"
-    return result, assembly_ladder(solved), ends
+    return result, assembly_ladder(solved), assembly_at_other_strengths(solved), ends
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:
@@ -208,7 +217,10 @@ def _cheapest(
     return min(fit, key=lambda k: ladder[k].seconds, default=None)
 
 
-def _findings(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], unrefined: str) -> Iterator[Finding]:
+def _findings(
+    result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], others: tuple[float | None, ...],
+    unrefined: str,
+) -> Iterator[Finding]:  # fmt: skip
     design, fos = result.design, result.fos
     yield _agreement(result)
     if fos.limit is None:
@@ -220,6 +232,15 @@ def _findings(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...
     yield Finding("last pass", result.model.residual, design.stop_when, settled,
                   "what it changed of the factor (0: solved exactly)")  # fmt: skip
     yield from _balance(result, fos.limit)
+    if others:
+        off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
+        words = "the same F where strength is doubled, and where it is divided by F" if all(others) else (
+            "with its strength changed the scene has no factor: the limit state is not the only one"
+        )  # fmt: skip
+        if all(others) and off > design.agree_within:
+            words = "with its strength changed another limit state is found: the factor is not unique"
+        yield Finding("other strengths", off if all(others) else None, design.agree_within,
+                      bool(all(others)) and off <= design.agree_within, words)  # fmt: skip
     if fos.static_bound is None:
         yield Finding("static bound", None, None, None, "not found: nothing is said of limit <= bound")
     else:

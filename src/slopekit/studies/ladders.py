@@ -45,6 +45,7 @@ _MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left
 _TOLERANCES, _TOLERANCE_PASSES, _TIGHT = (1e-1, 1e-2, 1e-3, 1e-5, 1e-7), 6, 1e-7  # of each pass of many blocks
 _SETTLED_PASSES = 12
 _STILL = 1e-13
+_OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
 _SHORT_S, _REPEATS = 0.05, 5  # what is shorter is measured so often, and the median taken
 _ONCE_S = 5.0  # what is longer is measured once; the first run of the others may load a library
 
@@ -190,6 +191,39 @@ def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
         setting = f"edges of {times * geometry.edge_m:.3g} m"
         rungs.append(_limit_rung(scene, curved_limit_analysis, setting, level))
     yield from rungs
+
+
+def block_at_other_strengths(design: Design, result: Result) -> tuple[float | None, ...]:
+    """k F of the design with its strength divided by k: the same F again, where the limit is one (STYLE.md §7).
+
+    None where the weaker or stronger block has no factor.
+    """
+    prepare, refine, analyse = _stages(design)
+    model = prepare(max(refine, result.model.refined)).model
+    found = []
+    for k in (_OTHER_STRENGTH, result.fos.limit or 1.0):
+        other = replace(
+            model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
+            bolt_capacity=model.bolt_capacity / k,
+        )  # fmt: skip
+        limit = analyse(other).governing
+        found.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)
+    return tuple(found)
+
+
+def assembly_at_other_strengths(solved: SolvedAssembly) -> tuple[float | None, ...]:
+    """The same of the blocks that fail first."""
+    failures = solved.ravelling.failures
+    if not failures or not failures[0].limit.factor:
+        return ()
+    model = failures[0].parts[0].model
+    found = []
+    with threadpool_limits(1):
+        for k in (_OTHER_STRENGTH, failures[0].limit.factor):
+            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
+            limit = limit_of_blocks(other, solved.result.design.stop_when, bounded=False)
+            found.append(k * limit.factor if limit.factor and limit.outcome is Outcome.SLIDES else None)
+    return tuple(found)
 
 
 def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
