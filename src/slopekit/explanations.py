@@ -258,6 +258,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "W347": "Every result holds the forces of its node pairs against the loads. Here they balance less well than the "
     "solver settles: a block stands so near to tipping that a change of its load this small decides, or normal forces "
     "still trade places. See `slopekit check`.",
+    "W348": "Strength divided by k has to divide the factor by k. Here it does not: without dilation blocks may have "
+    "several limit states, and which of them is found depends on the way there. The lowest is the one to judge by; the "
+    "static bound stands above them all.",
     "E270": "check looks at one design file, or with --suite at the published and exact cases that slopekit ships.",
     "E271": "The suite is fixed: its inputs are those of its sources. Copy a case to a file of your own to change it.",
     "E273": "A chart of errors needs factors of safety to compare; a design that is lifted, falls or stands without "

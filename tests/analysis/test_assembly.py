@@ -290,7 +290,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     limit = replace(failure.limit, change=0.01, bond=np.array([1.0, 0.0, 1.0]), static_bound=None)
     changed = replace(failure, parts=(replace(failure.parts[0], limit=limit, held=3, layers=2),))
     sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-    said = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""), None)
+    said = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""), None, ())
     assert {notice.code for notice in said} == {"W317", "W307", "W309", "W339"}
 
 

@@ -63,6 +63,14 @@ BENCH = {
 }  # fmt: skip
 
 
+GOODMAN_BRAY = {
+    "slopekit": 1, "kind": "topple",
+    "columns": {"dip": 60, "width": 10, "base_step": 1,
+                "heights": [4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4]},
+    "strength": {"joint": {"c": 0, "phi": 38.15}}, "rock": {"unit_weight": 25},
+}  # fmt: skip
+
+
 @pytest.mark.xfail(strict=True, raises=AssertionError, reason="another limit state is found at another strength")
 @pytest.mark.parametrize(
     ("design", "factor"),
@@ -75,6 +83,20 @@ def test_strength_divided_by_a_factor_divides_the_limit_by_it(design, factor) ->
     one, other = changes.run(design), changes.run(changes.reduced(design, factor))
     assert other.fos.limit is not None
     assert factor * other.fos.limit == pytest.approx(one.fos.limit, rel=STOP_WHEN + changes.swing(one, other))
+
+
+@pytest.mark.parametrize(
+    ("design", "said"),
+    [(TWO_BLOCKS, True), (ROUGH_COLUMNS, True), (BONDED_COLUMNS, True), (GOODMAN_BRAY, False)],
+    ids=["two blocks", "rough columns", "bonded columns", "Goodman & Bray"],
+)
+def test_a_limit_that_is_not_the_only_one_says_so(design, said) -> None:
+    """W348, where half or double the strength finds another of the blocks that fail, by more than 0.1 %.
+
+    That of the bench above is one of other blocks, which it does not ask.
+    """
+    found = changes.run(design)
+    assert ("W348" in [notice.code for notice in found.warnings]) is said
 
 
 def test_the_word_for_a_motion_does_not_depend_on_the_thickness_of_a_section() -> None:

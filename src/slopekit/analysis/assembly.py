@@ -18,12 +18,13 @@ from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
 from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
-from slopekit.preie.parts import Part
+from slopekit.preie.parts import Part, at_other_strengths
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
 
+_MOST_ASKED, _NOT_UNIQUE = 60, 1e-3  # blocks whose limit is found at other strengths too; what counts as another
 _UNBALANCED = 1e-6  # of a block's load: what settles balances to a tenth of that
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
@@ -66,6 +67,8 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         ravelling = ravel(
             assembly, loads, joint_strength(scene.strengths), design.mechanisms, design.stop_when, scene.idle
         )
+    with clock("other_strengths"):
+        others = _other_factors(design, ravelling)
     with clock("mechanisms"):
         found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     with clock("all_pairs"):
@@ -100,7 +103,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=None, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance, others)),
         node_pairs=_node_pairs(scene, parts),
         findings=findings, balance=balance, timing_s=clock.done(),
     )  # fmt: skip
@@ -119,6 +122,17 @@ def all_pairs(search: UntiedSearch) -> AllPairs:
     """The search as a result keeps it."""
     history = tuple((factor, failed) for factor, _, failed in search.history)
     return AllPairs(search.bracket, search.lost_equilibrium, history)
+
+
+def _other_factors(design: AssemblyDesign, ravelling: Ravelling) -> tuple[float, ...]:
+    """The limit once more with half and double the strength, as a test of whether it is the only one; small parts."""
+    if not ravelling.failures or not ravelling.failures[0].limit.factor:
+        return ()
+    part = ravelling.failures[0].parts[0]
+    if len(part.free) > _MOST_ASKED or part.limit.outcome is not Outcome.SLIDES:
+        return ()
+    found = at_other_strengths(part, design.stop_when, (0.5, 2.0))
+    return tuple(factor for factor in found if factor is not None)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
@@ -261,7 +275,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
 
 def _notices(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
-    closed: ClosedForm, balance: Balance | None,
+    closed: ClosedForm, balance: Balance | None, others: Sequence[float],
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
@@ -270,6 +284,10 @@ def _notices(
     first, limit = found[0], ravelling.failures[0].limit
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
+    if first.fos and others and max(abs(other / first.fos - 1.0) for other in others) > _NOT_UNIQUE:
+        least, most = min(*others, first.fos), max(*others, first.fos)
+        yield Notice("W348", f"the limit state is not the only one: found with half or double the strength, factors go "
+                     f"from {least:.4g} to {most:.4g}; judge by the lowest")  # fmt: skip
     moved = max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0)
     if moved > MESH_CHANGE:
         yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")

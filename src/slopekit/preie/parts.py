@@ -1,9 +1,11 @@
 """A part of an assembly that is solved for itself: its model, its limit, and finer node pairs where it needs them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Ints
 from slopekit.geometry.patches import Assembly, Patches
@@ -56,6 +58,20 @@ class Part:
         if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
             return math.inf
         return self.limit.factor
+
+
+def at_other_strengths(part: Part, stop_when: float, by: Sequence[float]) -> tuple[float | None, ...]:
+    """k F of a part with its strength divided by each k: F again, where its limit state is the only one.
+
+    None where it has no factor there.
+    """
+    found = []
+    with threadpool_limits(1):
+        for k in by:
+            other = replace(part.model, cohesion=part.model.cohesion / k, tan_friction=part.model.tan_friction / k)
+            limit = limit_of_blocks(other, stop_when, bounded=False)
+            found.append(k * limit.factor if limit.factor and limit.outcome is Outcome.SLIDES else None)
+    return tuple(found)
 
 
 def split_contacts(

@@ -25,7 +25,7 @@ from slopekit.preie.effort import passes_of_blocks
 from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages
 from slopekit.preie.model import Model
-from slopekit.preie.parts import finer_model
+from slopekit.preie.parts import at_other_strengths, finer_model
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
 
@@ -216,14 +216,8 @@ def assembly_at_other_strengths(solved: SolvedAssembly) -> tuple[float | None, .
     failures = solved.ravelling.failures
     if not failures or not failures[0].limit.factor:
         return ()
-    model = failures[0].parts[0].model
-    found = []
-    with threadpool_limits(1):
-        for k in (_OTHER_STRENGTH, failures[0].limit.factor):
-            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
-            limit = limit_of_blocks(other, solved.result.design.stop_when, bounded=False)
-            found.append(k * limit.factor if limit.factor and limit.outcome is Outcome.SLIDES else None)
-    return tuple(found)
+    by = (_OTHER_STRENGTH, failures[0].limit.factor)
+    return at_other_strengths(failures[0].parts[0], solved.result.design.stop_when, by)
 
 
 def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
