@@ -176,8 +176,9 @@ def conic_bisection(contacts: Contacts, width: float, about: float, bound: float
         low, high = (middle, high) if program.holds(middle) else (low, middle)
         spent = time.perf_counter() - began - built
         if done == 0 and spent * steps > budget:
-            note = f"1 of {steps} steps, {spent:.2g} s; F slopekit's bound"
-            return Answer(bound, built + spent * steps, True, note, width)
+            note = f"1 of {steps} steps, {spent:.2g} s; " + ("F slopekit's bound" if bound else "F not found")
+            # without a bound to stand for the answer the width of a bracket that was never closed says nothing
+            return Answer(bound, built + spent * steps, True, note, width if bound else None)
     return _bisected(math.sqrt(low * high), about, width, f"{steps} steps")
 
 
