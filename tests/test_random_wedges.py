@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from tests.support import random_wedge
 
-COUNT = 150
+COUNT = 120
 
 
 @pytest.fixture(scope="module")
