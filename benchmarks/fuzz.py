@@ -23,7 +23,7 @@ from typing import NoReturn
 from benchmarks.fuzz_mutations import Case, case
 from benchmarks.fuzz_seeds import SEEDS, write_files
 from slopekit.analysis import analyse
-from slopekit.cli import _load
+from slopekit.cli.common import load_design as _load
 from slopekit.errors import SlopekitError
 from slopekit.views.sheet import sheet
 

@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from slopekit.errors import DesignError, Fault
+from slopekit.study_explanations import STUDIES
 
 EXPLANATIONS: Mapping[str, str] = {
+    **STUDIES,
     "E100": "The command line itself was not understood: an unknown option, or an option without its value. "
     "`slopekit wedge --help` lists the options; --dips takes two orientations.",
     "E101": "A dip is the angle of the plane below the horizontal: 0 is flat, 90 is vertical. A plane that leans over "

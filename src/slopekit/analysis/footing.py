@@ -1,5 +1,6 @@
 """The footing on a weak plane (Sheng et al. 2023, §3.3): from its design to its result."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -68,8 +69,13 @@ def prepare(design: FootingDesign, refine: int) -> Scene:
     ----------
     refine : how often the parts between the node pairs are halved
     """
+    return scenes(design)(refine)
+
+
+def scenes(design: FootingDesign) -> Callable[[int], Scene]:
+    """The stages before the solver, as `prepare`: loaded once, for any number of parts."""
     section, loads = _loaded(design)
-    return _scene(design, section, loads, refine)
+    return lambda refine: _scene(design, section, loads, refine)
 
 
 def weight_of(design: FootingDesign) -> float:

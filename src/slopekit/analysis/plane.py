@@ -1,6 +1,7 @@
 """Plane failure per metre of slope: from its design to its result."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -82,8 +83,14 @@ def prepare(design: PlaneDesign, refine: int) -> Scene:
     ----------
     refine : how often the plane's parts are halved
     """
+    return scenes(design)(refine)
+
+
+def scenes(design: PlaneDesign) -> Callable[[int], Scene]:
+    """The stages before the solver, as `prepare`: cut and loaded once, for any number of parts."""
     section = _section(design)
-    return _scene(design, section, _loads(design, section), refine)
+    loads = _loads(design, section)
+    return lambda refine: _scene(design, section, loads, refine)
 
 
 def section_of(design: PlaneDesign) -> Section:

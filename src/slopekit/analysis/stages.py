@@ -114,6 +114,54 @@ def solve(
     most_refined: int = _MOST_REFINED,
 ) -> Solved:
     """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
+    found = find_limit(design, scene_at, refine, clock, analyse, most_refined)
+    scene, analysis = found.scene, found.analysis
+    limit, model = analysis.governing, scene.model
+    with clock("bound"):
+        bound, proved = None, False
+        if limit.factor:
+            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor)
+            bound, proved = above.factor, above.proved
+    stiffness = joint_stiffness(design)
+    with clock("displacements"):
+        at_rest = None
+        if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
+            at_rest = equilibrium(model, 1.0, stiffness)
+    pairs = None
+    with clock("all_pairs"):
+        if design.criterion == "all-pairs" and limit.factor:
+            pairs = all_pairs_failed(model, stiffness)
+    with clock("series"):
+        series = series_of(model, design.factors, stiffness, bound)
+    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series)
+
+
+@dataclass(frozen=True, slots=True)
+class FoundLimit:
+    """The limit of a scene on the node pairs that it needs.
+
+    Attributes
+    ----------
+    bounded : the scene that the static bound is asked of: finer pairs do not move it, but cost time
+    refined : how often the triangles were split; change : what the last split did to the limit
+    """
+
+    scene: Scene
+    bounded: Scene
+    analysis: LimitAnalysis
+    refined: int
+    change: float | None
+
+
+def find_limit(
+    design: Design,
+    scene_at: Callable[[int], Scene],
+    refine: int,
+    clock: Clock,
+    analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
+    most_refined: int = _MOST_REFINED,
+) -> FoundLimit:
+    """Mesh, limit, and refinement where it is needed: the factor of safety and nothing else."""
     with clock("mesh"):
         scene = bounded = scene_at(refine)
     with clock("solve"):
@@ -135,24 +183,7 @@ def solve(
         bounded = scene if refined <= _BOUND_REFINED else bounded
         if done or after.passes > _MOST_PASSES:
             break
-    limit, model = analysis.governing, scene.model
-    with clock("bound"):
-        bound, proved = None, False
-        if limit.factor:
-            found = static_bound(bounded.model, limit.velocity_of(model), limit.factor)
-            bound, proved = found.factor, found.proved
-    stiffness = joint_stiffness(design)
-    with clock("displacements"):
-        at_rest = None
-        if limit.outcome is Outcome.NO_DRIVING_FORCE or (limit.factor is not None and limit.factor > 1.0):
-            at_rest = equilibrium(model, 1.0, stiffness)
-    pairs = None
-    with clock("all_pairs"):
-        if design.criterion == "all-pairs" and limit.factor:
-            pairs = all_pairs_failed(model, stiffness)
-    with clock("series"):
-        series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, refined, change, bound, proved, at_rest, pairs, series)
+    return FoundLimit(scene, bounded, analysis, refined, change)
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:

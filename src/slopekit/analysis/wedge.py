@@ -1,6 +1,7 @@
 """One wedge: from its design to its result."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -73,6 +74,17 @@ def analyse_wedge(design: WedgeDesign) -> Result:
     )  # fmt: skip
 
 
+def scenes(design: WedgeDesign) -> Callable[[int], Scene]:
+    """The stages before the solver: the wedge is cut and loaded once, the function makes its node pairs and model.
+
+    The function takes how often the triangles of the joints are split in four.
+    """
+    rock = _rock_mass(design)
+    block = cut_wedge(rock)
+    loads = _loads(design, rock, block)
+    return lambda refine: _scene(design, block, loads, refine)
+
+
 def prepare(design: WedgeDesign, refine: int) -> Scene:
     """The stages before the solver, from a design to its node pairs and its model.
 
@@ -80,9 +92,12 @@ def prepare(design: WedgeDesign, refine: int) -> Scene:
     ----------
     refine : how often the triangles of the joints are split in four
     """
-    rock = _rock_mass(design)
-    block = cut_wedge(rock)
-    return _scene(design, block, _loads(design, rock, block), refine)
+    return scenes(design)(refine)
+
+
+def check_forms(design: WedgeDesign) -> None:
+    """Refuse planes that cut no wedge with GeometryError, as `analyse_wedge` does, without cutting one."""
+    _rock_mass(design)
 
 
 def _rock_mass(design: WedgeDesign) -> RockMass:

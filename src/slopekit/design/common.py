@@ -3,9 +3,12 @@
 import hashlib
 import json
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from slopekit.orientation import Line, Plane, number
+
+if TYPE_CHECKING:
+    from slopekit.design.nodes import Document
 
 Criterion = Literal["limit", "all-pairs"]
 
@@ -157,6 +160,7 @@ class Design:
     assumed : inputs that were given as distributions, with the value a deterministic run takes
     defaults : names of the inputs that were left out
     left_out : what of the files that the design names is not used, in words
+    source : the document it was read from, which studies read again with other values; None where it was not
     """
 
     title: str = ""
@@ -177,6 +181,7 @@ class Design:
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
+    source: "Document | None" = field(default=None, compare=False, repr=False)
 
     @property
     def kind(self) -> str:
@@ -185,14 +190,15 @@ class Design:
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
-        document: dict[str, Any] = _plain(self)
-        for key in ("defaults", "assumed", "left_out"):
+        document: dict[str, Any] = _plain(replace(self, source=None))
+        for key in ("defaults", "assumed", "left_out", "source"):
             del document[key]
         return document
 
     def input_hash(self) -> str:
         """SHA-256 of the kind and the inputs: equal designs give equal hashes."""
-        exact = _plain(self, exact=True) | {"kind": self.kind}
+        exact = _plain(replace(self, source=None), exact=True) | {"kind": self.kind}
+        del exact["source"]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

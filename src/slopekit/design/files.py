@@ -74,7 +74,29 @@ def design_of(document: Document) -> Design:
         raise DesignError(dict.fromkeys(faults or error.faults)) from None
     if faults:
         raise DesignError(dict.fromkeys(faults))
-    return design
+    return replace(design, source=document)
+
+
+def with_values(design: Design, values: Mapping[str, object]) -> Design:
+    """The design once more with other values, read and checked as `load` reads them.
+
+    Parameters
+    ----------
+    values : dotted paths of its file and what they shall be, as `--set` takes them
+
+    Raises
+    ------
+    DesignError
+        E280 where the design was not read from a file or a dict, and what `load` raises.
+
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> with_values(load(wedge), {"slope.height": 20}).height_m
+    20.0
+    """
+    if design.source is None:
+        advice = "Give a design file, or the same as a dict: sk.load({...})."
+        raise DesignError([Fault("E280", "this design has no file whose values could be changed", "", advice)])
+    return design_of(with_overrides(design.source, tuple(values.items())))
 
 
 def _kind(root: Node) -> str:
@@ -326,4 +348,4 @@ _KINDS: Mapping[str, Callable[[Inputs], Design]] = {
     "blocks": _blocks,
 }  # fmt: skip
 
-__all__ = ["design_of", "load"]
+__all__ = ["design_of", "load", "with_values"]

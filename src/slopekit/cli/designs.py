@@ -1,44 +1,35 @@
-"""The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
+"""Commands on one design: wedge, run, check, lint."""
 
-import json
-import os
-import sys
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError
+from slopekit.cli.common import (
+    FILE,
+    FOLDER,
+    JSON,
+    QUIET,
+    SET,
+    folder_of,
+    image_of,
+    json_text,
+    load_design,
+    print_faults,
+)
+from slopekit.errors import DesignError, Fault
 
 if TYPE_CHECKING:
-    from slopekit.design.common import Design
     from slopekit.result import Result
 
-app = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-    help="Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms.",
-)
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    for command in (wedge, run, check, lint):
+        app.command()(command)
 
 
-def _version(show: bool) -> None:
-    if show:
-        typer.echo(f"slopekit {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _slopekit(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
-) -> None:
-    """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
-
-
-@app.command()
 def wedge(
     dips: Annotated[tuple[str, str], typer.Option(help="The two joints, dip/dip direction each.", metavar="D/DD D/DD")],
     face: Annotated[str | None, typer.Option(help="Slope face, D/DD [60/180].")] = None,
@@ -75,8 +66,8 @@ def wedge(
     from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
 
-    folder = None if output is None else _folder(Path(output))
-    image = None if picture is None else _image(Path(picture))
+    folder = None if output is None else folder_of(Path(output))
+    image = None if picture is None else image_of(Path(picture))
     given: dict[str, Any] = {
         "dips": dips, "face": face, "upper": upper, "height": height, "c": c, "phi": phi, "density": density,
         "unit_weight": unit_weight, "dilation": dilation, "tension": tension, "water": water, "crack": crack,
@@ -87,37 +78,28 @@ def wedge(
     _finish(analyse_wedge(wedge_design(given, _option)), folder, image, as_json, quiet)
 
 
-_JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
-_QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
-_FOLDER = typer.Option("-o", help="Folder for result.json and sheet.txt.")
-_SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
-_FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
-
-
-@app.command()
 def run(
-    design: Annotated[str, _FILE],
-    sets: Annotated[list[str] | None, _SET] = None,
+    design: Annotated[str, FILE],
+    sets: Annotated[list[str] | None, SET] = None,
     picture: Annotated[str | None, typer.Option(help="Draw a wedge to a PNG file (extra: plot).")] = None,
-    as_json: Annotated[bool, _JSON] = False,
-    quiet: Annotated[bool, _QUIET] = False,
-    output: Annotated[str | None, _FOLDER] = None,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, QUIET] = False,
+    output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple."""
     from slopekit.analysis import analyse
 
-    folder = None if output is None else _folder(Path(output))
-    image = None if picture is None else _image(Path(picture))
-    _finish(analyse(_load(design, sets)), folder, image, as_json, quiet)
+    folder = None if output is None else folder_of(Path(output))
+    image = None if picture is None else image_of(Path(picture))
+    _finish(analyse(load_design(design, sets)), folder, image, as_json, quiet)
 
 
-@app.command()
 def check(
     design: Annotated[str | None, typer.Argument(help="A design file (YAML).", metavar="DESIGN")] = None,
     suite: Annotated[bool, typer.Option("--suite", help="The verification suite: published and exact cases.")] = False,
-    sets: Annotated[list[str] | None, _SET] = None,
+    sets: Annotated[list[str] | None, SET] = None,
     picture: Annotated[str | None, typer.Option(help="Draw time against error to a PNG file (extra: plot).")] = None,
-    as_json: Annotated[bool, _JSON] = False,
+    as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the verdict.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for check.json, check.txt, speed-error.png.")] = None,
 ) -> None:
@@ -132,17 +114,17 @@ def check(
         raise DesignError([Fault("E270", message, "", "slopekit check my.yaml, or slopekit check --suite")])
     if suite and (sets or picture):
         raise DesignError([Fault("E271", "--set and --picture belong to a design file, --suite takes neither")])
-    folder = None if output is None else _folder(Path(output))
+    folder = None if output is None else folder_of(Path(output))
     if design is None:
         _check_suite(folder, as_json, quiet)
     from slopekit.studies.check import check as check_design
     from slopekit.views.check_sheet import check_line, check_picture, check_sheet, require_matplotlib
 
-    image = None if picture is None else _image(Path(picture))
+    image = None if picture is None else image_of(Path(picture))
     if image is not None:
         require_matplotlib(image)
-    checked = check_design(_load(design or "", sets))
-    document = json.dumps(checked.to_dict(), ensure_ascii=False, indent=1, allow_nan=False)
+    checked = check_design(load_design(design or "", sets))
+    document = json_text(checked.to_dict())
     sheet = check_sheet(checked)
     if folder is not None:
         (folder / "check.json").write_text(document + "\n", encoding="utf-8")
@@ -153,7 +135,7 @@ def check(
             if path is not None:
                 check_picture(checked, path)
         except DesignError as error:  # everything else is there: say what is missing
-            _print_faults(error, plainly=True)
+            print_faults(error, plainly=True)
     raise typer.Exit(checked.exit_code)
 
 
@@ -164,25 +146,24 @@ def _check_suite(folder: Path | None, as_json: bool, quiet: bool) -> None:
     verification = verify()
     if folder is not None:
         write(verification, folder)
-    document = json.dumps(verification.to_dict(), ensure_ascii=False, indent=1, allow_nan=False) if as_json else ""
+    document = json_text(verification.to_dict()) if as_json else ""
     typer.echo(document or (summary(verification) if quiet else table(verification)))
     raise typer.Exit(verification.exit_code)
 
 
-@app.command()
 def lint(
-    design: Annotated[str, _FILE],
-    sets: Annotated[list[str] | None, _SET] = None,
-    as_json: Annotated[bool, _JSON] = False,
+    design: Annotated[str, FILE],
+    sets: Annotated[list[str] | None, SET] = None,
+    as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Read and test a design file, run nothing."""
-    read = _load(design, sets)
+    read = load_design(design, sets)
     if as_json:
         document = {
             "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
             "assumed": dict(read.assumed), "defaults": list(read.defaults), "errors": [],
         }  # fmt: skip
-        typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
+        typer.echo(json_text(document))
         return
     head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
     typer.echo(f"{head} (whether it forms a block, run says)")
@@ -192,81 +173,11 @@ def lint(
         typer.echo(f"     left out, taken by default: {', '.join(read.defaults)}")
 
 
-templates = typer.Typer(help="Starter design files.", no_args_is_help=True, rich_markup_mode=None)
-app.add_typer(templates, name="templates")
-
-
-@templates.command("list")
-def list_templates() -> None:
-    """The templates there are."""
-    from slopekit.design.templates import names, summary
-
-    for name in names():
-        typer.echo(f"{name:<20}{summary(name)}")
-
-
-@templates.command("show")
-def show_template(name: Annotated[str, typer.Argument(help="A template, see list.")]) -> None:
-    """Print a template."""
-    from slopekit.design.templates import path_of
-
-    typer.echo(path_of(name).read_text(encoding="utf-8"), nl=False)
-
-
-@templates.command("new")
-def new_template(
-    name: Annotated[str, typer.Argument(help="A template, see list.")],
-    target: Annotated[str | None, typer.Argument(help="The file to write [NAME.yaml].")] = None,
-) -> None:
-    """Write a template to a file of your own; nothing is written over."""
-    from slopekit.design.templates import path_of
-
-    source = path_of(name)
-    path = Path(target or source.name)
-    if not path.parent.is_dir():
-        raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(source.read_text(encoding="utf-8"))
-    except FileExistsError:
-        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")]) from None
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
-    typer.echo(f"wrote {path}; try: slopekit run {path}")
-
-
-@app.command()
-def doctor() -> None:
-    """Versions, drawing, a self test of a few seconds."""
-    from slopekit.views.doctor import examination
-
-    lines, sound = examination()
-    typer.echo("\n".join(lines))
-    raise typer.Exit(0 if sound else 5)
-
-
-def _load(design: str, sets: list[str] | None) -> "Design":
-    from slopekit.design.files import load
-    from slopekit.design.overrides import parse_override
-
-    faults: list[Fault] = []
-    overrides: list[tuple[str, object]] = []
-    for text in sets or []:
-        try:
-            overrides.append(parse_override(text))
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
-    return load(design, overrides)
-
-
 def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
     """Write and print a result, and leave with its exit code."""
     from slopekit.views.sheet import sheet as make_sheet
 
-    document = json.dumps(result.to_dict(), ensure_ascii=False, indent=1, allow_nan=False)
+    document = json_text(result.to_dict())
     sheet = make_sheet(result)
     if image is not None:
         from slopekit.views.scene import wedge_picture
@@ -277,14 +188,6 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: 
         (folder / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
     typer.echo(document if as_json else _one_line(result) if quiet else sheet)
     raise typer.Exit(result.exit_code)
-
-
-@app.command()
-def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -> None:
-    """The long text of a message."""
-    from slopekit.explanations import explanation
-
-    typer.echo(explanation(code))
 
 
 def _one_line(result: "Result") -> str:
@@ -305,77 +208,6 @@ def _one_line(result: "Result") -> str:
     return "  ".join(parts)
 
 
-def _refuse_repeats(arguments: list[str]) -> None:
-    """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
-    names = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
-    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set"})
-    if twice:
-        raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
-
-
 def _option(key: str) -> str:
     singular = {"forces": "force", "bolts": "bolt"}
     return "--" + singular.get(key, key).replace("_", "-")
-
-
-def _folder(folder: Path) -> Path:
-    """Make a folder to write to, before any work is done."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
-    return folder
-
-
-def _image(path: Path) -> Path:
-    if path.suffix.lower() != ".png":
-        raise DesignError([Fault("E141", f"the picture {path} is not a .png file", str(path))])
-    if not path.parent.is_dir():
-        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
-    _folder(path.parent)
-    return path
-
-
-def _print_faults(error: SlopekitError, plainly: bool = False) -> None:
-    if "--json" in sys.argv[1:] and not plainly:
-        document = {"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}
-        typer.echo(json.dumps(document, ensure_ascii=False, indent=1))
-    for fault in error.faults:
-        typer.echo(str(fault), err=True)
-
-
-def main() -> None:
-    """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
-    try:
-        _refuse_repeats(sys.argv[1:])
-        code = app(standalone_mode=False)
-    except SlopekitError as error:
-        _print_faults(error)
-        sys.exit(error.exit_code)
-    except typer.Abort:
-        sys.exit(130)
-    except typer.TyperException as error:
-        wrong = DesignError([Fault("E100", _said(error), "", "Try --help for the options.")])
-        _print_faults(wrong)
-        sys.exit(wrong.exit_code)
-    except Exception as error:
-        typer.echo(f"E599 a bug of ours: {type(error).__name__}: {error}", err=True)
-        typer.echo(
-            "     Please send us the command with this text. SLOPEKIT_DEBUG=1 prints where it happened.", err=True
-        )
-        if os.environ.get("SLOPEKIT_DEBUG"):
-            raise
-        sys.exit(5)
-    sys.exit(code if isinstance(code, int) else 0)
-
-
-def _said(error: typer.TyperException) -> str:
-    format_message = getattr(error, "format_message", None)
-    return str(format_message() if format_message else error)
-
-
-if __name__ == "__main__":
-    main()

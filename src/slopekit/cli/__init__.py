@@ -1,0 +1,75 @@
+"""The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from slopekit._version import __version__
+from slopekit.cli import designs, tools
+from slopekit.cli.common import print_faults
+from slopekit.errors import DesignError, Fault, SlopekitError
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms.",
+)
+
+
+def _version(show: bool) -> None:
+    if show:
+        typer.echo(f"slopekit {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _slopekit(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Version.")] = False,
+) -> None:
+    """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
+
+
+for room in (designs, tools):
+    room.add_to(app)
+
+
+def _refuse_repeats(arguments: list[str]) -> None:
+    """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
+    names = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
+    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set"})
+    if twice:
+        raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
+
+
+def main() -> None:
+    """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
+    try:
+        _refuse_repeats(sys.argv[1:])
+        code = app(standalone_mode=False)
+    except SlopekitError as error:
+        print_faults(error)
+        sys.exit(error.exit_code)
+    except typer.Abort:
+        sys.exit(130)
+    except typer.TyperException as error:
+        wrong = DesignError([Fault("E100", _said(error), "", "Try --help for the options.")])
+        print_faults(wrong)
+        sys.exit(wrong.exit_code)
+    except Exception as error:
+        typer.echo(f"E599 a bug of ours: {type(error).__name__}: {error}", err=True)
+        typer.echo(
+            "     Please send us the command with this text. SLOPEKIT_DEBUG=1 prints where it happened.", err=True
+        )
+        if os.environ.get("SLOPEKIT_DEBUG"):
+            raise
+        sys.exit(5)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _said(error: typer.TyperException) -> str:
+    format_message = getattr(error, "format_message", None)
+    return str(format_message() if format_message else error)

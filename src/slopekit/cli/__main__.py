@@ -1,0 +1,5 @@
+"""`python -m slopekit.cli`."""
+
+from slopekit.cli import main
+
+main()

@@ -1,0 +1,76 @@
+"""What the commands share: options, reading a design, folders, faults as text or JSON."""
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault, SlopekitError
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Design
+
+JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
+QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
+FOLDER = typer.Option("-o", help="Folder for result.json and sheet.txt.")
+SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
+SEED = typer.Option("--seed", help="Seed of the random numbers: the same seed gives the same numbers.")
+JOBS = typer.Option("--jobs", help="Processes that work at once.")
+SCHEDULER = typer.Option("--scheduler", help="A Dask scheduler, tcp://host:8786 (extra: dask).", metavar="ADDRESS")
+FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
+
+
+def load_design(design: str, sets: list[str] | None) -> "Design":
+    """The design of a file, with what `--set` replaces in it."""
+    from slopekit.design.files import load
+    from slopekit.design.overrides import parse_override
+
+    faults: list[Fault] = []
+    overrides: list[tuple[str, object]] = []
+    for text in sets or []:
+        try:
+            overrides.append(parse_override(text))
+        except DesignError as error:
+            faults += error.faults
+    if faults:
+        raise DesignError(faults)
+    return load(design, overrides)
+
+
+def folder_of(folder: Path) -> Path:
+    """Make a folder to write to, before any work is done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+    return folder
+
+
+def image_of(path: Path) -> Path:
+    """The path of a picture, refused before any work is done where it cannot be written."""
+    if path.suffix.lower() != ".png":
+        raise DesignError([Fault("E141", f"the picture {path} is not a .png file", str(path))])
+    if not path.parent.is_dir():
+        raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
+    folder_of(path.parent)
+    return path
+
+
+def json_text(document: Any) -> str:
+    """A document as every command prints it."""
+    return json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
+
+
+def print_faults(error: SlopekitError, plainly: bool = False) -> None:
+    """Faults on stderr, and as JSON on stdout where that was asked for."""
+    if "--json" in sys.argv[1:] and not plainly:
+        typer.echo(json_text({"slopekit": __version__, "errors": [fault.to_dict() for fault in error.faults]}))
+    for fault in error.faults:
+        typer.echo(str(fault), err=True)

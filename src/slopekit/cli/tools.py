@@ -1,0 +1,74 @@
+"""Commands without a design: templates, doctor, explain."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from slopekit.errors import DesignError, Fault
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    app.add_typer(templates, name="templates")
+    app.command()(doctor)
+    app.command()(explain)
+
+
+templates = typer.Typer(help="Starter design files.", no_args_is_help=True, rich_markup_mode=None)
+
+
+@templates.command("list")
+def list_templates() -> None:
+    """The templates there are."""
+    from slopekit.design.templates import names, summary
+
+    for name in names():
+        typer.echo(f"{name:<20}{summary(name)}")
+
+
+@templates.command("show")
+def show_template(name: Annotated[str, typer.Argument(help="A template, see list.")]) -> None:
+    """Print a template."""
+    from slopekit.design.templates import path_of
+
+    typer.echo(path_of(name).read_text(encoding="utf-8"), nl=False)
+
+
+@templates.command("new")
+def new_template(
+    name: Annotated[str, typer.Argument(help="A template, see list.")],
+    target: Annotated[str | None, typer.Argument(help="The file to write [NAME.yaml].")] = None,
+) -> None:
+    """Write a template to a file of your own; nothing is written over."""
+    from slopekit.design.templates import path_of
+
+    source = path_of(name)
+    path = Path(target or source.name)
+    if not path.parent.is_dir():
+        raise DesignError([Fault("E129", f"there is no folder {path.parent}", str(path))])
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(source.read_text(encoding="utf-8"))
+    except FileExistsError:
+        raise DesignError([Fault("E178", f"{path} is there already", str(path), "Give another name.")]) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    typer.echo(f"wrote {path}; try: slopekit run {path}")
+
+
+def doctor() -> None:
+    """Versions, drawing, a self test of a few seconds."""
+    from slopekit.views.doctor import examination
+
+    lines, sound = examination()
+    typer.echo("\n".join(lines))
+    raise typer.Exit(0 if sound else 5)
+
+
+def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -> None:
+    """The long text of a message."""
+    from slopekit.explanations import explanation
+
+    typer.echo(explanation(code))

@@ -1,0 +1,57 @@
+"""The quick evaluation against the whole analysis: the same numbers and words, whatever governs."""
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis.factors import factors_of
+from slopekit.design.files import load, with_values
+from slopekit.design.reading import wedge_design
+from tests.support import random_wedge
+
+FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
+
+
+def same(design) -> None:
+    quick, whole = factors_of(design), sk.analyse(design)
+    assert (quick.status, quick.limit, quick.closed_form) == (whole.status, whole.fos.limit, whole.fos.closed_form)
+    assert (quick.agree, quick.difference) == (whole.agree, whole.difference)
+    assert quick.moments_govern == whole.moments_govern
+    alone = factors_of(design, pre_ie=False)
+    if quick.closed_status is not None:
+        assert (alone.status, alone.limit, alone.factor) == (quick.closed_status, None, quick.closed_form)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_templates(file: str) -> None:
+    same(load(file))
+
+
+def test_random_wedges_moments_and_lost_contact_among_them() -> None:
+    rng = np.random.default_rng(11)
+    designs = [wedge_design(random_wedge(rng)) for _ in range(25)]
+    for design in designs:
+        same(design)
+    assert sum(factors_of(design).moments_govern for design in designs) >= 1
+
+
+def test_dilating_joints_are_not_compared() -> None:
+    quick = factors_of(load("templates/wedge.yaml", [("strength.weak.dilation", 5)]))
+    assert quick.agree is None
+    assert quick.limit > quick.closed_form
+
+
+def test_other_values_are_read_as_those_of_the_file() -> None:
+    design = load("templates/wedge.yaml", [("slope.height", "30 m")])
+    other = with_values(design, {"strength.weak.phi": 25, "slope.face": "62/180"})
+    assert (other.friction_angle_deg, other.face.dip_deg, other.height_m) == ((25.0, 25.0), 62.0, 30.0)
+    assert other.input_hash() == load("templates/wedge.yaml", [("slope.height", "30 m"), ("strength.weak.phi", 25),
+                                                               ("slope.face", "62/180")]).input_hash()  # fmt: skip
+
+
+def test_a_design_without_a_file_has_no_values_to_change() -> None:
+    with pytest.raises(sk.DesignError) as caught:
+        with_values(wedge_design({"dips": ["45/115", "45/245"]}), {"slope.height": 30})
+    assert caught.value.codes == ("E280",)
+    assert "joints" in load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"},
+                                                                        "J2": {"plane": "45/245"}}}).inputs()  # fmt: skip
