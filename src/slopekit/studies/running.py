@@ -1,0 +1,254 @@
+"""Many tasks, one after the other, on several processes or on a Dask cluster: the same results in the same order.
+
+Any `concurrent.futures.Executor` will do. What is done goes to a journal, so that an interrupted run goes on where it
+stopped; a worker that dies loses no task.
+"""
+
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault, SlopekitError, SolverError
+from slopekit.studies.journal import Journal
+
+#: What a task gives: JSON values, as the journal keeps them.
+Record: TypeAlias = Any
+Advance = Callable[[int], None]
+_MOST_LOSSES = 3  # times that workers may die without a task being finished in between
+_CONNECT_S = 10.0
+_MOST_JOBS = 512
+
+
+@dataclass(frozen=True, slots=True)
+class Crew:
+    """Who does the work.
+
+    Attributes
+    ----------
+    jobs : processes of this machine; 1 works in the process that asks
+    scheduler : address of a Dask scheduler, tcp://host:8786, instead
+    executor : or any executor that is there already
+    """
+
+    jobs: int = 1
+    scheduler: str | None = None
+    executor: Executor | None = None
+
+
+ALONE = Crew()
+
+
+class Interrupted(SlopekitError):
+    """Ctrl-C: what is done is kept."""
+
+    exit_code = 130
+
+
+def checked_crew(jobs: object = 1, scheduler: str | None = None, executor: Executor | None = None) -> Crew:
+    """A crew from what a user gave.
+
+    Raises
+    ------
+    DesignError
+        E300 for a number of jobs that is none, or for more than one kind of workers.
+
+    >>> checked_crew("2")
+    Crew(jobs=2, scheduler=None, executor=None)
+    """
+    text = str(jobs).strip()
+    if not text.isdigit() or not 1 <= int(text) <= _MOST_JOBS:
+        message = f"--jobs is {text}, a whole number from 1 to {_MOST_JOBS} is needed"
+        raise DesignError([Fault("E300", message, "", "As many as there are cores is a good choice.")])
+    if scheduler is not None and int(text) > 1:
+        raise DesignError([Fault("E300", "--jobs and --scheduler exclude each other", "", "Keep one of them.")])
+    if scheduler is not None and "://" not in scheduler:
+        message = f"{scheduler} is not the address of a scheduler"
+        raise DesignError([Fault("E300", message, "", "Write --scheduler tcp://host:8786.")])
+    return Crew(int(text), scheduler, executor)
+
+
+def run_all(
+    work: Callable[[Any], Record],
+    tasks: Sequence[Any],
+    crew: Crew = ALONE,
+    *,
+    journal: Journal | None = None,
+    advance: Advance = lambda _: None,
+    at_once: int = 16,
+) -> list[Record]:
+    """The record of every task, in the order of the tasks, whoever did them.
+
+    Parameters
+    ----------
+    work : a function that pickles (of a module, or an instance with `__call__`); returns JSON values
+    journal : where records are kept as they come; those that it holds already are not asked for again
+    advance : told how many tasks are done
+    at_once : tasks that a worker takes at a time; results do not depend on it
+
+    Raises
+    ------
+    Interrupted
+        Ctrl-C: E304, with what is done in the journal.
+    DesignError
+        E301 no connection to the scheduler, E305 Dask is not installed, E306 workers with another slopekit.
+    SolverError
+        E303 workers die again and again.
+
+    >>> run_all(abs, [-1, 2, -3])
+    [1, 2, 3]
+    """
+    done: dict[int, Record] = {} if journal is None else dict(journal.records(len(tasks)))
+    advance(len(done))
+    open_tasks = [index for index in range(len(tasks)) if index not in done]
+    keep = _Keeper(done, journal, advance)
+    try:
+        if open_tasks and crew == Crew():
+            for index in open_tasks:
+                keep([index], [work(tasks[index])])
+        elif open_tasks:
+            chunks = [open_tasks[at : at + at_once] for at in range(0, len(open_tasks), at_once)]
+            _on_workers(work, tasks, chunks, crew, keep)
+    except KeyboardInterrupt:
+        raise Interrupted([_interrupted(len(done), len(tasks), journal)]) from None
+    if journal is not None and journal.streamed:
+        journal.save()
+    return [done[index] for index in range(len(tasks))]
+
+
+@dataclass(frozen=True, slots=True)
+class _Keeper:
+    done: dict[int, Record]
+    journal: Journal | None
+    advance: Advance
+
+    def __call__(self, indices: Sequence[int], records: Sequence[Record]) -> None:
+        for index, record in zip(indices, records, strict=True):
+            self.done[index] = record
+        if self.journal is not None:
+            self.journal.keep(indices, records)
+        self.advance(len(indices))
+
+
+def _interrupted(done: int, total: int, journal: Journal | None) -> Fault:
+    if journal is None:
+        return Fault("E304", f"interrupted after {done} of {total}", "", "Nothing was asked to be kept.")
+    journal.save()
+    message = f"interrupted: {done} of {total} are done and kept"
+    return Fault("E304", message, str(journal.path), "The same command goes on from there.")
+
+
+def _on_workers(
+    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew, keep: _Keeper
+) -> None:
+    """Hand out the chunks; where workers die, hand out once more what they had not finished."""
+    left, losses = chunks, 0
+    while left:
+        lost: list[list[int]] = []
+        with _executor(crew) as executor:
+            futures: dict[Future[list[Record]], list[int]] = {}
+            try:
+                for chunk in left:
+                    futures[executor.submit(_several, work, [tasks[index] for index in chunk])] = chunk
+                for future in as_completed(futures):
+                    chunk = futures[future]
+                    try:
+                        keep(chunk, future.result())
+                    except BrokenExecutor:
+                        lost.append(chunk)
+                    except Exception as error:
+                        if type(error).__name__ != "KilledWorker":  # Dask's, which need not be installed
+                            raise
+                        lost.append(chunk)
+            except BrokenExecutor:  # no more can be handed in
+                lost = [chunk for chunk in left if chunk[0] not in keep.done]
+            except BaseException:
+                for future in futures:
+                    future.cancel()
+                raise
+        losses = losses + 1 if len(lost) == len(left) else 0
+        if losses == _MOST_LOSSES:
+            message = f"workers died {losses} times over the same {len(lost)} parcels of tasks"
+            advice = "Not enough memory? In a script of your own, call studies below if __name__ == '__main__'."
+            raise SolverError([Fault("E303", message, "", advice)])
+        left = lost
+
+
+def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record]:
+    return [work(task) for task in tasks]
+
+
+@contextmanager
+def _executor(crew: Crew) -> Iterator[Executor]:
+    if crew.executor is not None:
+        yield crew.executor
+        return
+    with ExitStack() as stack:
+        if crew.scheduler is not None:
+            yield stack.enter_context(_dask(crew.scheduler))
+            return
+        import multiprocessing
+
+        # spawned: the same on every system, and no threads of ours are copied half-way
+        pool = ProcessPoolExecutor(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
+        try:
+            yield pool
+        except BaseException:
+            processes = list((pool._processes or {}).values())
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+            raise
+        pool.shutdown()
+
+
+def _quiet_worker() -> None:
+    """In a worker: Ctrl-C is for the one who asked, and one core is one core."""
+    from threadpoolctl import threadpool_limits
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threadpool_limits(1)
+
+
+@contextmanager
+def _dask(address: str) -> Iterator[Executor]:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise DesignError(
+            [Fault("E305", "--scheduler needs Dask, which is not installed", "", "pip install 'slopekit[dask]'")]
+        ) from None
+    try:
+        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        message = f"no Dask scheduler answers at {address}: {str(error).splitlines()[0] if str(error) else error!r}"
+        advice = "Start one with dask scheduler, and workers with dask worker tcp://host:8786."
+        raise DesignError([Fault("E301", message, "", advice)]) from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=_CONNECT_S)
+        except TimeoutError:
+            advice = "Start workers with dask worker and the address of the scheduler."
+            raise DesignError([Fault("E301", f"the scheduler at {address} has no worker", "", advice)]) from None
+        versions = set(client.run(_version_here, on_error="return").values())
+        wrong = sorted(str(version) for version in versions if version != __version__)
+        if wrong:
+            message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
+            raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])
+        yield client.get_executor(pure=False)
+
+
+def _version_here() -> str:
+    return __version__
+
+
+def crew_in_words(crew: Crew) -> str:
+    """Who did the work, for a sheet."""
+    if crew.scheduler is not None:
+        return f"Dask at {crew.scheduler}"
+    if crew.executor is not None:
+        return type(crew.executor).__name__
+    return "1 process" if crew.jobs == 1 else f"{crew.jobs} processes"

@@ -1,0 +1,155 @@
+"""Tasks on one process, on several, on Dask: the same records; deaths, interruptions and journals lose nothing."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from slopekit.errors import DesignError, SolverError
+from slopekit.studies.journal import Journal
+from slopekit.studies.running import Crew, Interrupted, checked_crew, run_all
+from tests.studies.workers import DiesOnce, InterruptedAt, dies, slow_square, square
+
+SQUARES = [number * number for number in range(60)]
+
+
+def test_processes_and_executors_give_what_one_process_gives() -> None:
+    assert run_all(square, range(60)) == SQUARES
+    assert run_all(square, range(60), checked_crew(2), at_once=7) == SQUARES
+    with ThreadPoolExecutor(2) as executor:
+        assert run_all(square, range(60), checked_crew(1, None, executor), at_once=1) == SQUARES
+
+
+def test_a_worker_that_dies_loses_no_task(tmp_path) -> None:
+    told: list[int] = []
+    work = DiesOnce(str(tmp_path / "died"), 33)
+    assert run_all(work, range(60), checked_crew(2), advance=told.append, at_once=5) == SQUARES
+    assert (tmp_path / "died").exists()
+    assert sum(told) == 60
+
+
+def test_workers_that_always_die_are_an_error_with_the_number_of_parcels() -> None:
+    with pytest.raises(SolverError) as caught:
+        run_all(dies, range(3), Crew(2), at_once=3)
+    assert caught.value.codes == ("E303",)
+
+
+def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path) -> None:
+    journal = Journal.of(tmp_path, "prob", {"seed": 1}, streamed=False)
+    with pytest.raises(Interrupted) as caught:
+        run_all(InterruptedAt(40), range(60), journal=journal)
+    assert caught.value.codes == ("E304",)
+    assert caught.value.exit_code == 130
+    assert "40 of 60" in str(caught.value)
+    again, work, told = Journal.of(tmp_path, "prob", {"seed": 1}), InterruptedAt(-1), []
+    assert run_all(work, range(60), journal=again, advance=told.append) == SQUARES
+    assert work.asked == 20
+    assert sum(told) == 60
+    other = InterruptedAt(-1)  # another seed is another run
+    run_all(other, range(60), journal=Journal.of(tmp_path, "prob", {"seed": 2}, streamed=False))
+    assert other.asked == 60
+
+
+def test_a_journal_that_was_cut_short_is_read_as_far_as_it_goes(tmp_path) -> None:
+    journal = Journal.of(tmp_path, "sweep", "x")
+    for number in range(10):
+        journal.keep([number], [SQUARES[number]])
+        journal.save()
+    text = journal.path.read_text()
+    journal.path.write_text(text[: text.rindex('"records": [[9') + 12])
+    again = Journal.of(tmp_path, "sweep", "x")
+    assert dict(again.records(60)) == dict(enumerate(SQUARES[:9]))
+    again.keep([9], [81])
+    again.save()
+    assert dict(Journal.of(tmp_path, "sweep", "x").records(60)) == dict(enumerate(SQUARES[:10]))
+    again.remove()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_journal_that_cannot_be_written_says_so(tmp_path) -> None:
+    journal = Journal.of(tmp_path / "gone", "prob", 1)
+    journal.keep([0], [0])
+    with pytest.raises(DesignError) as caught:
+        journal.save()
+    assert caught.value.codes == ("E129",)
+
+
+@pytest.mark.parametrize(
+    ("jobs", "scheduler", "code"),
+    [
+        ("0", None, "E300"),
+        ("two", None, "E300"),
+        (2, "tcp://a:1", "E300"),
+        (1, "a:1", "E300"),
+        (1, "tcp://a:1", "E305"),
+    ],
+)
+def test_crews_that_cannot_be(jobs, scheduler, code, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(DesignError) as caught:
+        run_all(square, [1, 2], checked_crew(jobs, scheduler))
+    assert caught.value.codes == (code,)
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """A Dask scheduler with two workers, as a user starts them; the workers can be killed."""
+    root = Path(__file__).parents[2]
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(root), os.environ.get("PYTHONPATH", "")])}
+    address = tmp_path / "scheduler.json"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "env": env, "cwd": tmp_path}
+    dask = [sys.executable, "-m", "dask"]
+    started = [subprocess.Popen(
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(address)],
+        **quiet,
+    )]  # fmt: skip
+    started += [subprocess.Popen(
+        [*dask, "worker", "--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--no-dashboard"], **quiet
+    ) for _ in range(2)]  # fmt: skip
+    try:
+        yield address, started[1:]
+    finally:
+        for process in reversed(started):
+            process.kill()
+            process.wait()
+
+
+def test_dask_with_a_killed_worker_and_with_none(scheduler, monkeypatch) -> None:
+    import json
+
+    from slopekit.studies import running
+
+    file, workers = scheduler
+    until = time.monotonic() + 30.0
+    while not (file.exists() and file.stat().st_size) and time.monotonic() < until:
+        time.sleep(0.05)
+    address = json.loads(file.read_text())["address"]
+    killed = threading.Timer(0.5, lambda: workers[0].send_signal(signal.SIGKILL))
+    told: list[int] = []
+
+    def advance(count: int) -> None:
+        if not told:
+            killed.start()  # in the middle of the work
+        told.append(count)
+
+    crew = checked_crew(1, address)
+    assert run_all(slow_square, range(120), crew, advance=advance, at_once=2) == [n * n for n in range(120)]
+    killed.join()
+    assert workers[0].wait(10) == -9
+    assert sum(told) == 120
+    monkeypatch.setattr(running, "__version__", "another")
+    with pytest.raises(DesignError) as caught:
+        run_all(square, [1], crew)
+    assert caught.value.codes == ("E306",)
+    workers[1].kill()
+    workers[1].wait()
+    monkeypatch.setattr(running, "_CONNECT_S", 1.0)
+    with pytest.raises(DesignError) as caught:
+        run_all(square, [1], crew)
+    assert caught.value.codes == ("E301",)
