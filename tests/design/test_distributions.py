@@ -1,16 +1,18 @@
-"""Distributions and correlation: what is read, and every parameter that cannot be."""
+"""Distributions: what is read, and every parameter that cannot be."""
 
-import numpy as np
 import pytest
 
 from slopekit.design.distributions import (
+    Angles,
     Distribution,
-    check_correlation,
-    is_distribution,
+    Fisher,
+    Variable,
+    read_angles,
     read_distribution,
     read_orientation,
 )
 from slopekit.design.nodes import document_from
+from slopekit.design.structure import is_distribution
 from slopekit.errors import DesignError
 from slopekit.orientation import Line, Plane
 
@@ -115,48 +117,48 @@ def test_advice_names_the_nearest() -> None:
         assert advice in caught.value.faults[0].advice
 
 
-KNOWN = ["J1.phi", "J2.phi", "J1.c"]
-CORRELATIONS = [
-    ("E106", {"J1.phi/J2.phi": "high"}, "correlation J1.phi/J2.phi is 'high', a number is needed"),
-    ("E144", "0.8", "correlation is not a group of pairs"),
-    ("E167", {"J1.phi": 0.8}, "J1.phi is not a pair of two names"),
-    ("E167", {"J1.phi/J2.phi/J1.c": 0.8}, "is not a pair of two names"),
-    ("E168", {"J1.phi/J2.pih": 0.8}, "J2.pih is not a value that scatters in this design"),
-    ("E180", {"J1.phi/J2.phi": 1.2}, "correlation J1.phi/J2.phi is 1.2, it lies between -1 and 1"),
-    ("E181", {"J1.phi/J2.phi": 0.8, "J2.phi/J1.phi": 0.7}, "J2.phi/J1.phi is the same pair as J1.phi/J2.phi"),
-    ("E182", {"J1.phi/J1.phi": 0.8}, "J1.phi is correlated with itself, that is always 1"),
-    ("E183", {"J1.phi/J2.phi": 0.9, "J2.phi/J1.c": 0.9, "J1.phi/J1.c": -0.9},
-     "the correlations of J1.phi, J2.phi, J1.c contradict each other: the smallest eigenvalue is -0.8"),
-]  # fmt: skip
+# -- orientations by their angles -------------------------------------------------------------------------------------
+
+DIP = {"dist": "normal", "mean": 45, "sd": 3}
 
 
-@pytest.mark.parametrize(("code", "given", "says"), CORRELATIONS, ids=lambda value: str(value)[:40])
-def test_correlations_that_cannot_be(code, given, says) -> None:
-    _, faults = check_correlation(node(given), KNOWN)
-    assert [fault.code for fault in faults] == [code]
-    assert says in faults[0].message
+def test_an_orientation_by_its_angles() -> None:
+    both = read_angles(node({"dip": DIP, "dip_direction": {"dist": "uniform", "min": 350, "max": 380}}), "J1")
+    assert both.centre == Plane(45.0, 5.0)
+    one = read_angles(node({"dip": DIP, "dip_direction": "0.5 rad"}), "J1")
+    assert one == Angles("plane", Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle"), 28.64788975654116)
+    line = read_angles(node({"trend": 10, "plunge": DIP}), "bolt", "line")
+    assert line.centre == Line(10.0, 45.0)
 
 
-def test_correlations_that_can_be() -> None:
-    given = {"J1.phi / J2.phi": "80 %", "J1.c/J1.phi": -0.5}
-    assert check_correlation(node(given), KNOWN) == ({("J1.phi", "J2.phi"): 0.8, ("J1.c", "J1.phi"): -0.5}, [])
-    assert check_correlation(node({"J1.phi/J2.phi": 1.0, "J1.phi/J1.c": 1.0, "J2.phi/J1.c": 1.0}), KNOWN)[1] == []
-    assert check_correlation(node({}), KNOWN) == ({}, [])
+@pytest.mark.parametrize(
+    ("codes", "given", "says"),
+    [
+        (("E106",), {"dip": "steep", "dip_direction": 5}, "dip of J1 is 'steep', a number is needed"),
+        (("E107",), {"dip": "45 m", "dip_direction": 5}, "dip of J1 has the unit m"),
+        (("E186",), {"dip": {"dist": "normal", "mean": 4, "sd": -1}, "dip_direction": 5}, "sd of dip of J1 is -1"),
+        (("E166",), {"dip": {"dist": "fisher", "mean": 4, "k": 9}, "dip_direction": 5}, "dip of J1 is a number"),
+        (("E106", "E106"), {"dip": "a", "dip_direction": "b"}, "dip of J1 is 'a'"),
+        ((), {"dip": 45}, ""),  # the checker of keys says what is missing
+    ],
+)
+def test_angles_that_cannot_be(codes, given, says) -> None:
+    with pytest.raises(DesignError) as caught:
+        read_angles(node(given), "J1")
+    assert caught.value.codes == codes
+    assert not says or says in caught.value.faults[0].message
 
 
-def test_the_scale_in_the_advice_is_the_largest_that_can_be() -> None:
-    """Independent: the eigenvalues of the scaled matrix, by numpy, at that scale and 0.1 % above it."""
-    _, faults = check_correlation(node({"a/b": 0.9, "b/c": 0.9, "a/c": -0.9}), "abc")
-    scale = float(faults[0].advice.split()[4])
-    matrix = np.array([[1, 0.9, -0.9], [0.9, 1, 0.9], [-0.9, 0.9, 1]])
-
-    def smallest(s: float) -> float:
-        return float(np.linalg.eigvalsh(np.eye(3) + s * (matrix - np.eye(3)))[0])
-
-    assert smallest(scale) >= 0.0
-    assert smallest(scale * 1.001) < 0.0
-
-
-def test_an_unknown_name_where_nothing_scatters() -> None:
-    _, faults = check_correlation(node({"J1.phi/J2.phi": 0.5}), [])
-    assert [fault.advice for fault in faults] == ["Nothing in this design is a distribution."] * 2
+def test_columns_and_coordinates() -> None:
+    """An orientation has two columns whatever of it scatters; only what scatters can be correlated."""
+    dip = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
+    columns = ("J.dip", "J.dip_direction")
+    assert (
+        Variable("J", Fisher(Plane(45, 115), 9)).columns == Variable("J", Angles("plane", dip, 5.0)).columns == columns
+    )
+    assert Variable("J", Fisher(Plane(45, 115), 9)).coordinates == columns
+    assert Variable("J", Angles("plane", dip, 5.0)).coordinates == ("J.dip",)
+    assert Variable("J", Angles("plane", 5.0, dip)).coordinates == ("J.dip_direction",)
+    assert Variable("L", Fisher(Line(45, 15), 9)).columns == ("L.trend", "L.plunge")
+    assert Variable("L", Fisher(Line(45, 15), 9)).coordinates == ("L.plunge", "L.trend")
+    assert Variable("x", dip).columns == Variable("x", dip).coordinates == ("x",)

@@ -11,6 +11,7 @@ import slopekit as sk
 from slopekit.design.files import load
 from slopekit.design.templates import path_of
 from slopekit.geometry import meshes, sliding_mass
+from slopekit.orientation import Line
 
 WEDGE = """\
 slopekit: 1
@@ -259,6 +260,124 @@ def test_correlation_is_checked_by_the_names_of_joints_and_strengths(tmp_path) -
         load(_written(tmp_path, f"{text}correlation: {{{pair}: 0.5}}\n"))
     (fault,) = _faults(_written(tmp_path, f"{text}correlation: {{J1.phi/J2.c: 0.5}}\n"))
     assert fault.code == "E168"
+
+
+SCATTER = WEDGE.replace("phi: 30", "phi: {dist: normal, mean: 30, sd: 2}").replace(
+    "phi: 20", "phi: {dist: normal, mean: 20, sd: 2}"
+)
+
+
+def test_a_design_knows_what_of_it_scatters(tmp_path) -> None:
+    text = SCATTER.replace("plane: 45/105", "plane: {dist: fisher, mean: 45/105, k: 200}")
+    text = text.replace("face: 65/185", "face: {dip: {dist: uniform, min: 60, max: 70}, dip_direction: 185}")
+    pairs = "J1.phi/J2.phi: 0.5, J1.plane/slope.face: 0.3, J1.plane.dip_direction/clay.phi: -0.2"
+    design = sk.load(_written(tmp_path, f"{text}correlation: {{{pairs}}}\n"))
+    assert {variable.path: type(variable.distribution).__name__ for variable in design.variables} == {
+        "slope.face": "Angles", "joints.J1.plane": "Fisher", "strength.rough.phi": "Distribution",
+        "strength.clay.phi": "Distribution",
+    }  # fmt: skip
+    assert design.correlation == (
+        ("strength.rough.phi", "strength.clay.phi", 0.5), ("joints.J1.plane.dip", "slope.face.dip", 0.3),
+        ("joints.J1.plane.dip_direction", "strength.clay.phi", -0.2),
+    )  # fmt: skip
+    assert dict(design.assumed) == {
+        "slope.face.dip": "65", "joints.J1.plane": "45/105", "strength.rough.phi": "30", "strength.clay.phi": "20",
+    }  # fmt: skip
+    assert design.variables[0].where.startswith("wall.yaml:3:15")
+    assert design == sk.load(_written(tmp_path, WEDGE))
+    assert design.input_hash() == sk.load(_written(tmp_path, WEDGE)).input_hash()
+    assert design.inputs() == sk.load(_written(tmp_path, WEDGE)).inputs()
+
+
+# kind, what of its file is replaced by what, the path and the columns of the one thing that scatters
+ORIENTATIONS = [
+    ("wedge", "65/185", "{dip: {dist: normal, mean: 65, sd: 2}, dip_direction: 185}", "slope.face", 0),
+    ("wedge", "12/195", "{dip: 12, dip_direction: {dist: normal, mean: 195, sd: 2}}", "slope.upper", 0),
+    ("wedge", "45/105", "{dip: {dist: normal, mean: 45, sd: 2}, dip_direction: 105 deg}", "joints.J1.plane", 0),
+    ("wedge", "rock:", "crack: {plane: {dip: {dist: normal, mean: 80, sd: 2}, dip_direction: 185}, distance: 3}\nrock:",
+     "crack.plane", {"crack": "{plane: 80/185, distance: 3}"}),
+    ("wedge", "bolts: []", "bolts: [{force: 9, toward: {trend: 5, plunge: {dist: normal, mean: 10, sd: 2}}}]",
+     "support.bolts.0.toward", {"support.bolts": "[9@5/10]"}),
+    ("wedge", "bolts: []", "bolts: [{force: 9, toward: {dist: fisher, mean: 5/-10, k: 9}}]", "support.bolts.0.toward",
+     {"support.bolts": "[9@5/-10]"}),
+    ("wedge", "forces: []", "forces: [{force: 9, toward: {dist: fisher, mean: 5/10, k: 9}}]", "loads.forces.0.toward",
+     {"loads.forces": "[9@5/10]"}),
+    ("plane", "35/180", "{dip: {dist: normal, mean: 35, sd: 2}, dip_direction: 180}", "joints.J1.plane", 0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "old", "new", "path", "same"), ORIENTATIONS, ids=lambda value: str(value)[:24])
+def test_orientations_whose_angles_scatter_take_their_centre(kind, old, new, path, same, tmp_path) -> None:
+    design = sk.load(_written(tmp_path, DESIGNS[kind].replace(old, new, 1)))
+    assert [variable.path for variable in design.variables] == [path]
+    plain = load(_written(tmp_path, DESIGNS[kind]), tuple((same or {}).items()))
+    assert design.input_hash() == plain.input_hash()
+
+
+ANGLES = [
+    ("E143", "{dip: 45}", "joints.J1.plane.dip_direction is missing", "5:8"),
+    ("E142", "{dip: 45, dip_direction: 105, strike: 15}", "strike is not a key of joints.J1.plane", "5:45"),
+    ("E144", "{dsit: fisher, mean: 45/105, k: 9}", "an orientation or a group of keys (dip, dip_direction)", "5:15"),
+    ("E106", "{dip: steep, dip_direction: 105}", "dip of joints.J1.plane is 'steep', a number is needed", "5:16"),
+    ("E103", "{dip: 105, dip_direction: 45}", "J1 is 105/45: dip and dip direction look swapped", "5:15"),
+    ("E101", "{dip: {dist: uniform, min: 80, max: 120}, dip_direction: 205}", "dip of J1 is 100", "5:15"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "new", "says", "place"), ANGLES, ids=lambda value: str(value)[:24])
+def test_angles_that_cannot_be(code, new, says, place, tmp_path) -> None:
+    (fault,) = _faults(_written(tmp_path, WEDGE.replace("45/105", new, 1)))
+    assert fault.code == code
+    assert says in fault.message
+    assert fault.where.startswith(f"wall.yaml:{place}  ")
+
+
+def test_settings_do_not_scatter(tmp_path) -> None:
+    text = WEDGE.replace("agree_within: 1 %", "refine: {dist: uniform, min: 0, max: 2}")
+    (fault,) = _faults(_written(tmp_path, text))
+    assert (fault.code, fault.message.endswith("a value is needed")) == ("E144", True)
+
+
+def test_correlation_of_one_strength_with_itself_is_refused(tmp_path) -> None:
+    text = re.sub(r"  clay: .*\n", "", SCATTER).replace("strength: clay", "strength: rough")
+    (fault,) = _faults(_written(tmp_path, f"{text}correlation: {{J1.phi/J2.phi: 0.5}}\n"))
+    assert fault.code == "E182"
+    assert "J1.phi and J2.phi are one value, strength.rough.phi" in fault.message
+
+
+# the key, its spelling in the file, what --set says, the same in one word
+TURNED = [
+    ("joints.J1.plane.dip", "45/105", "50", "50/105"),
+    ("joints.J1.plane.dip", "[45, 105]", "50", "50/105"),
+    ("joints.J1.plane.dip", "{dip: 45, dip_direction: 105}", "50", "50/105"),
+    ("joints.J1.plane.dip_direction", "{dip: 45, dip_direction: 105}", "110", "45/110"),
+    ("joints.J1.plane.dip", "{dip: {dist: normal, mean: 45, sd: 3}, dip_direction: 105}", "50", "50/105"),
+    ("joints.J1.plane.dip", "45/105", "{dist: normal, mean: 50, sd: 3}", "50/105"),
+    ("joints.J1.plane.dip_direction", "[45, 105]", "{dist: normal, mean: 110, sd: 3}", "45/110"),
+    ("joints.J1.plane.mean", "{dist: fisher, mean: 45/105, k: 9}", "50/110", "50/110"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("key", "spelled", "value", "same"), TURNED, ids=lambda value: str(value)[:24])
+def test_set_of_one_angle_in_every_spelling(key, spelled, value, same, tmp_path) -> None:
+    changed = load(_written(tmp_path, WEDGE.replace("45/105", spelled, 1)), [(key, value)])
+    assert changed.input_hash() == sk.load(_written(tmp_path, WEDGE.replace("45/105", same, 1))).input_hash()
+
+
+def test_set_of_one_angle_of_a_fisher_distribution_is_refused(tmp_path) -> None:
+    path = _written(tmp_path, WEDGE.replace("45/105", "{dist: fisher, mean: 45/105, k: 9}", 1))
+    (fault,) = _faults(path, [("joints.J1.plane.dip", "50")])
+    assert str(fault) == (
+        "E161 joints.J1.plane is a distribution, it has no dip of its own\n     --set joints.J1.plane.dip=50\n"
+        "     Set its mean: --set joints.J1.plane.mean=…, or the whole orientation: --set joints.J1.plane=…"
+    )
+
+
+def test_set_of_one_angle_of_a_line(tmp_path) -> None:
+    path = _written(tmp_path, WEDGE.replace("bolts: []", "bolts: [{force: 9, toward: 5/10}]", 1))
+    assert load(path, [("support.bolts.0.toward.plunge", "20")]).bolts[0].toward == Line(5.0, 20.0)
+    (fault,) = _faults(path, [("support.bolts.0.toward.dip", "20")])
+    assert fault.code == "E161"
 
 
 # -- joint lists ------------------------------------------------------------------------------------------------------

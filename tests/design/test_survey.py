@@ -62,11 +62,34 @@ def test_strength_columns_and_what_is_left_out(tmp_path) -> None:
         "id,set,dip,dd,strike,c (MPa),phi,remark,empty\nA,1,45,115,25,0.05,20,rough,\n,,,,,,,,\nB,1,60.5,245,0,5 kPa,,,"
     )
     survey = read_joints(written(tmp_path, content))
-    assert survey.joints[0] == Joint("A", Plane(45, 115), 2, 50.0, 20.0)
-    assert survey.joints[1] == Joint("B", Plane(60.5, 245), 4, 5.0, None)
+    assert survey.joints[0] == Joint("A", Plane(45, 115), 2, 50.0, 20.0, "1")
+    assert survey.joints[1] == Joint("B", Plane(60.5, 245), 4, 5.0, None, "1")
     assert survey.left_out == (
-        "column set", "column remark", "column strike (the dip direction is given)", "line 3 (empty cells)",
+        "column remark", "column strike (the dip direction is given)", "line 3 (empty cells)",
     )  # fmt: skip
+
+
+def test_sets_are_names_only_where_each_stands_once(tmp_path) -> None:
+    once = read_joints(written(tmp_path, "set,dip,dd\nA,45,115\nB,60.5,245\n")).joints
+    assert [(joint.name, joint.set_name) for joint in once] == [("A", ""), ("B", "")]
+    twice = read_joints(written(tmp_path, "set,dip,dd\nA,45,115\nA,60.5,245\n,60,240\n")).joints
+    assert [(joint.name, joint.set_name) for joint in twice] == [("J1", "A"), ("J2", "A"), ("J3", "")]
+
+
+def test_bad_rows_are_left_out_and_named_where_that_is_asked_for(tmp_path) -> None:
+    content = "name,dip,dd,phi\nA,95,115,\nB,45,115,30\nB,45,x,0.35\nC,45\nD,50,245,20\n"
+    survey = read_joints(written(tmp_path, content), skip_bad=True)
+    assert [joint.name for joint in survey.joints] == ["B", "D"]
+    again = read_joints(written(tmp_path, "name,dip,dd\nA,95,115\nA,45,115\nA,40,115\n"), skip_bad=True)
+    assert [(joint.name, joint.line) for joint in again.joints] == [("A", 3)]
+    assert [part[:13] for part in survey.left_out] == ["line 2 (E101 ", "line 4 (E194 ", "line 5 (E193 "]
+    assert "E104" in survey.left_out[1]
+    assert "E113" in survey.left_out[1]
+    with pytest.raises(DesignError) as caught:
+        read_joints(written(tmp_path, "dip,dd\n95,1\nx,2\n"), skip_bad=True)
+    assert caught.value.codes == ("E190",)
+    assert caught.value.faults[0].message == "joints.csv holds no joints: 2 rows are bad"
+    assert refused(tmp_path, "dip,richtung\n95,1\n").codes == ("E191",)
 
 
 @pytest.mark.parametrize(("convention", "direction"), [("right-hand-rule", 115.0), ("left-hand-rule", 295.0)])

@@ -3,14 +3,17 @@
 import hashlib
 import json
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from slopekit.orientation import Line, Plane, number
 
 if TYPE_CHECKING:
+    from slopekit.design.distributions import Variable
     from slopekit.design.nodes import Document
 
 Criterion = Literal["limit", "all-pairs"]
+#: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
+Pair: TypeAlias = tuple[str, str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +152,9 @@ class Rule:
         return f"{self.name} {self.relation} {number(self.value)}"
 
 
+_OF_STUDIES = ("variables", "correlation", "source")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Design:
     """A complete and checked design: what every kind has.
@@ -160,6 +166,8 @@ class Design:
     assumed : inputs that were given as distributions, with the value a deterministic run takes
     defaults : names of the inputs that were left out
     left_out : what of the files that the design names is not used, in words
+    variables : what scatters: numbers and orientations that were given as distributions
+    correlation : pairs of them with their rank correlation
     source : the document it was read from, which studies read again with other values; None where it was not
     """
 
@@ -181,6 +189,8 @@ class Design:
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
+    variables: "tuple[Variable, ...]" = field(default=(), compare=False)
+    correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
 
     @property
@@ -188,17 +198,26 @@ class Design:
         """The kind as design files write it."""
         return type(self).__name__.removesuffix("Design").lower()
 
+    def _single(self) -> "Design":
+        """The design without what only studies use."""
+        return replace(self, source=None, variables=(), correlation=())
+
     def inputs(self) -> dict[str, Any]:
-        """Every input as plain JSON values, the defaults written out."""
-        document: dict[str, Any] = _plain(replace(self, source=None))
-        for key in ("defaults", "assumed", "left_out", "source"):
+        """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
+        document: dict[str, Any] = _plain(self._single())
+        for key in ("defaults", "assumed", "left_out", *_OF_STUDIES):
             del document[key]
         return document
 
     def input_hash(self) -> str:
-        """SHA-256 of the kind and the inputs: equal designs give equal hashes."""
-        exact = _plain(replace(self, source=None), exact=True) | {"kind": self.kind}
-        del exact["source"]
+        """SHA-256 of the kind and the inputs: equal designs give equal hashes.
+
+        It is the hash of a single run: a design whose φ is a distribution of mean 20 has the hash of the one whose φ is
+        20. What a study draws depends on `variables` and `correlation` too.
+        """
+        exact = _plain(self._single(), exact=True) | {"kind": self.kind}
+        for key in _OF_STUDIES:
+            del exact[key]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

@@ -1,18 +1,18 @@
-"""Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, and the correlation between them."""
+"""Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, `{dist: fisher, mean: 45/115, k: 100}`."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from difflib import get_close_matches
-from typing import Literal, cast
+from typing import Literal, TypeAlias, cast
 
 from slopekit.design.nodes import Node
-from slopekit.design.structure import is_distribution
+from slopekit.design.structure import ANGLES, OrientationKind, is_distribution
 from slopekit.design.words import line_of_words
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, Plane, number, parse_plane
 from slopekit.units import quantity
 
-Correlation = dict[tuple[str, str], float]
+Scatter: TypeAlias = "Distribution | Fisher | Angles"
 Name = Literal["normal", "lognormal", "uniform", "triangular"]
 # needed and further parameters of each
 _PARAMETERS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -29,7 +29,6 @@ _EXAMPLES = {
     "triangular": "{dist: triangular, min: 10, mode: 20, max: 30}",
     "fisher": "{dist: fisher, mean: 45/115, k: 100}",
 }
-_EIGENVALUE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +66,88 @@ class Fisher:
     def centre(self) -> Plane | Line:
         """The orientation that a single run takes: the mean."""
         return self.mean
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """An orientation whose dip and dip direction (plunge and trend of a line) scatter as numbers, or one of the two.
+
+    >>> dip = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
+    >>> print(Angles("plane", dip, 115.0).centre)
+    45/115
+    """
+
+    of: OrientationKind
+    steep: Distribution | float
+    direction: Distribution | float
+
+    @property
+    def centre(self) -> Plane | Line:
+        """The orientation that a single run takes; a mean direction beyond the circle is turned back into it."""
+        steep = self.steep if isinstance(self.steep, float) else self.steep.centre
+        direction = self.direction if isinstance(self.direction, float) else self.direction.centre
+        if not 0.0 <= direction <= 360.0 and not isinstance(self.direction, float):
+            direction %= 360.0
+        return Plane(steep, direction) if self.of == "plane" else Line(direction, steep)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A value of a design that scatters: its dotted path in the file, how it scatters, and where that stands.
+
+    >>> plane = Variable("joints.J1.plane", Fisher(Plane(45.0, 115.0), 100.0))
+    >>> plane.columns, plane.coordinates
+    (('joints.J1.plane.dip', 'joints.J1.plane.dip_direction'), ('joints.J1.plane.dip', 'joints.J1.plane.dip_direction'))
+    """
+
+    path: str
+    distribution: Scatter
+    where: str = field(default="", compare=False)
+
+    @property
+    def of(self) -> OrientationKind | None:
+        """What an orientation is one of; None for a number."""
+        if isinstance(self.distribution, Distribution):
+            return None
+        if isinstance(self.distribution, Angles):
+            return self.distribution.of
+        return "plane" if isinstance(self.distribution.mean, Plane) else "line"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The numbers that a sample has of it: one, or the two angles of an orientation as they are written."""
+        if self.of is None:
+            return (self.path,)
+        steep, direction = (f"{self.path}.{angle}" for angle in ANGLES[self.of])
+        return (steep, direction) if self.of == "plane" else (direction, steep)
+
+    @property
+    def angles(self) -> tuple[str, str]:
+        """Of an orientation: the names of what scatters of the steep angle and of the direction, empty where fixed."""
+        if self.of is None:
+            return ("", "")
+        steep, direction = (f"{self.path}.{angle}" for angle in ANGLES[self.of])
+        if isinstance(self.distribution, Angles):
+            steep = "" if isinstance(self.distribution.steep, float) else steep
+            direction = "" if isinstance(self.distribution.direction, float) else direction
+        return steep, direction
+
+    def assumed(self) -> list[tuple[str, str]]:
+        """What a single run takes, by path; of an orientation by its angles only the angle that scatters."""
+        centre = self.distribution.centre
+        if not isinstance(self.distribution, Angles):
+            return [(self.path, number(centre) if isinstance(centre, float) else str(centre))]
+        assert not isinstance(centre, float)
+        if isinstance(centre, Plane):
+            middle = (centre.dip_deg, centre.dip_direction_deg)
+        else:
+            middle = (centre.plunge_deg, centre.trend_deg)
+        return [(name, number(angle)) for name, angle in zip(self.angles, middle, strict=True) if name]
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """What scatters on its own account, and so what correlations are between."""
+        return (self.path,) if self.of is None else tuple(name for name in self.angles if name)
 
 
 def read_distribution(node: Node, kind: str, name: str) -> Distribution:
@@ -109,7 +190,7 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
     return Distribution(cast(Name, dist), values, kind)
 
 
-def read_orientation(node: Node, name: str, of: Literal["plane", "line"] = "plane") -> Fisher:
+def read_orientation(node: Node, name: str, of: OrientationKind = "plane") -> Fisher:
     """The Fisher distribution of a plane or a line.
 
     Raises
@@ -147,91 +228,36 @@ def read_orientation(node: Node, name: str, of: Literal["plane", "line"] = "plan
     return Fisher(mean, k)
 
 
-def check_correlation(node: Node, known_keys: Iterable[str]) -> tuple[Correlation, list[Fault]]:
-    """The correlation coefficients of a design, and what is wrong with them.
+def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
+    """An orientation by its two angles, each a number or a distribution.
 
-    Parameters
-    ----------
-    node : mapping of A/B to a coefficient
-    known_keys : the names that scatter in this design
-
-    Returns
-    -------
-    coefficients by pair, as written, and faults: E105 to E108 for a coefficient, E144 no mapping, E167 a key that is
-    no pair, E168 an unknown name, E180 a coefficient beyond -1 to 1, E181 a pair twice, E182 a name with itself,
-    E183 coefficients that contradict each other.
-
-    The matrix R must have no negative eigenvalue; with the smallest, λ < 0, the largest s for which I + s (R - I)
-    has none is 1 / (1 - λ).
+    Raises
+    ------
+    DesignError
+        E105 to E108 for an angle that is no number, and what `read_distribution` raises.
 
     >>> from slopekit.design.nodes import document_from
-    >>> check_correlation(document_from({"J1.phi/J2.phi": 0.8}).root, ["J1.phi", "J2.phi"])
-    ({('J1.phi', 'J2.phi'): 0.8}, [])
+    >>> dip = {"dist": "normal", "mean": 45, "sd": 3}
+    >>> node = document_from({"plane": {"dip": dip, "dip_direction": 115}}).root.get("plane")
+    >>> print(read_angles(node, "J1").centre)
+    45/115
     """
-    known = list(known_keys)
-    pairs: Correlation = {}
     faults: list[Fault] = []
-    seen: dict[frozenset[str], str] = {}
-    if not node.is_mapping and node.value is not None:
-        advice = "Write correlation: {J1.phi/J2.phi: 0.8}"
-        return {}, [Fault("E144", "correlation is not a group of pairs", str(node.place), advice)]
-    for key, given in node.items():
-        where = str(given.key_place)
-        names = tuple(part.strip() for part in key.split("/"))
-        if len(names) != 2 or not all(names):
-            advice = "A pair is written J1.phi/J2.phi."
-            faults.append(Fault("E167", f"{key} is not a pair of two names", where, advice))
-            continue
-        a, b = names
-        unknown = [name for name in dict.fromkeys(names) if name not in known]
-        faults += [_unknown_name(name, known, where) for name in unknown]
-        if a == b:
-            faults.append(Fault("E182", f"{a} is correlated with itself, that is always 1", where, "Leave it out."))
-            continue
-        if frozenset(names) in seen:
-            message = f"{a}/{b} is the same pair as {seen[frozenset(names)]}"
-            faults.append(Fault("E181", message, where, "Leave one of them out."))
-            continue
-        seen[frozenset(names)] = key
-        value = _number(given, "ratio", f"correlation {key}", faults)
-        if value is not None and not -1.0 <= value <= 1.0:
-            faults.append(Fault("E180", f"correlation {key} is {number(value)}, it lies between -1 and 1", where))
-        elif value is not None and not unknown:
-            pairs[a, b] = value
-    if not faults:
-        faults += _contradiction(pairs, node)
-    return pairs, faults
-
-
-def _contradiction(pairs: Correlation, node: Node) -> list[Fault]:
-    import numpy as np
-
-    names = list(dict.fromkeys(name for pair in pairs for name in pair))
-    matrix = np.eye(len(names))
-    for (a, b), value in pairs.items():
-        i, j = names.index(a), names.index(b)
-        matrix[i, j] = matrix[j, i] = value
-    if not names:
-        return []
-    values, vectors = np.linalg.eigh(matrix)
-    smallest = float(values[0])
-    if smallest >= -_EIGENVALUE_TOLERANCE:
-        return []
-    involved = [name for name, part in zip(names, vectors[:, 0], strict=True) if abs(part) > 1e-6]
-    scale = int(1e4 / (1.0 - smallest)) / 1e4
-    message = (
-        f"the correlations of {', '.join(involved)} contradict each other: "
-        f"the smallest eigenvalue is {smallest:.4g}, it must not be negative"
-    )
-    advice = f"Multiply the correlations by {number(scale)} or less."
-    return [Fault("E183", message, str(node.key_place), advice)]
-
-
-def _unknown_name(name: str, known: list[str], where: str) -> Fault:
-    near = get_close_matches(name, known, n=1)
-    scattering = f"These scatter: {', '.join(known[:12])}." if known else "Nothing in this design is a distribution."
-    advice = f"Did you mean {near[0]}?" if near else scattering
-    return Fault("E168", f"{name} is not a value that scatters in this design", where, advice)
+    found: list[Distribution | float | None] = []
+    for angle in ANGLES[of]:
+        given = node.get(angle)
+        if given is None or given.value is None:
+            found.append(None)  # the checker of the structure says so
+        elif is_distribution(given):
+            try:
+                found.append(read_distribution(given, "angle", f"{angle} of {name}"))
+            except DesignError as error:
+                faults += error.faults
+        else:
+            found.append(_number(given, "angle", f"{angle} of {name}", faults))
+    if faults or len(found) != 2 or found[0] is None or found[1] is None:
+        raise DesignError(faults)
+    return Angles(of, found[0], found[1])
 
 
 def _dist(node: Node, name: str) -> str:
@@ -298,7 +324,7 @@ def _value(node: Node) -> object:
     return [part.text for part in node.elements] if isinstance(node.value, list) else node.value
 
 
-def _orientation(node: Node, name: str, of: Literal["plane", "line"]) -> Plane | Line:
+def _orientation(node: Node, name: str, of: OrientationKind) -> Plane | Line:
     where = str(node.key_place)
     if of == "plane":
         return parse_plane(_value(node), name, where)
@@ -312,6 +338,3 @@ def _number(node: Node, kind: str, name: str, faults: list[Fault]) -> float | No
     except DesignError as error:
         faults += error.faults
         return None
-
-
-__all__ = ["Distribution", "Fisher", "check_correlation", "is_distribution", "read_distribution", "read_orientation"]

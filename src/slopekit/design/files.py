@@ -52,8 +52,13 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any], overrides: Override
     return design
 
 
-def design_of(document: Document) -> Design:
+def design_of(document: Document, other_values: bool = False) -> Design:
     """The design in a document.
+
+    Parameters
+    ----------
+    other_values : whether values were put over those of a design that was sound: correlations of what scattered before
+        and does not now are passed over
 
     Raises
     ------
@@ -67,7 +72,7 @@ def design_of(document: Document) -> Design:
     unsound = {fault.where for fault in faults}
     misshapen = [fault.where for fault in faults if fault.code in ("E144", "E145", "E164")]
     try:
-        design = _read(Inputs(document, kind, misshapen))
+        design = _read(Inputs(document, kind, misshapen, other_values))
     except DesignError as error:
         # what the structure has said of a place is not said again by the reader, nor what is missing without a place
         faults += [fault for fault in error.faults if fault.where not in unsound and fault.where not in _PATHS]
@@ -96,7 +101,11 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
     if design.source is None:
         advice = "Give a design file, or the same as a dict: sk.load({...})."
         raise DesignError([Fault("E280", "this design has no file whose values could be changed", "", advice)])
-    return design_of(with_overrides(design.source, tuple(values.items())))
+    # a small friction angle of a study is no slip of radians
+    given = [(path, f"{value!r} deg" if path.endswith(".phi") and isinstance(value, float) else value)
+             for path, value in values.items()]  # fmt: skip
+    document = with_overrides(design.source, given)
+    return replace(design_of(document, other_values=True), source=document)
 
 
 def _kind(root: Node) -> str:
@@ -128,10 +137,10 @@ def _read(inputs: Inputs) -> Design:
     except DesignError as error:
         inputs.faults += error.faults
         raise DesignError(inputs.faults) from None
-    inputs.correlation()
+    correlation = inputs.correlation()
     if inputs.faults:
         raise DesignError(inputs.faults)
-    return design
+    return replace(design, variables=tuple(inputs.variables.values()), correlation=correlation)
 
 
 # -- joints and files that a design names -----------------------------------------------------------------------------

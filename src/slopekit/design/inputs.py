@@ -5,23 +5,20 @@ What concerns names is settled here: which strength an interface has, which of t
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from slopekit.design.nodes import Document, Node
-from slopekit.design.structure import is_distribution
+from slopekit.design.nodes import Document, Node, as_text
+from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Pair
+    from slopekit.design.correlation import Named
+    from slopekit.design.distributions import Variable
 
 BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
-_UNITS_OF = {
-    "c": "pressure", "phi": "angle", "dilation": "angle", "tension": "pressure", "normal": "stiffness",
-    "shear": "stiffness", "density": "density", "unit_weight": "unit weight", "gravity": "acceleration",
-    "height": "length", "distance": "length", "depth": "length", "length": "length", "k": "ratio", "fill": "ratio",
-    "force": "force", "load": "force", "dip": "angle", "at": "length", "width": "length", "heights": "length",
-    "base_step": "length", "thickness": "length", "spacing": "length", "offset": "length", "scatter": "angle",
-    "min_volume": "volume", "contact_tolerance": "length", "pressures": "pressure",
-}  # fmt: skip
 
 
 class FileSpelling:
@@ -71,16 +68,19 @@ class Inputs:
     Parameters
     ----------
     misshapen : places of values whose shape is wrong: those are not read
+    other_values : whether values were put over those of a sound design
     """
 
-    def __init__(self, document: Document, kind: str, misshapen: Collection[str] = ()) -> None:
+    def __init__(
+        self, document: Document, kind: str, misshapen: Collection[str] = (), other_values: bool = False
+    ) -> None:
         self.document, self.root, self.kind = document, document.root, kind
-        self.misshapen = frozenset(misshapen)
+        self.misshapen, self.other_values = frozenset(misshapen), other_values
         self.spelling = FileSpelling(NAMES)
         self.given: dict[str, Any] = {}
         self.faults: list[Fault] = []
         self.assumed: list[tuple[str, str]] = []
-        self.variables: list[str] = []
+        self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []
 
     # -- values with their places -----------------------------------------------------------------
@@ -119,7 +119,7 @@ class Inputs:
         """What a node says, numbers as numbers, distributions by the value a single run takes; None: misshapen."""
         if not self.is_sound(node):
             return None
-        if is_distribution(node):
+        if is_distribution(node) or has_angles(node):
             return self.centre(node)
         if node.is_mapping:
             return {key: self.value(below) for key, below in node.items()}
@@ -129,24 +129,27 @@ class Inputs:
         return float(text) if text is not None and BARE_NUMBER.match(text) else text
 
     def centre(self, node: Node) -> Any:
-        from slopekit.design.distributions import read_distribution, read_orientation  # only where a value scatters
+        """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
+        from slopekit.design import distributions  # only where a value scatters
+        from slopekit.design.quantities import quantity_of
 
-        above = node.path.rpartition(".")[0].rpartition(".")[2]  # of the third height: heights
-        kind = _UNITS_OF.get(node.name) or _UNITS_OF.get(above, "ratio")
+        of = orientation_kind(node)
+        found: distributions.Scatter
         try:
-            if node.name in ("plane", "face", "upper", "toward"):
-                middle = read_orientation(node, node.path).centre
-                shown = str(middle)
-                value: Any = shown
+            if of is None:
+                found = distributions.read_distribution(node, quantity_of(node.path, self.kind).kind, node.path)
+            elif is_distribution(node):
+                found = distributions.read_orientation(node, node.path, of)
             else:
-                value = read_distribution(node, kind, node.path).centre
-                shown = number(value)
+                found = distributions.read_angles(node, node.path, of)
         except DesignError as error:
             self.faults += error.faults
             return None
-        self.assumed.append((node.path, shown))
-        self.variables.append(node.path)
-        return value
+        variable = distributions.Variable(node.path, found, str(node.place))
+        if variable.coordinates and node.path not in self.variables:
+            self.variables[node.path] = variable
+            self.assumed += variable.assumed()
+        return found.centre if isinstance(found, distributions.Distribution) else as_text(found.centre)
 
     def fault(self, code: str, message: str, node: Node | None, advice: str = "") -> None:
         self.faults.append(Fault(code, message, str((node or self.root).place), advice))
@@ -169,27 +172,36 @@ class Inputs:
         self.take("accept")
         self.given["assumed"], self.given["left_out"] = self.assumed, self.left_out
 
-    def correlation(self) -> None:
+    def correlation(self) -> "tuple[Pair, ...]":
+        """The correlation between what scatters, by its coordinates; what is wrong with it becomes faults."""
         node = self.at("correlation")
-        if node is not None and node.is_mapping:
-            from slopekit.design.distributions import check_correlation
+        if node is None or not node.is_mapping:
+            return ()
+        from slopekit.design.correlation import check_correlation
 
-            _, faults = check_correlation(node, self.short_names())
-            self.faults += faults
+        names = self.short_names()
+        if self.other_values:
+            kept = {key: below for key, below in node.items() if all(part.strip() in names for part in key.split("/"))}
+            node = replace(node, value=kept)
+        pairs, faults = check_correlation(node, names)
+        self.faults += faults
+        return pairs
 
-    def short_names(self) -> list[str]:
-        """Names of the variables for a correlation: their paths, and `J1.phi` for the φ of J1's strength."""
-        names = list(self.variables)
+    def short_names(self) -> "dict[str, Named]":
+        """What a correlation may name: paths, and `J1.phi` for the φ of J1's strength."""
+        names: dict[str, Named] = {}
+        for path, variable in self.variables.items():
+            names[path] = path if variable.of is None else variable
+            names |= {angle: angle for angle in variable.angles if angle}
         joints = self.at("joints") or self.at("sets")
         for joint, below in joints.items() if joints is not None else ():
             strength = below.get("strength")
             name = strength.text if strength is not None else self.only_strength()
             for key in ("c", "phi", "dilation", "tension"):
-                if f"strength.{name}.{key}" in self.variables:
-                    names.append(f"{joint}.{key}")
-            names += [f"{joint}.plane"] if f"joints.{joint}.plane" in self.variables else []
-        for group in ("strength.", "sets."):
-            names += [path.removeprefix(group) for path in self.variables if path.startswith(group)]
+                if (own := f"strength.{name}.{key}") in self.variables:
+                    names[f"{joint}.{key}"] = own
+        for group in ("joints.", "strength.", "sets."):
+            names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
         return names
 
     def only_strength(self) -> str | None:
@@ -321,4 +333,4 @@ class Inputs:
 
 
 def _text(value: object) -> str:
-    return number(value) if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) else str(value)  # every digit: studies change the last of them

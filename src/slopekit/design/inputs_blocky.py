@@ -166,6 +166,7 @@ class AssemblyInputs:
         toward : what a seismic load acts toward where the file does not say
         pressures : of the water, in the order of the interfaces
         """
+        strengths = self.strengths()  # with their stiffness, which the reader takes
         reader = Reader(self.inputs.given, self.inputs.spelling, self.inputs.kind, (), {})
         found = reader.common()
         self.faults += reader.faults
@@ -173,7 +174,7 @@ class AssemblyInputs:
         found["forces"] = self.on_blocks("forces", "force", words.force, blocks, in_section)
         found["bolts"] = self.on_blocks("bolts", "bolt", words.bolt, blocks, in_section)
         found["mechanisms"] = self.whole("analysis.mechanisms", "mechanisms", (1, _MOST_MECHANISMS), 1)
-        found["strengths"] = self.strengths()
+        found["strengths"] = strengths
         if any(pressures):
             found["water"] = Water("pressures", 0.0, tuple(pressures))
         return found

@@ -166,16 +166,25 @@ def from_python(
     return Node(made, place, path, place)
 
 
+def as_text(orientation: Plane | Line) -> str:
+    """An orientation as a design file has it, with every digit.
+
+    >>> as_text(Plane(45.0, 115.0))
+    '45.0/115.0'
+    """
+    if isinstance(orientation, Plane):
+        return f"{orientation.dip_deg!r}/{orientation.dip_direction_deg!r}"
+    return f"{orientation.trend_deg!r}/{orientation.plunge_deg!r}"
+
+
 def _text_of(value: object) -> str | None:
     """What a design file would have for this value; None where it could have nothing."""
     if isinstance(value, str):
         return str(value)
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, Plane):
-        return f"{value.dip_deg!r}/{value.dip_direction_deg!r}"
-    if isinstance(value, Line):
-        return f"{value.trend_deg!r}/{value.plunge_deg!r}"
+    if isinstance(value, Plane | Line):
+        return as_text(value)
     if isinstance(value, os.PathLike):
         path = os.fspath(value)
         return path if isinstance(path, str) else None

@@ -1,7 +1,7 @@
 """Values put over those of a design: `--set a.b.c=value` and `sk.run(set=...)`."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -19,6 +19,7 @@ from slopekit.design.nodes import (
     printable,
     shown_of,
 )
+from slopekit.design.structure import ANGLES, OrientationKind, is_distribution, orientation_kind
 from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
 from slopekit.errors import DesignError, Fault
 
@@ -74,9 +75,11 @@ def with_overrides(
     {'water': {'fill': '50 %'}, 'support': {'bolts': [{'force': '200 kN', 'acts': 'passive'}]}}
     """
     root, faults, seen = document.root, list[Fault](), set[str]()
+    own = set[Place]()
     for path, value in overrides:
         shown = value if isinstance(value, str) else shown_of(value)
         place = Place("--set", 0, 0, cut(f"{path}={shown}"))
+        own.add(place)
         if path in seen:
             faults.append(Fault("E151", f"{path} is set twice", str(place), "Leave one of them out."))
             continue
@@ -89,7 +92,7 @@ def with_overrides(
             faults += error.faults
             continue
         if new.value is not None:
-            root = _without_alternatives(root, path, alternatives)
+            root = _without_alternatives(root, path, alternatives, own)
     if faults:
         raise DesignError(faults)
     return replace(document, root=root)
@@ -130,26 +133,90 @@ def _parts(path: str, place: Place) -> list[str]:
     return parts
 
 
-def _turned(plane: str, parts: list[str], new: Node | None) -> str | None:
-    """An orientation `dip/dip direction` with one of the two replaced: `slope.face.dip`, `.dip_direction`."""
-    dip, slash, direction = plane.partition("/")
-    value = new.text if new is not None else None
-    if not slash or value is None or parts not in (["dip"], ["dip_direction"]):
+def _turned(node: Node, parts: list[str], new: Node | None, place: Place) -> Node | None:
+    """An orientation `dip/dip direction` or `[dip, dip direction]` with one of the two replaced.
+
+    A line is trend/plunge. A number stays in the spelling of the file; a distribution makes it the two angles by name.
+    """
+    of = orientation_kind(node) or _of_mean(node)
+    order = ANGLES["line"][::-1] if of == "line" else ANGLES["plane"]  # as they are written
+    if of is None or new is None or parts not in ([order[0]], [order[1]]):
         return None
-    return f"{value}/{direction.strip()}" if parts == ["dip"] else f"{dip.strip()}/{value}"
+    if isinstance(node.value, str):
+        first, slash, second = node.value.partition("/")
+        angles = [first.strip(), second.strip()] if slash else []
+    else:
+        angles = [item.text or "" for item in node.elements]
+    if len(angles) != 2:
+        return None
+    if new.text is not None:
+        angles[order.index(parts[0])] = new.text
+        return replace(node, value="/".join(angles), place=place)
+    made = {
+        angle: Node(text, node.place, joined(node.path, angle), node.key_place)
+        for angle, text in zip(order, angles, strict=True)
+    }
+    made[parts[0]] = replace(new, path=joined(node.path, parts[0]))
+    return replace(node, value=made, place=place)
+
+
+def _of_mean(node: Node) -> OrientationKind | None:
+    """What the mean of an orientation that scatters is one of."""
+    above, _, name = node.path.rpartition(".")
+    return orientation_kind(replace(node, path=above)) if name == "mean" else None
+
+
+def spread(node: Node) -> Node:
+    """What a value in short stands for, with its keys: `water: dry`, `seismic: 0.1@180`, `200 kN@000/10,passive`.
+
+    >>> from slopekit.design.nodes import document_from
+    >>> spread(document_from({"water": "50 %"}).root.get("water")).plain()
+    {'fill': '50 %'}
+    """
+    found = _in_full(node.path, node.text or "")
+    if not found:
+        return node
+    return replace(node, value={key: _made(value, joined(node.path, key), node) for key, value in found.items()})
+
+
+def _in_full(path: str, text: str) -> Mapping[str, str | list[str]]:
+    first, at, second = (part.strip() for part in text.partition("@"))
+    holder, _, last = path.rpartition(".")
+    if path == "water" and text.lower().startswith("u="):
+        return {"pressures": re.split(r"\s*,\s*", text[2:].strip())}
+    if path == "water" and text:
+        return {"mode" if text.strip().lower() in ("dry", "full") else "fill": text}
+    if path == "loads.seismic" and text:
+        return {"k": first, "toward": second} if at else {"k": first}
+    if holder in ("support.bolts", "loads.forces") and last.isdigit() and at:
+        toward, comma, acts = (part.strip() for part in second.partition(","))
+        return {"force": first, "toward": toward} | ({"acts": acts} if comma else {})
+    return {}
+
+
+def _made(value: str | list[str], path: str, node: Node) -> Node:
+    if isinstance(value, str):
+        return Node(value, node.place, path, node.key_place)
+    parts = [_made(part, joined(path, str(k)), node) for k, part in enumerate(value)]
+    return Node(parts, node.place, path, node.key_place)
 
 
 def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> Node:
     """A copy of `node` with the value at `parts` replaced, or removed where `new` is None."""
+    turned = _turned(node, parts, new, place)
+    if turned is not None:
+        return turned
+    if is_distribution(node) and orientation_kind(node) is not None and parts[0] in sum(ANGLES.values(), ()):
+        message = f"{node.path} is a distribution, it has no {parts[0]} of its own"
+        advice = f"Set its mean: --set {node.path}.mean=…, or the whole orientation: --set {node.path}=…"
+        fail("E161", message, str(place), advice)
     if isinstance(node.value, list):
         return replace(node, value=_replaced_item(node, node.value, parts, new, place))
+    node = spread(node)
     if isinstance(node.value, str):
-        turned = _turned(node.value, parts, new)
-        if turned is not None:
-            return replace(node, value=turned, place=place)
         message = f"{node.path} is the value {cut(node.value)}, it has no {parts[0]}"
         fail("E161", message, str(place), f"Set it as a whole: --set {node.path}=…")
-    entries = dict(node.value or {})
+    entries = dict(node.items())
     key = parts[0]
     if len(parts) == 1:
         if new is None:
@@ -185,7 +252,8 @@ def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | 
     return copy
 
 
-def _without_alternatives(root: Node, path: str, alternatives: Exclusive) -> Node:
+def _without_alternatives(root: Node, path: str, alternatives: Exclusive, own: Collection[Place]) -> Node:
+    """The tree without what excludes `path`, unless that was set in the same call."""
     for parent, keys in alternatives.items():
         given = next((key for key in keys if f"{path}.".startswith(f"{parent}.{key}.")), None)
         if given is None:
@@ -195,11 +263,11 @@ def _without_alternatives(root: Node, path: str, alternatives: Exclusive) -> Nod
             above = above.get(part) if above else None
         for key in keys:
             other = above.get(key) if above else None
-            if key != given and other is not None and not other.key_place.is_set and not _holds_set(other):
+            if key != given and other is not None and other.key_place not in own and not _holds_set(other, own):
                 root = _replaced(root, [*parent.split("."), key], None, other.place)
     return root
 
 
-def _holds_set(node: Node) -> bool:
+def _holds_set(node: Node, own: Collection[Place]) -> bool:
     parts = node.elements or [part for _, part in node.items()]
-    return node.place.is_set or any(_holds_set(part) for part in parts)
+    return node.place in own or any(_holds_set(part, own) for part in parts)

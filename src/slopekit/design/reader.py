@@ -20,6 +20,7 @@ COMMON_KEYS = (
     "left_out",
 )  # fmt: skip
 _MAX_REFINE = 6
+_IN_DEGREES = re.compile(r"\d\s*(deg|°)")
 _MOST_FACTORS = 200
 
 
@@ -258,9 +259,12 @@ class Reader:
 
     @staticmethod
     def check_friction(value: float, name: str, where: str) -> None:
-        if 0.0 < value < math.pi / 2 and value != int(value):
+        # the place shows the value as it is written: who writes deg means degrees
+        if 0.0 < value < math.pi / 2 and value != int(value) and not _IN_DEGREES.search(where):
             message = f"{name} is {number(value)}°, that looks like radians"
-            advice = f"{number(value)} rad is {math.degrees(value):.1f}°; write 0 for a joint without friction."
+            advice = (
+                f"{number(value)} rad is {math.degrees(value):.1f}°; write {number(value)} deg if degrees are meant."
+            )
             raise DesignError([Fault("E113", message, where, advice)])
         if not 0.0 <= value < 90.0:
             message = f"{name} is {number(value)}°, a friction angle lies from 0 to below 90"

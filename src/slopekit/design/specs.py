@@ -6,7 +6,21 @@ from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, Spec
 
 VERSION = 1
 _NUMBER = Leaf(number=True)
+_SETTING = Leaf()  # a count or a tolerance: a number that cannot scatter
 _POINT = ListOf(Leaf(), 3, 3, example="[0, -3, 6]")
+
+
+def _orientation(example: str, steep: tuple[str, str], direction: tuple[str, str]) -> AnyOf:
+    """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
+    angles: Mapping[str, Spec] = {key: Leaf(number=True, example=value) for key, value in (steep, direction)}
+    return AnyOf((Leaf(orientation=True, example=example), Section(angles, required=tuple(angles))), example=example)
+
+
+def _plane(dip: str, direction: str) -> AnyOf:
+    return _orientation(f"{dip}/{direction}", ("dip", dip), ("dip_direction", direction))
+
+
+_TOWARD = _orientation("000/10", ("plunge", "10"), ("trend", "000"))
 _STRENGTH = Section(
     {
         "c": Leaf(number=True, example="50 kPa"),
@@ -17,7 +31,7 @@ _STRENGTH = Section(
             "normal": Leaf(number=True, example="1e7"),
             "shear": AnyOf((
                 Leaf(number=True, example="clough-duncan"),
-                Section(dict.fromkeys(("law", "k1", "n", "Rf", "phi"), _NUMBER)),
+                Section({"law": Leaf(example="clough-duncan")} | dict.fromkeys(("k1", "n", "Rf", "phi"), _NUMBER)),
             )),
         }),
     },
@@ -29,7 +43,7 @@ _ROCK = Section(
     example="{density: 2600 kg/m3}",
 )
 _SEISMIC = AnyOf((Leaf(number=True, example="0.1"), Section({"k": _NUMBER, "toward": Leaf()}, required=("k",))))
-_FORCE: Mapping[str, Spec] = {"force": AnyOf((_NUMBER, _POINT)), "toward": Leaf(orientation=True), "at": _POINT}
+_FORCE: Mapping[str, Spec] = {"force": AnyOf((_NUMBER, _POINT)), "toward": _TOWARD, "at": _POINT}
 _LOADS = Section(
     {
         "seismic": _SEISMIC,
@@ -37,7 +51,7 @@ _LOADS = Section(
     }
 )
 _BOLT: Mapping[str, Spec] = {
-    "force": _NUMBER, "head": _POINT, "toward": Leaf(orientation=True), "length": _NUMBER, "acts": Leaf(),
+    "force": _NUMBER, "head": _POINT, "toward": _TOWARD, "length": _NUMBER, "acts": Leaf(),
 }  # fmt: skip
 _SUPPORT = Section(
     {
@@ -58,7 +72,7 @@ _ACCEPTANCE = Section(
 )
 _CORRELATION = Named(Leaf(), pairs=True, example="{J1.phi/J2.phi: 0.8}")
 _JOINT = Section(
-    {"plane": Leaf(orientation=True, example="45/115"), "strength": Leaf()}, required=("plane",),
+    {"plane": _plane("45", "115"), "strength": Leaf()}, required=("plane",),
     example="{plane: 45/115}",
 )  # fmt: skip
 _FROM_CSV = Section(
@@ -67,15 +81,15 @@ _FROM_CSV = Section(
     required=("csv",),
 )  # fmt: skip
 _JOINTS = AnyOf((Named(_JOINT, 1, example="{J1: {plane: 45/115}}"), _FROM_CSV), example="{J1: {plane: 45/115}}")
-_PLANE = Leaf(orientation=True, example="60/180")
+_PLANE = _plane("60", "180")
 
 
 def _analysis(*more: str) -> Section:
     keys: dict[str, Spec] = {
-        "criterion": Leaf(example="limit"), "agree_within": _NUMBER, "stop_when": _NUMBER,
-        "factors": ListOf(_NUMBER, example="[1.0, 1.1, 1.2]"),
+        "criterion": Leaf(example="limit"), "agree_within": _SETTING, "stop_when": _SETTING,
+        "factors": ListOf(_SETTING, example="[1.0, 1.1, 1.2]"),
     }  # fmt: skip
-    return Section(keys | dict.fromkeys(more, _NUMBER))
+    return Section(keys | dict.fromkeys(more, _SETTING))
 
 
 def _kind(own: Mapping[str, Spec], required: tuple[str, ...], analysis: Section) -> Section:
@@ -102,7 +116,7 @@ _BOLTS_IN_BLOCKS = Section({
     ))),
 })  # fmt: skip
 _ANALYSIS_OF_BLOCKS = Section({
-    "criterion": Leaf(example="limit"), "agree_within": _NUMBER, "stop_when": _NUMBER, "mechanisms": _NUMBER,
+    "criterion": Leaf(example="limit"), "agree_within": _SETTING, "stop_when": _SETTING, "mechanisms": _SETTING,
 })  # fmt: skip
 
 
@@ -125,7 +139,7 @@ SPECS: Mapping[str, Section] = {
                               "origin": _POINT}),
             "joints": _JOINTS,
             "crack": Section(
-                {"plane": Leaf(orientation=True, example="80/180"), "distance": Leaf(number=True, example="5 m"),
+                {"plane": _plane("80", "180"), "distance": Leaf(number=True, example="5 m"),
                  "water": Leaf()},
                 required=("plane", "distance"),
             ),
@@ -153,7 +167,7 @@ SPECS: Mapping[str, Section] = {
             ),
             "weak_plane": Section(
                 {"dip": Leaf(number=True, example="45"), "length": Leaf(number=True, example="7.07 m"),
-                 "strength": Leaf(), "pairs": _NUMBER},
+                 "strength": Leaf(), "pairs": _SETTING},
                 required=("dip", "length"), example="{dip: 45, length: 7.07 m}",
             ),
         },
@@ -168,7 +182,7 @@ SPECS: Mapping[str, Section] = {
             "slip": Section({
                 "shape": Leaf(example="ellipsoid"), "centre": ListOf(Leaf(), 2, 3, example="[40, 0, 40]"),
                 "radii": ListOf(Leaf(), 3, 3, example="[40, 28, 40]"), "radius": _NUMBER, "length": _NUMBER,
-                "mesh": Leaf(example="slip.stl"), "edge": _NUMBER, "normals": Leaf(example="true"),
+                "mesh": Leaf(example="slip.stl"), "edge": _SETTING, "normals": Leaf(example="true"),
             }, example="{shape: sphere, centre: [40, 0, 40], radius: 40}"),
             "water": _WATER, "loads": _LOADS, "support": _SUPPORT,
         },
@@ -179,7 +193,7 @@ SPECS: Mapping[str, Section] = {
             "columns": Section(
                 {"dip": Leaf(number=True, example="60"), "width": Leaf(number=True, example="10 m"),
                  "heights": ListOf(_NUMBER, 1, example="[4, 10, 16]"), "base_step": _NUMBER, "thickness": _NUMBER,
-                 "rows": _NUMBER, "base": Leaf(), "sides": Leaf()},
+                 "rows": _SETTING, "base": Leaf(), "sides": Leaf()},
                 required=("dip", "width", "heights"),
                 example="{dip: 60, width: 10 m, heights: [4, 10, 16], base_step: 1 m}",
             ),
@@ -196,19 +210,19 @@ SPECS: Mapping[str, Section] = {
             ),
             "sets": Named(
                 Section(
-                    {"plane": Leaf(orientation=True, example="45/170"), "spacing": Leaf(number=True, example="2 m"),
+                    {"plane": _plane("45", "170"), "spacing": Leaf(number=True, example="2 m"),
                      "offset": _NUMBER, "strength": Leaf(), "scatter": _NUMBER, "spacing_scatter": _NUMBER},
                     required=("plane", "spacing"), example="{plane: 45/170, spacing: 2 m}",
                 ),
                 1, example="{S1: {plane: 45/170, spacing: 2 m}}",
             ),
-            "cut": Section({"max_blocks": _NUMBER, "min_volume": _NUMBER, "seed": _NUMBER}),
+            "cut": Section({"max_blocks": _SETTING, "min_volume": _SETTING, "seed": _SETTING}),
         },
         Named(_NUMBER, example="{S1: 5 kPa}"), ("slope", "sets", "rock"),
     ),
     "blocks": _blocky(
         {
-            "section": Section({"thickness": _NUMBER}), "contact_tolerance": _NUMBER,
+            "section": Section({"thickness": _NUMBER}), "contact_tolerance": _SETTING,
             "blocks": Named(
                 Section({
                     "polygon": ListOf(ListOf(Leaf(), 2, 2, example="[0, 5]"), 3, example="[[0, 0], [2, 0], [2, 1]]"),

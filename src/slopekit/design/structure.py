@@ -4,12 +4,16 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from slopekit.design.nodes import Node
 from slopekit.errors import Fault
 
 Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf"
+OrientationKind = Literal["plane", "line"]
+#: The angles of a plane and of a line: the steep one, then the direction.
+ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
+_ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
 _SHOWN_KEYS = 12
 
 
@@ -92,6 +96,17 @@ def is_distribution(node: Node) -> bool:
     return node.get("dist") is not None
 
 
+def orientation_kind(node: Node) -> OrientationKind | None:
+    """What an orientation of a design is one of, by its key; None for a key of anything else."""
+    return _ORIENTATIONS.get(node.name)
+
+
+def has_angles(node: Node) -> bool:
+    """Whether an orientation is written by its two angles: `{dip: 45, dip_direction: 115}`."""
+    kind = orientation_kind(node)
+    return kind is not None and not is_distribution(node) and any(node.get(angle) is not None for angle in ANGLES[kind])
+
+
 class _Checker:
     def __init__(self, spec: Section, kind: str, others: Mapping[str, Section]) -> None:
         self.spec, self.kind, self.others = spec, kind, others
@@ -150,6 +165,11 @@ class _Checker:
 
     def any_of(self, node: Node, spec: AnyOf) -> None:
         fitting = [one for one in spec.of if _fits(node, one)] if node.value is not None else []
+        if node.is_mapping and not is_distribution(node) and any(_is_orientation(one) for one in spec.of):
+            # keys of which none is an angle's are a distribution gone wrong
+            fitting = [
+                one for one in fitting if isinstance(one, Section) and {key for key, _ in node.items()} & set(one.keys)
+            ]
         if not fitting:
             if node.value is not None:
                 self.wrong_shape(node, spec)
@@ -160,6 +180,8 @@ class _Checker:
         for one in fitting:
             trial = _Checker(self.spec, self.kind, self.others)
             trial.check(node, one)
+            if not trial.faults:
+                return
             if best is None or len(trial.faults) < len(best):
                 best = trial.faults
         self.faults += best or []
@@ -173,9 +195,11 @@ class _Checker:
     def wrong_shape(self, node: Node, spec: Spec) -> None:
         advice = _example(node, spec)
         number = isinstance(spec, Leaf) and spec.number
-        if number and node.is_mapping:
+        orientation = isinstance(spec, AnyOf) and any(_is_orientation(one) for one in spec.of)
+        if (number or orientation) and node.is_mapping:
             near = get_close_matches("dist", [key for key, _ in node.items()], n=1, cutoff=0.5)
-            advice = "A distribution is written {dist: normal, mean: 20, sd: 2}."
+            example = "{dist: normal, mean: 20, sd: 2}" if number else "{dist: fisher, mean: 45/115, k: 100}"
+            advice = f"A distribution is written {example}."
             advice = f"Write dist: instead of {near[0]}:. {advice}" if near else advice
         message = f"{node.path or 'the design'} is {_given(node)}, {_needed(spec)} is needed"
         self.faults.append(Fault("E144", message, str(node.place), advice))
@@ -202,6 +226,10 @@ class _Checker:
             return f"Did you mean {elsewhere[0]}, {f'under {where}' if where else 'at the top'}?"
         known = ", ".join(list(spec.keys)[:_SHOWN_KEYS]) + (", …" if len(spec.keys) > _SHOWN_KEYS else "")
         return f"Known here: {known}."
+
+
+def _is_orientation(spec: Spec) -> bool:
+    return isinstance(spec, Leaf) and spec.orientation
 
 
 def _fits(node: Node, spec: Spec) -> bool:

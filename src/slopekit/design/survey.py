@@ -24,7 +24,8 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = {
         "dipazimuth", "azimuth", "azi", "direction", "dip_direction_deg",
     ),
     "strike": ("strike", "strike_deg"),
-    "name": ("name", "id", "joint", "joint_id", "set"),
+    "name": ("name", "id", "joint", "joint_id"),
+    "set": ("set", "joint_set", "set_id", "family"),
     "c": ("c", "cohesion", "c_kpa", "cohesion_kpa"),
     "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg"),
 }  # fmt: skip
@@ -35,13 +36,14 @@ _HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
 
 @dataclass(frozen=True, slots=True)
 class Joint:
-    """One measured joint: its name, its plane, the line of the file it stands in, its strength where measured."""
+    """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given."""
 
     name: str
     plane: Plane
     line: int
     cohesion_kpa: float | None = None
     friction_angle_deg: float | None = None
+    set_name: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +54,17 @@ class Survey:
     left_out: tuple[str, ...] = field(default=())
 
 
-def read_joints(path: str | os.PathLike[str], convention: str | None = None) -> Survey:
+def read_joints(path: str | os.PathLike[str], convention: str | None = None, skip_bad: bool = False) -> Survey:
     """Read a joint list.
 
     Comma, semicolon or tab between the columns; decimal commas with the latter two; lines that start with # are
     comments. Columns are known by their names in any case; two columns of numbers without a header are dip and dip
-    direction.
+    direction. A column of sets serves as the names where no column of names is there and no set stands twice.
 
     Parameters
     ----------
     convention : what a strike column means: right-hand-rule (dip direction = strike + 90) or left-hand-rule (- 90)
+    skip_bad : leave bad rows out, and say so, where they would stop the run
 
     Raises
     ------
@@ -72,7 +75,7 @@ def read_joints(path: str | os.PathLike[str], convention: str | None = None) -> 
     """
     name = Path(path).name
     lines = re.split(r"\r\n|\n|\r", _decoded(read_bytes(path), name))
-    return _Reader(name, lines, convention).survey()
+    return _Reader(name, lines, convention, skip_bad).survey()
 
 
 def _decoded(content: bytes, name: str) -> str:
@@ -108,8 +111,8 @@ class _Column:
 class _Reader:
     """Reads the rows one after the other and collects their faults."""
 
-    def __init__(self, name: str, lines: Sequence[str], convention: str | None) -> None:
-        self.name, self.lines, self.convention = name, lines, convention
+    def __init__(self, name: str, lines: Sequence[str], convention: str | None, skip_bad: bool = False) -> None:
+        self.name, self.lines, self.convention, self.skip_bad = name, lines, convention, skip_bad
         self.delimiter = ","
         self.width = 2
         self.columns: dict[str, _Column] = {}
@@ -127,8 +130,23 @@ class _Reader:
             advice = "The first line names the columns: name,dip,dip_direction."
             _fail("E190", f"{self.name} holds no joints", self.name, advice)
         rows = rows[self.header(rows[0]) :]
-        joints = [joint for line in rows if (joint := self.joint(line)) is not None]
+        self.sets_as_names(rows)
+        joints = []
+        for line in rows:
+            joint = self.joint(line)
+            if joint is not None:
+                joints.append(joint)
+            elif self.skip_bad and self.faults:
+                said = "; ".join(f"{part.code} {part.message}" for part in self.faults)
+                self.left_out.append(f"line {line} ({said})")
+                self.faults = []
+                if "name" in self.columns:  # a name that went with its row may be used again
+                    self.first_lines = {name: at for name, at in self.first_lines.items() if at != line}
         if not joints and not self.faults:
+            bad = sum(part.startswith("line ") for part in self.left_out)
+            if self.skip_bad and bad:
+                message = f"{self.name} holds no joints: {bad} rows are bad"
+                _fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
             _fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
         if self.faults:
             raise DesignError(self.faults)
@@ -216,6 +234,15 @@ class _Reader:
             return "Columns are separated by a comma, a semicolon or a tab: dip,dip_direction."
         return "Name the columns in the first line: name,dip,dip_direction."
 
+    def sets_as_names(self, rows: Sequence[int]) -> None:
+        """Where only sets are given and each stands once, they are what the joints are called."""
+        column = self.columns.get("set")
+        if column is None or "name" in self.columns:
+            return
+        found = [cells[column.index] for cells in map(self.cells, rows) if len(cells) > column.index]
+        if len(set(found)) == len(rows):
+            self.columns["name"] = self.columns.pop("set")
+
     # -- rows --------------------------------------------------------------------------------------------------
 
     def joint(self, line: int) -> Joint | None:
@@ -238,7 +265,8 @@ class _Reader:
         friction = self.strength("phi", name, cells, line)
         if plane is None or len(self.faults) > found:
             return None
-        return Joint(name, plane, line, cohesion, friction)
+        column = self.columns.get("set")
+        return Joint(name, plane, line, cohesion, friction, cells[column.index] if column else "")
 
     def cell(self, key: str, cells: Sequence[str]) -> str:
         """The text of a column in a row, with a decimal point and the unit of the header."""

@@ -1,0 +1,154 @@
+"""Joints for studies of whole surveys: a CSV file, or planes from Python, with every fault at once."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.design.survey import Joint, Survey, read_joints
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Plane, normals, parse_plane
+
+MOST_JOINTS = 3000  # 4.5 million pairs
+
+
+@dataclass(frozen=True, slots=True)
+class JointList:
+    """Joints with where they come from.
+
+    Attributes
+    ----------
+    name : of the file, or `joints`; left_out : rows and columns that are not used, in words
+    """
+
+    name: str
+    joints: tuple[Joint, ...]
+    left_out: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    @property
+    def dips_deg(self) -> Floats:
+        """(n,) dips."""
+        return np.array([joint.plane.dip_deg for joint in self.joints])
+
+    @property
+    def dip_directions_deg(self) -> Floats:
+        """(n,) dip directions."""
+        return np.array([joint.plane.dip_direction_deg for joint in self.joints])
+
+    def normals(self) -> Floats:
+        """(n, 3) upward unit normals."""
+        return normals(self.dips_deg, self.dip_directions_deg)
+
+    def pairs(self) -> tuple[np.ndarray[Any, np.dtype[np.intp]], np.ndarray[Any, np.dtype[np.intp]]]:
+        """The first and second joint of every pair, in the order of the list."""
+        return np.triu_indices(len(self), 1)
+
+    def rows(self) -> list[tuple[str, str, float, float]]:
+        """Name, set, dip and dip direction of each joint, for hashes."""
+        return [
+            (joint.name, joint.set_name, joint.plane.dip_deg, joint.plane.dip_direction_deg) for joint in self.joints
+        ]
+
+    def sets(self) -> tuple[str, ...]:
+        """The sets that are named, sorted."""
+        return tuple(sorted({joint.set_name for joint in self.joints if joint.set_name}))
+
+
+def joint_list(source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1) -> JointList:
+    """The joints of a survey.
+
+    Parameters
+    ----------
+    source : path of a CSV file; or planes ("45/115", (45, 115), `Plane`, `Joint`), an (n, 2) array, or {name: plane}
+    convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
+    at_least : how many joints the study needs
+
+    Raises
+    ------
+    DesignError
+        As `read_joints` for a file; E101 to E105 for planes, E330 too many, E331 too few, E338 no joints at all.
+
+    >>> joint_list(["45/115", (45, 245)]).joints[1].plane
+    Plane(dip_deg=45.0, dip_direction_deg=245.0)
+    """
+    if isinstance(source, str | os.PathLike):
+        survey: Survey = read_joints(source, convention, skip_bad)
+        found = JointList(Path(source).name, survey.joints, survey.left_out)
+    else:
+        found = JointList("joints", _from_python(source))
+    if len(found) < at_least:
+        advice = "Every pair is looked at: two joints make the first."
+        raise DesignError([Fault("E331", f"{found.name} holds {len(found)} joint, two are needed", found.name, advice)])
+    if len(found) > MOST_JOINTS:
+        pairs = len(found) * (len(found) - 1) // 2
+        message = (
+            f"{found.name} holds {len(found)} joints, {pairs:,} pairs: more than {MOST_JOINTS} joints are not taken"
+        )
+        raise DesignError([Fault("E330", message, found.name, "Take a domain of the slope, or a sample of each set.")])
+    return found
+
+
+def _from_python(source: Any) -> tuple[Joint, ...]:
+    values = source.tolist() if hasattr(source, "tolist") else source
+    if isinstance(values, Mapping):
+        named = [(str(name), value) for name, value in values.items()]
+    elif isinstance(values, Sequence):
+        named = [(f"J{k}", value) for k, value in enumerate(values, 1)]
+    else:
+        message = f"joints are {type(source).__name__}, a path, a list of planes or {{name: plane}} is needed"
+        raise DesignError([Fault("E338", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
+    faults: list[Fault] = []
+    found: list[Joint] = []
+    for line, (name, value) in enumerate(named, 1):
+        if isinstance(value, Joint):
+            found.append(value)
+            continue
+        try:
+            found.append(Joint(name, parse_plane(value, name), line))
+        except DesignError as error:
+            faults += error.faults
+    names = [joint.name for joint in found]
+    for name in dict.fromkeys(name for name in names if names.count(name) > 1) if len(set(names)) < len(names) else ():
+        faults.append(Fault("E194", f"{name} is the name of {names.count(name)} joints", "joints"))
+    if not named:
+        faults.append(Fault("E338", "there are no joints", "joints", 'Give "joints.csv" or ["45/115", "45/245"].'))
+    if faults:
+        raise DesignError(faults)
+    return tuple(found)
+
+
+def own_or_given(
+    joints: JointList, key: Literal["c", "phi"], given: float | None, option: str
+) -> tuple[Floats, int, Fault | None]:
+    """A strength of every joint: from its own column where that is filled, else what is given for all.
+
+    Returns
+    -------
+    (n,) values, how many have their own, and the fault E332 that names the joints which have neither
+    """
+    own = [joint.cohesion_kpa if key == "c" else joint.friction_angle_deg for joint in joints.joints]
+    missing = [joint for joint, value in zip(joints.joints, own, strict=True) if value is None]
+    values = np.array([np.nan if value is None else value for value in own])
+    measured = len(own) - len(missing)
+    if not missing or given is not None:
+        return np.where(np.isnan(values), np.nan if given is None else given, values), measured, None
+    if measured == 0:
+        return values, 0, Fault("E332", f"{key} is missing: {joints.name} has none", option, f"Give {option}.")
+    shown = ", ".join(f"{joint.name} (line {joint.line})" for joint in missing[:8])
+    more = f" and {len(missing) - 8} more" if len(missing) > 8 else ""
+    message = f"{key} is missing for {len(missing)} of {len(own)} joints: {shown}{more}"
+    return values, measured, Fault("E332", message, joints.name, f"Fill in the column {key}, or give {option}.")
+
+
+def plane_of(value: object, name: str, where: str) -> Plane:
+    """A plane of the slope, where it must be given."""
+    if value is None:
+        raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} as dip/dip direction: 65/180.")])
+    return parse_plane(value, name, f"{where} {value}")

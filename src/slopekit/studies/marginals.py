@@ -1,0 +1,203 @@
+"""How one number scatters, as a function of a standard normal or of a tail probability, exact in both tails.
+
+A tail probability p is that of the nearer end, with the side it is of: 1 - p is never formed where p is tiny.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.special import erf, ndtr, ndtri
+
+from slopekit.arrays import Floats
+from slopekit.design.distributions import Distribution
+
+_BEYOND_DRAWING = 8.5  # standard deviations: no sample lies out there (2⁻⁵⁴ is 8.3 of them)
+
+
+@dataclass(frozen=True, slots=True)
+class Marginal:
+    """A distribution as two functions that give the same numbers.
+
+    Attributes
+    ----------
+    of_normal : of standard normals (n,)
+    of_tail : of tail probabilities (n,), more than 0 and about one half at most, and the side each is of: below 0 the
+        lower end, above 0 the upper one (0 counts by its sign); one for all, or (n,)
+    is_normal : whether the first is the shorter way
+    """
+
+    of_normal: Callable[[Floats], Floats]
+    of_tail: Callable[[Floats, Floats | float], Floats]
+    is_normal: bool
+
+
+def marginal(distribution: Distribution) -> Marginal:
+    """The functions of a distribution.
+
+    >>> pressure = marginal(Distribution("uniform", {"min": 10.0, "max": 30.0}, "pressure"))
+    >>> pressure.of_normal(np.array([0.0])).tolist(), pressure.of_tail(np.array([0.25]), 1.0).tolist()
+    ([20.0], [25.0])
+    """
+    given = distribution.parameters
+    if distribution.name == "uniform":
+        return _by_tail(partial(_uniform, given["min"], given["max"]))
+    if distribution.name == "triangular":
+        return _by_tail(partial(_triangular, given["min"], given["mode"], given["max"]))
+    if given["sd"] == 0.0:
+        return _by_normal(partial(_constant, given["mean"]))
+    mean, sd, low, high = _standard(distribution)
+    bounds = (given.get("min", -math.inf), given.get("max", math.inf))
+    of_normal = partial(_normal, mean, sd, distribution.name == "lognormal", bounds)
+    if low < -_BEYOND_DRAWING and high > _BEYOND_DRAWING:
+        return _by_normal(of_normal)
+    return _by_tail(partial(_truncated, low, high, of_normal))
+
+
+def standard_normal() -> Marginal:
+    """The standard normal itself: what drives the angles of an orientation.
+
+    >>> standard_normal().of_tail(np.array([0.5]), -1.0).tolist()
+    [0.0]
+    """
+    return _by_normal(_as_it_is)
+
+
+def tails(distribution: Distribution, least: float, most: float) -> tuple[float, float]:
+    """The shares of a distribution below one value and above another.
+
+    >>> tails(Distribution("uniform", {"min": -1.0, "max": 9.0}, "pressure"), 0.0, math.inf)
+    (0.1, 0.0)
+    """
+    given = distribution.parameters
+    if distribution.name == "uniform":
+        width = given["max"] - given["min"]
+        below, above = (least - given["min"]) / width, (given["max"] - most) / width
+        return min(max(below, 0.0), 1.0), min(max(above, 0.0), 1.0)
+    if distribution.name == "triangular":
+        ends, mode = (given["min"], given["max"]), given["mode"]
+        return _triangle(least, *ends, mode), _triangle(-most, -ends[1], -ends[0], -mode)
+    if given["sd"] == 0.0:
+        return float(given["mean"] < least), float(given["mean"] > most)
+    mean, sd, low, high = _standard(distribution)
+    is_log = distribution.name == "lognormal"
+    at = [(_log(value) if is_log else value) for value in (least, most)]
+    first, last = (min(max((value - mean) / sd, low), high) for value in at)
+    whole = _between(low, high)
+    return _between(low, first) / whole, _between(last, high) / whole
+
+
+# -- the ways to a value ----------------------------------------------------------------------------------------------
+
+
+def _by_normal(of_normal: Callable[[Floats], Floats]) -> Marginal:
+    return Marginal(of_normal, partial(_through_normal, of_normal), True)
+
+
+def _by_tail(of_tail: Callable[[Floats, Floats | float], Floats]) -> Marginal:
+    return Marginal(partial(_through_tail, of_tail), of_tail, False)
+
+
+def _through_normal(of_normal: Callable[[Floats], Floats], p: Floats, side: Floats | float) -> Floats:
+    return of_normal(_toward(ndtri(p), side))
+
+
+def _through_tail(of_tail: Callable[[Floats, Floats | float], Floats], normal: Floats) -> Floats:
+    return of_tail(ndtr(-np.abs(normal)), normal)
+
+
+def _toward(lower: Floats, side: Floats | float) -> Floats:
+    """Quantiles of the lower tail, those of the upper side mirrored."""
+    lower *= -np.copysign(1.0, side)
+    return lower
+
+
+def _as_it_is(normal: Floats) -> Floats:
+    return normal
+
+
+def _constant(value: float, normal: Floats) -> Floats:
+    return np.full(len(normal), value)
+
+
+def _normal(mean: float, sd: float, is_log: bool, bounds: tuple[float, float], normal: Floats) -> Floats:
+    values = normal * sd
+    values += mean
+    if is_log:
+        np.exp(values, out=values)
+    if bounds != (-math.inf, math.inf):
+        np.clip(values, *bounds, out=values)  # rounding, and what no sample reaches
+    return values
+
+
+def _truncated(
+    low: float, high: float, of_normal: Callable[[Floats], Floats], p: Floats, side: Floats | float
+) -> Floats:
+    """Between two standard normals: from each end its own tail, and the part p of what lies between."""
+    below, above = float(ndtr(low)), float(ndtr(-high))
+    if low > 0.0:  # all of it in the upper half: only the upper tail is small
+        share = np.where(np.signbit(side), 1.0 - p, p) * _between(low, high)
+        return of_normal(-ndtri(share + above))
+    share = p * _between(low, high)
+    share += np.where(np.signbit(side), below, above)
+    return of_normal(_toward(ndtri(share), side))
+
+
+def _uniform(low: float, high: float, p: Floats, side: Floats | float) -> Floats:
+    part = p * (high - low)
+    return np.where(np.signbit(side), low + part, high - part)
+
+
+def _triangular(low: float, mode: float, high: float, p: Floats, side: Floats | float) -> Floats:
+    """From the nearer end as long as the mode is not passed: x = min + √(u (max - min) (mode - min))."""
+    is_lower = np.signbit(side)
+    below, above = np.where(is_lower, p, 1.0 - p), np.where(is_lower, 1.0 - p, p)
+    width = high - low
+    rising = low + np.sqrt(below * (width * (mode - low)))
+    falling = high - np.sqrt(above * (width * (high - mode)))
+    return np.where(below * width < mode - low, rising, falling)
+
+
+# -- numbers of a distribution ----------------------------------------------------------------------------------------
+
+
+def _standard(distribution: Distribution) -> tuple[float, float, float, float]:
+    """Mean and standard deviation of the normal (of the logarithm, of a lognormal), and its bounds in those units."""
+    given = distribution.parameters
+    mean, sd = given["mean"], given["sd"]
+    bounds = [given.get("min", -math.inf), given.get("max", math.inf)]
+    if distribution.name == "lognormal":
+        variance = math.log1p((sd / mean) ** 2)
+        mean, sd = math.log(mean) - variance / 2.0, math.sqrt(variance)
+        bounds = [_log(bound) for bound in bounds]
+    return mean, sd, (bounds[0] - mean) / sd, (bounds[1] - mean) / sd
+
+
+def _log(value: float) -> float:
+    return math.log(value) if value > 0.0 else -math.inf
+
+
+def _between(low: float, high: float) -> float:
+    """P(low < Z < high) of a standard normal, no digits lost.
+
+    >>> _between(9.0, 10.0) > 0.0
+    True
+    """
+    if low > 0.0:
+        return float(ndtr(-low) - ndtr(-high))
+    if high < 0.0:
+        return float(ndtr(high) - ndtr(low))
+    return float(erf(high * math.sqrt(0.5)) + erf(-low * math.sqrt(0.5))) / 2.0
+
+
+def _triangle(value: float, low: float, high: float, mode: float) -> float:
+    """The share of a triangle below a value."""
+    if value <= low:
+        return 0.0
+    if value >= high:
+        return 1.0
+    if value < mode:
+        return (value - low) ** 2 / ((high - low) * (mode - low))
+    return 1.0 - (high - value) ** 2 / ((high - low) * (high - mode))

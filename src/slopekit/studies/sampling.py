@@ -1,0 +1,308 @@
+"""Samples of what scatters in a design: Monte Carlo, Latin hypercube or Sobol, correlated by a Gaussian copula.
+
+A plan says what is drawn; every part of it can be drawn by itself, in any order and on any machine, and is always the
+same.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from functools import partial
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.arrays import Floats
+from slopekit.design.common import Design, Pair
+from slopekit.design.correlation import contradictions
+from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
+from slopekit.design.nodes import as_text
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Line, Plane
+from slopekit.studies import sources
+from slopekit.studies.marginals import Marginal, marginal, standard_normal
+from slopekit.studies.turning import fisher, folded_lines, folded_planes
+
+Method: TypeAlias = Literal["monte-carlo", "latin-hypercube", "sobol"]
+METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube", "sobol")
+#: Samples of a Monte Carlo block, which is the most of a Latin hypercube, and the most of a Sobol sequence.
+BLOCK, MOST_POINTS = 8192, 32768
+REPLICATES, FEWEST_IN_REPLICATE, MOST_REPLICATES = 16, 8, 32767
+MOST_SAMPLES = 1_000_000_000
+_PIECE = 4096  # samples whose angles stay in the innermost cache
+_MOST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Values drawn for what scatters.
+
+    Attributes
+    ----------
+    variables : that were drawn
+    names : of the columns, k of them: the path of a number; two of an orientation, `<path>.dip` and
+        `<path>.dip_direction` (of a line `<path>.trend` and `<path>.plunge`), also where only one of them scatters
+    values : (n, k), each column contiguous, read-only
+    replicate : (n,) int16, which of the independent replicates each sample belongs to; Monte Carlo: all 0
+    first : the number of the first of these samples in their plan
+    """
+
+    variables: tuple[Variable, ...]
+    names: tuple[str, ...]
+    values: Floats
+    replicate: NDArray[np.int16]
+    first: int
+
+    def settings(self, row: int) -> dict[str, float | str]:
+        """A sample as values by dotted path, as `slopekit.design.files.with_values` takes them."""
+        found: dict[str, float | str] = {}
+        column = 0
+        for variable in self.variables:
+            of, first = variable.of, float(self.values[row, column])
+            if of is None:
+                found[variable.path] = first
+            else:
+                second = float(self.values[row, column + 1])
+                found[variable.path] = as_text(Plane(first, second) if of == "plane" else Line(first, second))
+            column += len(variable.columns)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is drawn: n samples in independent blocks, each with random numbers of its own.
+
+    Attributes
+    ----------
+    asked : how many samples were asked for
+    n : how many are drawn; more than asked only with Sobol, whose replicates have 2, 4, 8, ... samples
+    replicates : how many independent replicates: the scatter between them gives confidence limits. Monte Carlo: 1
+    """
+
+    variables: tuple[Variable, ...]
+    correlation: tuple[Pair, ...]
+    method: Method
+    seed: int
+    asked: int
+    n: int
+    replicates: int
+    _source: sources.Source = field(compare=False, repr=False)
+    _marginals: tuple[Marginal, ...] = field(compare=False, repr=False)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the columns."""
+        return tuple(name for variable in self.variables for name in variable.columns)
+
+    @property
+    def blocks(self) -> int:
+        """How many parts are drawn each by itself: the replicates, or Monte Carlo's blocks of 8192 samples."""
+        return -(-self.n // BLOCK) if self.method == "monte-carlo" else self.replicates
+
+    def bounds(self, block: int) -> tuple[int, int]:
+        """The first sample of a block, and the first after it."""
+        if self.method == "monte-carlo":
+            return block * BLOCK, min((block + 1) * BLOCK, self.n)
+        size, larger = divmod(self.n, self.replicates)
+        return block * size + min(block, larger), (block + 1) * size + min(block + 1, larger)
+
+    def replicate_of(self, block: int) -> int:
+        """The replicate that the samples of a block are of."""
+        return 0 if self.method == "monte-carlo" else block
+
+    def block_of(self, sample: int) -> int:
+        """The block that a sample is of."""
+        if self.method == "monte-carlo":
+            return sample // BLOCK
+        size, larger = divmod(self.n, self.replicates)
+        return sample // (size + 1) if sample < larger * (size + 1) else (sample - larger) // size
+
+
+def variables_of(design: Design) -> tuple[Variable, ...]:
+    """What scatters in a design, in the order of its reader.
+
+    >>> from slopekit.design.files import load
+    >>> face = {"dist": "fisher", "mean": "60/180", "k": 500}
+    >>> joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
+    >>> wedge = load({"slopekit": 1, "kind": "wedge", "slope": {"face": face, "height": 30}, "joints": joints})
+    >>> [variable.path for variable in variables_of(wedge)]
+    ['slope.face']
+    """
+    return design.variables
+
+
+def planned(
+    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: str = "monte-carlo"
+) -> Plan:
+    """How samples are drawn.
+
+    Parameters
+    ----------
+    correlation : rank correlations between coordinates of the variables (`Variable.coordinates`)
+    n : samples, at least 1. Latin hypercube and Sobol divide them among 16 replicates, fewer below 128 samples, more
+        where a replicate would pass 8192 (Sobol: 32768; of larger ones a probability gains with two or three inputs
+        only). Sobol rounds n up to whole replicates of a power of two
+    seed : whole number from 0
+    method : monte-carlo, latin-hypercube or sobol
+
+    Raises
+    ------
+    DesignError
+        E168 for a correlation of what does not scatter, E183 for one that cannot be, E302 no variables, E307 for n or
+        seed, E308 an unknown method.
+    """
+    chosen = _method(method)
+    faults = _faults_of_numbers(n, seed)
+    made, pairs = tuple(variables), tuple(correlation)
+    coordinates = [name for variable in made for name in variable.coordinates]
+    unknown = dict.fromkeys(name for pair in pairs for name in pair[:2] if name not in coordinates)
+    faults += [Fault("E168", f"{name} is not a value that scatters in this design") for name in unknown]
+    faults += contradictions(pairs, [f"{a}/{b}" for a, b, _ in pairs], "")
+    if not made:
+        advice = "Give some of its numbers as distributions: phi: {dist: normal, mean: 20, sd: 2}."
+        faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
+    if faults:
+        raise DesignError(faults)
+    count, replicates = _divided(n, chosen)
+    marginals = tuple(one for variable in made for one in _marginals(variable))
+    source = sources.source(chosen, coordinates, pairs, seed)
+    return Plan(made, pairs, chosen, seed, n, count, replicates, source, marginals)
+
+
+def samples(
+    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: str = "monte-carlo"
+) -> Samples:
+    """All samples of a plan; the parameters and errors of `planned`.
+
+    The same seed gives the same numbers. With Monte Carlo a longer run begins with the samples of a shorter one.
+
+    >>> friction = Variable("strength.weak.phi", Distribution("normal", {"mean": 20.0, "sd": 2.0}, "angle"))
+    >>> drawn = samples([friction], (), 10000, 1)
+    >>> drawn.values.shape, round(float(drawn.values.mean()), 1), round(float(drawn.values.std()), 1)
+    ((10000, 1), 20.0, 2.0)
+    """
+    return draw(planned(variables, correlation, n, seed, method))
+
+
+def draw(plan: Plan, first: int = 0, count: int | None = None) -> Samples:
+    """Some of the samples of a plan: the same ones, however they are divided.
+
+    Parameters
+    ----------
+    first, count : which; all that follow where no count is given. What begins and ends where blocks do
+        (`Plan.bounds`) costs nothing in addition
+    """
+    first = min(max(first, 0), plan.n)
+    last = plan.n if count is None else min(first + max(count, 0), plan.n)
+    columns, replicate = np.empty((len(plan.names), last - first)), np.zeros(last - first, dtype=np.int16)
+    for block in range(plan.block_of(first), plan.block_of(last - 1) + 1) if last > first else ():
+        for begin, end, column in _pieces(plan, block):
+            left, right = max(begin, first), min(end, last)
+            if left < right:
+                here = slice(left - first, right - first)
+                _fill(columns[:, here], plan, column, slice(left - begin, right - begin))
+                replicate[here] = plan.replicate_of(block)
+    return _samples(plan, columns, replicate, first)
+
+
+def chunks(plan: Plan) -> Iterator[Samples]:
+    """All samples of a plan, up to 8192 of them at a time: the way to draw more than are kept.
+
+    >>> plan = planned([Variable("x", Distribution("uniform", {"min": 0.0, "max": 1.0}, "ratio"))], (), 20000, 1)
+    >>> [len(part.values) for part in chunks(plan)]
+    [8192, 8192, 3616]
+    """
+    for block in range(plan.blocks):
+        for begin, end, column in _pieces(plan, block):
+            columns = np.empty((len(plan.names), end - begin))
+            _fill(columns, plan, column, slice(0, end - begin))
+            yield _samples(plan, columns, np.full(end - begin, plan.replicate_of(block), dtype=np.int16), begin)
+
+
+# -- small things -----------------------------------------------------------------------------------------------------
+
+
+def _method(name: str) -> Method:
+    if name in METHODS:
+        return name
+    near = get_close_matches(name.lower().replace("_", "-"), METHODS, n=1)
+    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(METHODS)}."
+    raise DesignError([Fault("E308", f"{name} is not a way to draw samples", "", advice)])
+
+
+def _faults_of_numbers(n: int, seed: int) -> list[Fault]:
+    faults = []
+    for value, name, least, most in ((n, "the number of samples", 1, MOST_SAMPLES), (seed, "the seed", 0, _MOST_SEED)):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+            faults.append(Fault("E307", f"{name} is {value}, it is a whole number from {least} to {most}"))
+    return faults
+
+
+def _divided(n: int, method: Method) -> tuple[int, int]:
+    """How many samples are drawn, and in how many replicates.
+
+    >>> _divided(20000, "latin-hypercube"), _divided(20000, "sobol"), _divided(10, "sobol"), _divided(10**6, "sobol")
+    ((20000, 16), (20480, 20), (16, 2), (1015808, 31))
+    """
+    if method == "monte-carlo":
+        return n, 1
+    if method == "latin-hypercube":
+        return n, max(min(REPLICATES, n // FEWEST_IN_REPLICATE), min(-(-n // BLOCK), MOST_REPLICATES), 1)
+    size = FEWEST_IN_REPLICATE
+    while size * 2 * REPLICATES <= n and size < MOST_POINTS:
+        size *= 2
+    size = min(size, 1 << (n.bit_length() - 1))
+    replicates = -(-n // size)
+    return replicates * size, replicates
+
+
+def _marginals(variable: Variable) -> Sequence[Marginal]:
+    """Of the coordinates of a variable."""
+    own = variable.distribution
+    if isinstance(own, Distribution):
+        return [marginal(own)]
+    if isinstance(own, Fisher):
+        return [standard_normal(), standard_normal()]
+    return [marginal(angle) for angle in (own.steep, own.direction) if isinstance(angle, Distribution)]
+
+
+def _pieces(plan: Plan, block: int) -> Iterator[tuple[int, int, sources.Column]]:
+    """The pieces of a block: first sample, end, and where their columns come from."""
+    start, stop = plan.bounds(block)
+    size = BLOCK if plan.method == "monte-carlo" else stop - start
+    for first, last, column in plan._source(block, size):
+        yield start + first, min(start + last, stop), column
+
+
+def _samples(plan: Plan, columns: Floats, replicate: NDArray[np.int16], first: int) -> Samples:
+    columns.setflags(write=False)
+    replicate.setflags(write=False)
+    return Samples(plan.variables, plan.names, columns.T, replicate, first)
+
+
+def _fill(columns: Floats, plan: Plan, column: sources.Column, kept: slice) -> None:
+    """Columns (k, n) of what is kept of a piece."""
+    drawn = (column(k, own)[kept] for k, own in enumerate(plan._marginals))
+    k = 0
+    for variable in plan.variables:
+        own = variable.distribution
+        if isinstance(own, Distribution):
+            columns[k] = next(drawn)
+        else:
+            steep, direction = (k, k + 1) if variable.of == "plane" else (k + 1, k)
+            turn, parts = _turning(own)
+            count = kept.stop - kept.start
+            first, second = (next(drawn) if part is None else np.full(count, part) for part in parts)
+            for begin in range(0, count, _PIECE):
+                piece = slice(begin, begin + _PIECE)
+                columns[steep, piece], columns[direction, piece] = turn(first[piece], second[piece])
+        k += len(variable.columns)
+
+
+def _turning(own: Fisher | Angles) -> tuple[Callable[[Floats, Floats], tuple[Floats, Floats]], list[float | None]]:
+    """From what is drawn of an orientation to its angles, and those of the two that are not drawn."""
+    if isinstance(own, Fisher):
+        return partial(fisher, own.mean, own.k), [None, None]
+    fixed = [angle if isinstance(angle, float) else None for angle in (own.steep, own.direction)]
+    return (folded_planes if own.of == "plane" else folded_lines), fixed

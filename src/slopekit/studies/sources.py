@@ -1,0 +1,272 @@
+"""Where random numbers come from, for each way of drawing: a block, piece by piece, coordinate by coordinate.
+
+A source is a callable (block, size) that gives the pieces of a block in their order: first sample, end, and a callable
+(coordinate, marginal), which gives the column of one coordinate. Coordinates are asked for in their order, once each,
+or not at all. All random numbers of a block come from its own stream, SFC64 seeded by (seed, block).
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from slopekit.arrays import Floats
+from slopekit.design.common import Pair
+from slopekit.design.copula import factor, normal_correlation
+from slopekit.studies.marginals import Marginal
+
+Column: TypeAlias = Callable[[int, Marginal], Floats]
+Source: TypeAlias = Callable[[int, int], Iterator[tuple[int, int, Column]]]
+_PIECE = 8192  # samples of all coordinates that stay in the cache, and are had without asking the system for pages
+_INDEX_BITS = 15  # of a sample in its replicate
+_BITS = 30  # of Sobol's points, which lie on multiples of 2⁻³⁰: more points than any replicate has
+_HALF_STEP = 2.0 ** -(_BITS + 1)
+_NOT_ZERO = 2.0**-54  # half a step of uniform numbers, so that no tail is 0
+_OUTERMOST, _TERMS = 128, 6  # of Latin hypercubes: strata whose normals are not found by a series, and its terms
+
+
+@dataclass(frozen=True, slots=True)
+class Copula:
+    """Which coordinates hang together, and how.
+
+    Attributes
+    ----------
+    members : their numbers; factor : (members, rank) of their normals
+    copies : of a member that is another's equal or opposite: that other and 1 or -1
+    """
+
+    members: tuple[int, ...]
+    factor: Floats
+    copies: tuple[tuple[int, int, float], ...]
+
+    @property
+    def rank(self) -> int:
+        """How many independent normals drive them."""
+        return int(self.factor.shape[1])
+
+    @property
+    def originals(self) -> dict[int, tuple[int, float]]:
+        """Of the coordinates that are another's equal or opposite: that coordinate, and 1 or -1."""
+        return {self.members[member]: (self.members[of], sign) for member, of, sign in self.copies}
+
+    def joined(self, normals: Floats) -> dict[int, Floats]:
+        """The normals of the members, each (n,), from (rank, n) independent ones."""
+        found = np.empty((len(self.members), normals.shape[1]))
+        for first in range(0, normals.shape[1], _PIECE):
+            piece = slice(first, first + _PIECE)
+            np.matmul(self.factor, normals[:, piece], out=found[:, piece])
+        for member, of, sign in self.copies:
+            found[member] = sign * found[of]  # not by a product: ranks shall be the same to the last digit
+        return dict(zip(self.members, found, strict=True))
+
+
+def copula(coordinates: Sequence[str], pairs: Sequence[Pair]) -> Copula:
+    """The copula of rank correlations that do not contradict each other.
+
+    >>> copula(["a", "b", "c"], [("a", "c", -1.0)])
+    Copula(members=(0, 2), factor=array([[ 1.],
+           [-1.]]), copies=((1, 0, -1.0),))
+    """
+    named = {name for a, b, value in pairs if value for name in (a, b)}
+    members = tuple(k for k, name in enumerate(coordinates) if name in named)
+    place = {coordinates[k]: i for i, k in enumerate(members)}
+    ranks = np.eye(len(members))
+    for a, b, value in pairs:
+        if value:
+            ranks[place[a], place[b]] = ranks[place[b], place[a]] = value
+    copies = []
+    for i in range(len(members)):
+        of = next((j for j in range(i) if abs(ranks[i, j]) == 1.0), None)
+        copies += [] if of is None else [(i, of, float(ranks[i, of]))]
+    matrix = factor(normal_correlation(ranks)) if members else np.empty((0, 0))
+    return Copula(members, matrix, tuple(copies))
+
+
+def source(method: str, coordinates: Sequence[str], pairs: Sequence[Pair], seed: int) -> Source:
+    """The source of a method."""
+    joined = copula(coordinates, pairs)
+    if method == "monte-carlo":
+        return partial(_monte_carlo, joined, seed)
+    if method == "latin-hypercube":
+        return partial(_latin_hypercube, joined, seed)
+    return partial(_sobol, joined, len(coordinates), seed)
+
+
+def _stream(seed: int, block: int) -> np.random.Generator:
+    return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=(block,))))
+
+
+# -- Monte Carlo ------------------------------------------------------------------------------------------------------
+
+
+def _monte_carlo(joined: Copula, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
+    rng = _stream(seed, block)
+    normals = joined.joined(rng.standard_normal((joined.rank, size)))
+
+    def column(coordinate: int, marginal: Marginal) -> Floats:
+        if coordinate in normals:
+            return marginal.of_normal(normals[coordinate])
+        if marginal.is_normal:
+            return marginal.of_normal(rng.standard_normal(size))
+        return marginal.of_tail(*_tails(rng.random(size), 53))
+
+    yield 0, size, column
+
+
+def _tails(uniform: Floats, bits: int) -> tuple[Floats, Floats]:
+    """The nearer tail of uniform numbers on multiples of 2^-bits, and its side; the numbers are used up.
+
+    Each is moved to the middle of its step, so that no tail is 0; nothing is rounded.
+
+    >>> tail, side = _tails(np.array([0.0, 0.5, 1.0 - 2.0**-53]), 53)
+    >>> (tail * 2.0**54).tolist(), np.sign(side).tolist()
+    ([1.0, 9007199254740991.0, 1.0], [-1.0, 1.0, 1.0])
+    """
+    side = uniform
+    side *= 2.0
+    side -= 1.0
+    side += 2.0**-bits
+    tail = np.abs(side)
+    np.subtract(1.0, tail, out=tail)
+    tail *= 0.5
+    return tail, side
+
+
+# -- Latin hypercube --------------------------------------------------------------------------------------------------
+
+
+def _latin_hypercube(joined: Copula, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
+    """One sample in each of `size` strata of equal probability, in every coordinate (McKay et al. 1979).
+
+    Where in a stratum is drawn for the lower half of them; the upper half is its mirror image, and what is the equal or
+    opposite of another coordinate takes that one's places. Strata are dealt out at random, and to coordinates that
+    hang together by the ranks of their normals (Stein 1987, Technometrics 29).
+    """
+    rng = _stream(seed, block)
+    normals = joined.joined(rng.standard_normal((joined.rank, size)))
+    half, strata = size // 2, np.arange((size + 1) // 2, dtype=np.float64)
+    originals, kept = joined.originals, dict[int, Floats]()
+    wanted = {original for original, _ in originals.values()}
+
+    def column(coordinate: int, marginal: Marginal) -> Floats:
+        place = _mirrored(kept, *originals[coordinate], size) if coordinate in originals else rng.random(len(strata))
+        if coordinate in wanted:
+            kept[coordinate] = place
+        values = np.empty(size)  # ascending
+        if marginal.is_normal:
+            lower = _lower_normals(place, size)
+            values[: len(lower)] = lower
+            values[len(lower) :] = -lower[:half][::-1]
+            values = marginal.of_normal(values)
+        else:
+            tail = (place + (strata + _NOT_ZERO)) / size
+            values[: len(tail)] = marginal.of_tail(tail, -1.0)
+            values[len(tail) :] = marginal.of_tail(tail[:half][::-1], 1.0)
+        if coordinate not in normals:
+            rng.shuffle(values)
+            return values
+        dealt = np.empty(size)
+        dealt[_order(normals[coordinate])] = values
+        return dealt
+
+    yield 0, size, column
+
+
+def _mirrored(kept: Mapping[int, Floats], original: int, sign: float, size: int) -> Floats:
+    """The places of a coordinate whose equal or opposite this one is: others only in the middle of an odd number."""
+    place = kept[original]
+    if sign < 0.0 and size % 2:
+        place = place.copy()
+        place[-1] = 1.0 - place[-1]
+    return place
+
+
+def _lower_normals(place: Floats, size: int) -> Floats:
+    """Standard normals at the probabilities (k + place) / size, k from 0 up to the middle, 0 <= place < 1.
+
+    The outermost by `ndtri`, the others at half its cost by Taylor's series about the middles of their strata, of
+    which the next term is below 1e-15.
+
+    >>> place = np.full(4096, 0.25)
+    >>> exact = ndtri((np.arange(4096) + 0.25) / 8192)
+    >>> bool(np.abs(_lower_normals(place, 8192) - exact).max() < 2e-15)
+    True
+    """
+    found = np.empty(len(place))
+    edge = min(_OUTERMOST, len(place))
+    found[:edge] = ndtri((place[:edge] + (np.arange(edge) + _NOT_ZERO)) / size)
+    if len(place) > edge:
+        series, off = _series(size), place[edge:] - 0.5
+        rest = found[edge:]
+        np.multiply(series[-1], off, out=rest)
+        for term in series[-2:0:-1]:
+            rest += term
+            rest *= off
+        rest += series[0]
+    return found
+
+
+@lru_cache(maxsize=8)
+def _series(size: int) -> Floats:
+    """Coefficients (6, n) of the normal's quantiles in the place within each stratum, from the outermost on.
+
+    dᵏz/dpᵏ = Pₖ(z) / φ(z)ᵏ with P₁ = 1 and Pₖ₊₁ = Pₖ' + k z Pₖ.
+    """
+    middle = ndtri((np.arange(_OUTERMOST, (size + 1) // 2) + 0.5) / size)
+    step = math.sqrt(2.0 * math.pi) * np.exp(middle * middle / 2.0) / size
+    terms, polynomial = [middle], np.polynomial.Polynomial([1.0])
+    for k in range(1, _TERMS):
+        terms.append(polynomial(middle) * step**k / math.factorial(k))
+        polynomial = polynomial.deriv() + np.polynomial.Polynomial([0.0, k]) * polynomial
+    return np.stack(terms)
+
+
+def _order(values: Floats) -> NDArray[np.int64]:
+    """What sorts up to 32768 values: np.argsort at a third of its cost, by their first 49 bits.
+
+    >>> _order(np.array([0.5, -2.0, 3.0, -1.0])).tolist()
+    [1, 3, 0, 2]
+    """
+    low = np.uint64((1 << _INDEX_BITS) - 1)
+    packed = values.view(np.uint64) & ~low
+    packed |= np.arange(len(values), dtype=np.uint64)
+    packed.view(np.float64).sort()
+    packed &= low
+    return packed.view(np.int64)
+
+
+# -- Sobol ------------------------------------------------------------------------------------------------------------
+
+
+def _sobol(joined: Copula, coordinates: int, seed: int, block: int, size: int) -> Iterator[tuple[int, int, Column]]:
+    """A Sobol sequence with Matoušek's linear scrambling and a digital shift (scipy.stats.qmc); `size` a power of 2."""
+    from scipy.stats import qmc  # two thirds of a second
+
+    free = [k for k in range(coordinates) if k not in joined.members]
+    place = {coordinate: joined.rank + k for k, coordinate in enumerate(free)}
+    engine = qmc.Sobol(joined.rank + len(free), scramble=True, bits=_BITS, seed=_stream(seed, block))
+    for first in range(0, size, _PIECE):
+        end = min(first + _PIECE, size)
+        yield first, end, _of_points(joined, place, np.ascontiguousarray(engine.random(end - first).T))
+
+
+def _of_points(joined: Copula, place: Mapping[int, int], points: Floats) -> Column:
+    """The columns of points (dimensions, n): first those of the copula, then `place` of each other coordinate."""
+    points[: joined.rank] += _HALF_STEP
+    normals = joined.joined(ndtri(points[: joined.rank]))
+
+    def column(coordinate: int, marginal: Marginal) -> Floats:
+        if coordinate in normals:
+            return marginal.of_normal(normals[coordinate])
+        point = points[place[coordinate]]
+        if marginal.is_normal:
+            point += _HALF_STEP
+            return marginal.of_normal(ndtri(point, out=point))  # 1 - point is exact
+        return marginal.of_tail(*_tails(point, _BITS))
+
+    return column

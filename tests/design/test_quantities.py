@@ -1,0 +1,141 @@
+"""The table of quantities against the readers: the same units, the same limits, no number of a design left out."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from slopekit.design import quantities
+from slopekit.design.files import load
+from slopekit.design.quantities import Quantity, quantity_of
+from slopekit.design.specs import SPECS
+from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section
+from slopekit.errors import DesignError
+
+PLANE = {"dip": 45, "dip_direction": 115}
+LINE = {"trend": 10, "plunge": 5}
+SHEAR = {"k1": 4800, "n": 0.56, "Rf": 0.74, "phi": 36}
+STRENGTH = {"c": 10, "phi": 30, "dilation": 1, "tension": 2, "stiffness": {"normal": 1e7, "shear": 1e6}}
+BY_LAW = {"c": 10, "phi": 30, "stiffness": {"shear": SHEAR}}
+LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
+BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
+JOINTS = {"J1": {"plane": PLANE}, "J2": {"plane": "45/245"}}
+FACE = {"face": {"dip": 60, "dip_direction": 180}, "upper": {"dip": 5, "dip_direction": 180}, "height": 30}
+PROFILE = {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}
+BENCH = {"plane": PLANE, "spacing": 2, "offset": 1, "scatter": 3, "spacing_scatter": 0.1}
+SQUARE = [[0, 0], [2, 0], [2, 2], [0, 2]]
+ROCK = {"unit_weight": 25, "gravity": 9.81}
+# one design or more of each kind, with every number that may scatter in one of them
+DESIGNS = [
+    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"fill": 0.5},
+               "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
+    ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
+               "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
+    ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
+               "crack": {"depth": 4, "water": 3}, "loads": LOADS}),
+    ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
+               "crack": {"distance": 4}, "water": {"pressures": [5, 6]}}),
+    ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
+                 "strength": {"a": STRENGTH}}),
+    ("surface", {"slope": PROFILE, "slip": {"shape": "cylinder", "centre": [44, 44], "radius": 44, "length": 10},
+                 "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"pressures": 5}}),
+    ("topple", {"columns": {"dip": 60, "width": 10, "heights": [4, 10], "base_step": 1, "thickness": 2},
+                "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"pressures": {"base": 5}}}),
+    ("bench", {"slope": FACE | {"length": 30, "depth": 20}, "sets": {"S1": BENCH}, "strength": {"a": STRENGTH},
+               "rock": ROCK, "water": {"pressures": {"S1": 5}}}),
+    ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
+                "section": {"thickness": 2}, "strength": {"a": STRENGTH}, "water": {"pressures": {"B/base": 5}}}),
+]  # fmt: skip
+_UNITS = {
+    "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "deg",
+    "stiffness": "kPa/m", "acceleration": "m/s2", "ratio": "",
+}  # fmt: skip
+_WRONG = {"length": "kPa", "ratio": "m"}
+_STEP = 1e-9
+
+
+def _numbers(value: object, path: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict):
+        for key, below in value.items():
+            yield from _numbers(below, f"{path}.{key}" if path else key)
+    elif isinstance(value, list):
+        for k, below in enumerate(value):
+            yield from _numbers(below, f"{path}.{k}")
+    elif isinstance(value, int | float):
+        yield path, value
+
+
+CASES = [
+    pytest.param(kind, design, path, value, quantity_of(path, kind), id=f"{kind}-{path}")
+    for kind, design in DESIGNS
+    for path, value in _numbers(design)
+    if quantity_of(path, kind) != Quantity()
+]
+
+
+def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
+    values = [(path, str(value))]
+    if path.startswith("columns.heights"):
+        values.append(("columns.base_step", "0"))  # which no column may be lower than
+    elif path.endswith(".dilation"):
+        values.append((path.replace("dilation", "phi"), "89.9999999999"))  # which dilation may not pass
+    elif path.endswith(".phi") and "shear" not in path:
+        values.append((path.replace("phi", "dilation"), "0"))
+    try:
+        load({"slopekit": 1, "kind": kind} | design, values)
+    except DesignError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize(("kind", "design", "path", "value", "expected"), CASES)
+def test_units_are_those_of_the_reader(kind, design, path, value, expected) -> None:
+    assert _accepts(kind, design, path, value)
+    assert _accepts(kind, design, path, f"{value} {_UNITS[expected.kind]}")
+    assert not _accepts(kind, design, path, f"{value} {_WRONG.get(expected.kind, 'm')}")
+
+
+@pytest.mark.parametrize(("kind", "design", "path", "value", "expected"), CASES)
+def test_limits_are_those_of_the_reader(kind, design, path, value, expected) -> None:
+    """Just beyond a limit a value is refused; the limit itself or what lies just within is taken."""
+    for limit, inward in ((expected.least, 1.0), (expected.most, -1.0)):
+        if abs(limit) == float("inf"):
+            assert _accepts(kind, design, path, value - 1000.0 * inward) or path == "columns.base_step"
+            continue
+        step = _STEP * max(abs(limit), 1.0) * inward
+        assert not _accepts(kind, design, path, repr(limit - step))
+        assert _accepts(kind, design, path, repr(limit)) or _accepts(kind, design, path, repr(limit + step))
+
+
+def test_every_row_is_looked_at() -> None:
+    matched = {(kind, path) for kind, design in DESIGNS for path, _ in _numbers(design)}
+    for row in quantities._TABLE:
+        kinds, _, pattern = row.rpartition(":")
+        names = pattern.split(".")
+        assert any(
+            (not kinds or kind == kinds) and len(parts := path.split(".")) == len(names)
+            and all(name in ("*", part) for name, part in zip(names, parts, strict=True))
+            for kind, path in matched
+        ), row  # fmt: skip
+
+
+def _leaves(spec: object, path: str) -> Iterator[str]:
+    """The paths of all numbers that may scatter, X for a name of the user's."""
+    if isinstance(spec, Section):
+        for key, below in spec.keys.items():
+            yield from _leaves(below, f"{path}.{key}" if path else key)
+    elif isinstance(spec, Named):
+        yield from _leaves(spec.of, f"{path}.X")
+    elif isinstance(spec, ListOf):
+        yield from _leaves(spec.of, f"{path}.0")
+    elif isinstance(spec, AnyOf):
+        for one in spec.of:
+            yield from _leaves(one, path)
+    elif isinstance(spec, Leaf) and spec.number:
+        yield path
+
+
+@pytest.mark.parametrize("kind", SPECS)
+def test_every_number_that_may_scatter_is_in_the_table(kind) -> None:
+    paths = set(_leaves(SPECS[kind], ""))
+    assert len(paths) > 5
+    assert {path for path in paths if quantity_of(path, kind) == Quantity()} == set()
