@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from tests.support import random_wedge
 
-COUNT = 120
+COUNT = 75
 
 
 @pytest.fixture(scope="module")

@@ -98,7 +98,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "also be UTF-16 or Windows text.",
     "E160": "--set takes a dotted path, an equals sign and a value: --set strength.weak.phi=25. Lists and groups are "
     "written in brackets, in quotes for the shell: --set 'slope.profile=[[0, 0], [10, 5]]'.",
-    "E161": "The path goes on behind a single value. Set that value as a whole: slope.face=65/180.",
+    "E161": "The path goes on behind a single value. Set that value as a whole: slope.face=65/180. The dip of a plane "
+    "can be set by itself (slope.face.dip=65) unless the plane scatters as a whole, by fisher.",
     "E162": "Items of a list are named by their number, from 0: support.bolts.0.force. --set changes items that are "
     "there; to add or remove one, set the whole list.",
     "E163": "From Python a design takes what a file could hold: numbers, texts, lists, dicts, arrays, Plane, Line "
@@ -108,14 +109,20 @@ EXPLANATIONS: Mapping[str, str] = {
     "E165": "Known distributions are normal, lognormal, uniform, triangular, and fisher for orientations. min and max "
     "truncate the first two.",
     "E166": "Orientations scatter by fisher: {dist: fisher, mean: 45/115, k: 100}, k above 0, larger is tighter. "
-    "Numbers take one of the others.",
-    "E167": "Correlation is given by pairs of names with a slash: J1.phi/J2.phi: 0.8.",
+    "Numbers take one of the others, and so do the angles of an orientation: "
+    "{dip: {dist: normal, mean: 45, sd: 3}, dip_direction: 115}.",
+    "E167": "Correlation is given by pairs of names with a slash: J1.phi/J2.phi: 0.8. It is that of the ranks "
+    "(Spearman), and pairs that are not given have none.",
     "E168": "Only values that are distributions can be correlated. The message names the nearest, or lists them.",
     "E180": "A correlation coefficient lies between -1 and 1.",
     "E181": "A/B and B/A are the same pair.",
-    "E182": "Every value has the correlation 1 with itself.",
-    "E183": "Not every set of coefficients is possible: if A goes with B and B with C, A cannot go against C. The "
-    "correlation matrix must have no negative eigenvalue. The message gives the largest factor that makes it possible.",
+    "E182": "Every value has the correlation 1 with itself. Two joints that share a strength share its φ: give each a "
+    "strength of its own where they shall scatter apart.",
+    "E183": "Not every set of coefficients is possible: if A goes with B and B with C, A cannot go against C. Values "
+    "are drawn by normals with the correlation 2 sin(π ρ / 6), whose matrix must have no negative eigenvalue. The "
+    "message gives the nearest coefficients that can be, by the Frobenius distance of those matrices (Higham 2002), "
+    "rounded so that they can be typed in as they stand. Pairs that are not given count as 0 and stay so: c and φ of "
+    "two joints with c/c and φ/φ correlated often need the cross pairs J1.c/J2.phi too.",
     "E184": "The distribution lacks a parameter: normal and lognormal have mean and sd, uniform min and max, "
     "triangular min, mode and max, fisher mean and k.",
     "E185": "This distribution has no such parameter. Only normal and lognormal have a mean with min and max.",

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
+from slopekit.arrays import Bools, Floats, cross, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.patches import Assembly
@@ -80,11 +80,11 @@ def block_loads(
     for plane, pressure in water.items():
         force, at = _water(block.faces[plane], pressure)
         parts[f"water {plane}"] = force
-        moment += np.cross(at - block.centroid, force)
+        moment += cross(at - block.centroid, force)
     for name, push in (pushes or {}).items():
         parts[name] = push.force
         if push.at is not None:
-            moment += np.cross(push.at - block.centroid, push.force)
+            moment += cross(push.at - block.centroid, push.force)
         if push.couple is not None:
             moment += push.couple
     for name, group in (("forces", forces), ("active bolts", active)):
@@ -92,7 +92,7 @@ def block_loads(
         for load in group:
             parts[name] = parts[name] + load.force
             if load.at is not None:
-                moment += np.cross(load.at - block.centroid, load.force)
+                moment += cross(load.at - block.centroid, load.force)
     points = [block.centroid if load.at is None else load.at for load in passive]
     return Loads(
         frozen(sum(parts.values())), frozen(moment), parts,
@@ -108,7 +108,7 @@ def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:
     """
     apex = polygon.mean(axis=0) if pressure.apex is None else pressure.apex
     a, b = polygon, np.roll(polygon, -1, axis=0)
-    vectors = np.cross(a - apex, b - apex) / 2.0
+    vectors = cross(a - apex, b - apex) / 2.0
     sizes = np.sqrt((vectors**2).sum(axis=1))
     centres = (apex + a + b) / 3.0 if pressure.apex is None else (2.0 * apex + a + b) / 4.0
     force: Floats = -pressure.mean_kpa * vectors.sum(axis=0)
@@ -134,7 +134,7 @@ def check_bolt(
     enters, leaves, behind = -math.inf, math.inf, -1
     size = float(np.ptp(block.corners, axis=0).max())
     for plane, polygon in block.faces.items():
-        outward = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+        outward = cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
         outward = outward / math.sqrt(float(outward @ outward))
         gap, slope = float(outward @ (polygon[0] - head)), float(outward @ direction)
         if abs(slope) < 1e-12:
@@ -195,7 +195,7 @@ def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> Assembl
         push = sign * water[own, None] * assembly.patches.normals[own]
         np.subtract.at(forces, side[own], push)
         arms = assembly.patches.centroids[own] - assembly.centroids[side[own]]
-        np.subtract.at(moments, side[own], np.cross(arms, push))
+        np.subtract.at(moments, side[own], cross(arms, push))
     water[at] = 0.0
     return AssemblyLoads(frozen(forces), frozen(moments), loads.weights, frozen(water))
 
@@ -226,9 +226,9 @@ def assembly_loads(
         if len(at):
             push = sign * water[at, None] * patches.normals[at]
             np.add.at(forces, side[at], push)
-            np.add.at(moments, side[at], np.cross(patches.centroids[at] - assembly.centroids[side[at]], push))
+            np.add.at(moments, side[at], cross(patches.centroids[at] - assembly.centroids[side[at]], push))
     for block, push_on in pushes:
         forces[block] += push_on.force
         if push_on.at is not None:
-            moments[block] += np.cross(push_on.at - assembly.centroids[block], push_on.force)
+            moments[block] += cross(push_on.at - assembly.centroids[block], push_on.force)
     return AssemblyLoads(frozen(forces), frozen(moments), frozen(weights), frozen(water))

@@ -29,7 +29,7 @@ def test_templates(file: str) -> None:
 
 def test_random_wedges_moments_and_lost_contact_among_them() -> None:
     rng = np.random.default_rng(11)
-    designs = [wedge_design(random_wedge(rng)) for _ in range(25)]
+    designs = [wedge_design(random_wedge(rng)) for _ in range(10)]
     for design in designs:
         same(design)
     assert sum(factors_of(design).moments_govern for design in designs) >= 1
@@ -53,5 +53,5 @@ def test_a_design_without_a_file_has_no_values_to_change() -> None:
     with pytest.raises(sk.DesignError) as caught:
         with_values(wedge_design({"dips": ["45/115", "45/245"]}), {"slope.height": 30})
     assert caught.value.codes == ("E280",)
-    assert "joints" in load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"},
-                                                                        "J2": {"plane": "45/245"}}}).inputs()  # fmt: skip
+    joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
+    assert "source" not in load({"slopekit": 1, "kind": "wedge", "joints": joints}).inputs()

@@ -38,7 +38,7 @@ def test_a_jump_bisected_in_both() -> None:
     assert located(jump).off < 1e-11
 
 
-@pytest.mark.parametrize("beyond", [1e-5, 1e-4])
+@pytest.mark.parametrize("beyond", [1e-5])
 @pytest.mark.parametrize("jump", [jump for jump in JUMPS if jump.tolerance is EDGE][:2], ids=lambda jump: jump.name)
 def test_a_number_beyond_the_exact_tipping_point_says_that_its_forces_balance_badly(jump, beyond) -> None:
     """Nothing balances these loads: no number, or one with W347; never one that looks sound."""

@@ -33,7 +33,7 @@ from slopekit.orientation import Line, Plane, number
 from slopekit.preie.model import build_model
 from slopekit.result import Forces, Result
 
-_WIDEST = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
+WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _STATUSES = {"slides": "slides_on_J1"}
 _OUT = 1e-9
 
@@ -130,8 +130,8 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
 def _section(design: PlaneDesign) -> Section:
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = _strikes_apart(plane, design.face)
-        if apart > _WIDEST and plane.dip_deg > 0.0:
-            message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {_WIDEST:.0f}° or less"
+        if apart > WIDEST_DEG and plane.dip_deg > 0.0:
+            message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
             advice = "With a second joint it may form a wedge: kind: wedge."
             raise GeometryError([Fault("E213", message, "", advice)])
     crack = design.crack

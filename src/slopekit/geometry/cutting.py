@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Mesh64
 
-from slopekit.arrays import Floats, Ints, frozen
+from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.half_spaces import far_box, half_space
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
@@ -136,7 +136,7 @@ def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half:
     for plane, polygon in faces.items():
         vector: Floats = np.zeros(3)
         for b, c in zip(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0], strict=True):
-            vector = np.asarray(vector + np.cross(b, c) / 2.0, dtype=np.float64)
+            vector = np.asarray(vector + cross(b, c) / 2.0, dtype=np.float64)
         areas[plane] = math.sqrt(float(vector @ vector))
         a = polygon[0] - apex
         for b, c in zip(polygon[1:-1] - apex, polygon[2:] - apex, strict=True):

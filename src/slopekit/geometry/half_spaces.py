@@ -5,7 +5,7 @@ import math
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
-from slopekit.arrays import Floats, Ints
+from slopekit.arrays import Floats, Ints, cross
 from slopekit.errors import Fault, GeometryError
 
 __all__ = ["BOX_TRIANGLES", "far_box", "half_space", "tagged"]
@@ -46,9 +46,9 @@ def half_space(normal: Floats, offset: float, plane: int, back: int, size: float
     """
     other = np.zeros(3)
     other[np.argmin(np.abs(normal))] = 1.0
-    across = np.cross(normal, other)
+    across = cross(normal, other)
     across /= math.sqrt(float(across @ across))
-    axes = np.array([across, np.cross(normal, across)])
+    axes = np.array([across, cross(normal, across)])
     base = normal * offset + size * (_SQUARE @ axes)
     ids = np.full(12, back)
     ids[:2] = plane

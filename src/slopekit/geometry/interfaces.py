@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, frozen
+from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, SolverError
 
 BEDROCK = -1
@@ -84,7 +84,7 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
 
 def _vector_area(vertices: Floats, triangles: Ints) -> Floats:
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    area: Floats = np.cross(b - a, c - a) / 2.0
+    area: Floats = cross(b - a, c - a) / 2.0
     return area
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.arrays import Floats, cross, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.orientation import downward, line_of
 
@@ -68,16 +68,16 @@ def wedge_rock_mass(
         E201 parallel joints, E203-E205 the line of intersection does not daylight, E206 a joint parallel to
         the face, E207 crack outside the wedge, E209 face and upper slope make no crest.
     """
-    line = np.cross(joints[0], joints[1])
+    line = cross(joints[0], joints[1])
     sine = math.sqrt(float(line @ line))
     if sine < _PARALLEL:
         raise GeometryError([_parallel("E201", "J1 and J2", "they never meet in a line", sine)])
-    crest_edge = np.cross(face, upper)
+    crest_edge = cross(face, upper)
     if math.sqrt(float(crest_edge @ crest_edge)) < _PARALLEL:
         raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
     line = line / sine
     into_rock = -line if face @ line > 0.0 else line
-    traces = [np.cross(joint, face) for joint in joints]
+    traces = [cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
         if math.sqrt(float(trace @ trace)) < _PARALLEL:
             raise GeometryError([_parallel("E206", f"J{k + 1} and the face", "the joint does not cut the face", 0.0)])
@@ -176,7 +176,7 @@ def _parallel(code: str, which: str, consequence: str, sine: float) -> Fault:
 def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, planes: Sequence[Floats]) -> float:
     """Offset of the crack plane, refused where the crack does not cross the wedge."""
     for plane, name in zip(planes, ("J1", "J2", "the upper slope"), strict=True):
-        across = np.cross(crack, plane)
+        across = cross(crack, plane)
         if math.sqrt(float(across @ across)) < _PARALLEL:
             raise GeometryError([Fault("E207", f"the crack is parallel to {name}: it cuts no wedge off")])
     trace = back - crest1

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, frozen
+from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, SolverError
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
@@ -145,11 +145,11 @@ def build_model(
     length = math.sqrt(float((arms * arms).sum()) / len(pairs))
     arms = arms / length
     axes = local_axes(pairs.normals)
-    rows = np.concatenate([axes, np.cross(arms[:, None, :], axes)], axis=2)
+    rows = np.concatenate([axes, cross(arms[:, None, :], axes)], axis=2)
     if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > _RIGID_TOLERANCE:
         raise SolverError([Fault("E503", "a rigid translation does not move the node pairs by its own length")])
     bolt_arms = (loads.passive_points - centroid) / length
-    bolt_axes = np.concatenate([loads.passive_forces, np.cross(bolt_arms, loads.passive_forces)], axis=1)
+    bolt_axes = np.concatenate([loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1)
     capacity = np.sqrt((loads.passive_forces**2).sum(axis=1))
     load = np.concatenate([loads.force, loads.moment / length]) / force_scale
     if in_section:
@@ -184,7 +184,7 @@ def local_axes(normals: Floats) -> Floats:
     other = np.zeros_like(normals)
     steep = np.abs(normals[:, 0]) > 0.9
     other[steep, 1], other[~steep, 0] = 1.0, 1.0
-    first = np.cross(normals, other)
+    first = cross(normals, other)
     first /= np.sqrt((first * first).sum(axis=1))[:, None]
-    axes: Floats = np.stack([normals, first, np.cross(normals, first)], axis=1)
+    axes: Floats = np.stack([normals, first, cross(normals, first)], axis=1)
     return axes

@@ -1,0 +1,185 @@
+"""What design studies cost and whether they are right: ``python -m benchmarks.studies [docs]``.
+
+Every time is a ratio to something measured in the same run; `docs` writes docs/studies.md.
+"""
+
+import json
+import os
+import platform
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit.design.files import load
+from slopekit.studies.points import Evaluation
+from slopekit.studies.probability import probability
+from slopekit.studies.running import Crew, checked_crew, run_all
+from slopekit.studies.sampling import METHODS, draw, planned, samples
+from slopekit.studies.vectorised import vectorised
+
+_DOCS = Path(__file__).resolve().parent.parent / "docs"
+_PRE_IE = 600  # samples by PRE-IE for each crew
+
+
+def normal(mean: float, share: float) -> dict[str, Any]:
+    """A normal number that scatters by a share of its mean."""
+    return {"dist": "normal", "mean": mean, "sd": mean * share}
+
+
+def scattering(correlation: bool = False) -> dict[str, Any]:
+    """The paper's wedge with 15 numbers that scatter: planes, face, upper slope, height, strengths, weight, water."""
+
+    def plane(dip: float, direction: float) -> dict[str, Any]:
+        return {"dip": {"dist": "normal", "mean": dip, "sd": 2}, "dip_direction":
+                {"dist": "normal", "mean": direction, "sd": 3}}  # fmt: skip
+
+    wedge = {
+        "slopekit": 1, "kind": "wedge",
+        "joints": {"J1": {"plane": plane(45, 115), "strength": "a"}, "J2": {"plane": plane(45, 245), "strength": "b"}},
+        "slope": {"face": plane(60, 180), "upper": plane(10, 180), "height": normal(64.89, 0.05)},
+        "strength": {"a": {"c": normal(50, 0.2), "phi": normal(20, 0.1)},
+                     "b": {"c": normal(50, 0.2), "phi": normal(20, 0.1)}},
+        "rock": {"density": normal(2600, 0.02)}, "water": {"fill": {"dist": "uniform", "min": 0, "max": 1}},
+    }  # fmt: skip
+    both = {"J1.phi/J2.phi": 0.5, "J1.c/J1.phi": -0.3, "J2.c/J2.phi": -0.3}
+    return wedge | ({"correlation": both} if correlation else {})
+
+
+def best(work: Callable[[], Any], times: int = 5) -> float:
+    """The shortest of a few runs, seconds."""
+    taken = []
+    for _ in range(times):
+        began = time.perf_counter()
+        work()
+        taken.append(time.perf_counter() - began)
+    return min(taken)
+
+
+def sampling_rows(n: int = 200_000) -> list[str]:
+    """What drawing costs beside evaluating, for every method, with and without correlation."""
+    rows = ["| samples of 15 numbers | draw, ns | evaluate, ns | draw / evaluate |", "|---|---|---|---|"]
+    for correlation in (False, True):
+        design = load(scattering(correlation))
+        for method in METHODS:
+            plan = planned(design.variables, design.correlation, n, 1, method)
+            drawn = samples(design.variables, design.correlation, n, 1, method)
+            fast = vectorised(design, drawn.values, drawn.settings)
+            assert fast is not None
+            drawing, judging = best(partial(draw, plan)), best(partial(fast, drawn.values))
+            name = method + (", 3 correlations" if correlation else "")
+            rows.append(f"| {name} | {drawing / n * 1e9:.0f} | {judging / n * 1e9:.0f} | {drawing / judging:.2f} |")
+    return rows
+
+
+@contextmanager
+def cluster(workers: int) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """A Dask scheduler and its workers on this machine, as a user starts them."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "scheduler.json"
+        quiet: dict[str, Any] = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+        dask = [sys.executable, "-m", "dask"]
+        started = [subprocess.Popen([*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
+                                     "--scheduler-file", str(file)], **quiet)]  # fmt: skip
+        started += [subprocess.Popen([*dask, "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny",
+                                      "--no-dashboard"], **quiet) for _ in range(workers)]  # fmt: skip
+        try:
+            while not (file.exists() and file.stat().st_size):
+                time.sleep(0.05)
+            time.sleep(3.0)  # the workers import
+            yield json.loads(file.read_text())["address"], started[1:]
+        finally:
+            for process in reversed(started):
+                process.kill()
+                process.wait()
+
+
+def pre_ie_rows(n: int = _PRE_IE) -> list[str]:
+    """PRE-IE samples a second: one process, two, Dask with two workers, and with one of them killed half-way."""
+    design = load(scattering())
+    drawn = samples(design.variables, design.correlation, n, 1)
+    settings = [drawn.settings(row) for row in range(n)]
+    work = Evaluation(design)
+    work(settings[0])
+    rows = ["| crew | samples | seconds | samples/s | against one process |", "|---|---|---|---|---|"]
+    alone: list[Any] = []
+    base = 0.0
+
+    def row(name: str, crew: Crew, advance: Callable[[int], None] = lambda _: None) -> None:
+        nonlocal alone, base
+        began = time.perf_counter()
+        found = run_all(work, settings, crew, advance=advance)
+        taken = time.perf_counter() - began
+        alone, base = alone or found, base or taken
+        assert found == alone, "another crew, other numbers"
+        rows.append(f"| {name} | {n} | {taken:.1f} | {n / taken:.0f} | {base / taken:.2f} |")
+
+    row("one process", Crew())
+    row("two processes (their start included)", checked_crew(2))
+    with cluster(2) as (address, workers):
+        row("Dask, two workers", checked_crew(1, address))
+        done = 0
+
+        def kill_half_way(count: int) -> None:
+            nonlocal done
+            done += count
+            if done > n / 2 and workers[0].poll() is None:
+                workers[0].send_signal(signal.SIGKILL)
+
+        row("Dask, one of two killed half-way", checked_crew(1, address), kill_half_way)
+        assert workers[0].wait(10) == -signal.SIGKILL
+    return rows
+
+
+def prob_rows() -> list[str]:
+    """P(F < target) of the default wedge with φ = N(20, 2) against quadrature."""
+    from tests.studies.test_probability import by_quadrature, default_wedge
+
+    rows = ["| rank correlation | target | quadrature | estimate | 95 % limits | within |", "|---|---|---|---|---|---|"]
+    for rank in (0.0, 0.8, 1.0):
+        for target in (1.0, 1.4, 1.5):
+            exact = by_quadrature(target, rank)
+            for method in METHODS:
+                study = probability(
+                    load(default_wedge(rank)), 100_000, method=method, target=target, confirm_count=0, near=0.0
+                )
+                found = study.all_samples
+                within = found.low <= exact <= found.high
+                rows.append(
+                    f"| {rank:g} | {target:g} | {exact:.4g} | {found.share:.5f} ({method}) | "
+                    f"{found.low:.5f} to {found.high:.5f} | {'yes' if within else 'NO'} |"
+                )
+    return rows
+
+
+def machine() -> str:
+    """The machine in words."""
+    return f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
+
+
+def main(words: list[str]) -> None:
+    chapters: list[tuple[str, Callable[[], list[str]]]] = [
+        ("Drawing samples beside evaluating them, one core", sampling_rows),
+        ("PRE-IE samples a second, the same numbers from every crew", pre_ie_rows),
+        ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
+    ]
+    text = ["# Design studies: what they cost and whether they are right", "",
+            f"Made by `python -m benchmarks.studies docs` on {machine()}."]  # fmt: skip
+    for title, rows in chapters:
+        chapter = ["", f"## {title}", "", *rows()]
+        print("\n".join(chapter), flush=True)
+        text += chapter
+    if "docs" in words:
+        (_DOCS / "studies.md").write_text("\n".join(text) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,384 @@
+"""The numbers of a design by their dotted paths: what each measures, what it is now, between what it can lie.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+>>> key = key_of(sk.load(wedge), "joints.J1.plane.dip")
+>>> key.value, key.unit, key.read("50 deg"), key.shown(50.0)
+(45.0, '°', 50.0, '50°')
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, ToppleDesign
+from slopekit.design.common import Design
+from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
+from slopekit.design.files import with_values
+from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
+from slopekit.design.nodes import Node
+from slopekit.design.overrides import spread
+from slopekit.design.structure import is_distribution
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Line, Plane
+from slopekit.studies.measures import DIRECTION, Measure, Role, measure_of
+from slopekit.units import quantity
+
+_UNITS: Mapping[str, str] = {
+    "length": "m", "volume": "m³", "pressure": "kPa", "unit weight": "kN/m³", "density": "kg/m³", "force": "kN",
+    "angle": "°", "stiffness": "kN/m³", "acceleration": "m/s²", "ratio": "",
+}  # fmt: skip
+_ANGLES: Mapping[str, tuple[str, str]] = {
+    "plane": ("dip", "dip_direction"), "face": ("dip", "dip_direction"), "upper": ("dip", "dip_direction"),
+    "toward": ("trend", "plunge"),
+}  # fmt: skip
+_NO_NUMBERS = ("slopekit", "kind", "title", "acceptance")
+_MOST_LISTED = 12
+#: What users call some of them.
+_CALLED = {"cohesion": "c", "friction": "phi", "friction_angle": "phi", "weight": "unit_weight", "kh": "k"}
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One number of a design.
+
+    Attributes
+    ----------
+    path : as `--set` takes it
+    kind, role : what it measures, what it is for
+    value : the present one in the unit of bare numbers; None where the design says nothing of it
+    low, high : between which it can lie; period : after which it is the same again, None of all but directions
+    whole : whether it counts something
+    given : whether it stands in the file
+    scatters : how it scatters, None where it does not
+    written_out : values to be written first, so that the path leads somewhere
+    """
+
+    path: str
+    kind: str
+    value: float | None
+    low: float
+    high: float
+    role: Role = "quantity"
+    whole: bool = False
+    period: float | None = None
+    given: bool = True
+    scatters: Distribution | Fisher | None = None
+    written_out: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """The unit of bare numbers, empty where there is none."""
+        return _UNITS[self.kind]
+
+    def read(self, value: object) -> float:
+        """A number that may carry a unit. Raises DesignError E105 to E108 as `slopekit.units.quantity`."""
+        return quantity(value, self.kind, self.path)
+
+    def written(self, value: float) -> str:
+        """The value as the file would have it, every digit of it."""
+        if self.whole and value == int(value):
+            return str(int(value))
+        return repr(self.reduced(value))
+
+    def reduced(self, value: float) -> float:
+        """A direction within the circle; any other value as it is."""
+        return value % self.period if self.period is not None and not 0.0 <= value <= self.period else value
+
+    def shown(self, value: float, digits: int = 10) -> str:
+        """The value with its unit, as the sheet prints it."""
+        text = f"{self.reduced(value):.{digits}g}"
+        return f"{text}°" if self.unit == "°" else f"{text} {self.unit}".strip()
+
+    def apart(self, a: float, b: float) -> float:
+        """The distance of two values, the shorter way round where it is a direction."""
+        off = abs(a - b)
+        return off if self.period is None else min(off % self.period, -off % self.period)
+
+
+def values_of(design: Design, keys: Sequence[Key], values: Sequence[float]) -> dict[str, object]:
+    """What `with_values` takes to give some keys of a design other values."""
+    found: dict[str, object] = {path: text for key in keys for path, text in key.written_out}
+    root = design.source.root if design.source is not None else None
+    named = [key.path for key in keys]
+    if any(key.scatters is not None for key in keys) and root is not None and root.get("correlation") is not None:
+        found["correlation"] = None  # one of those that it names scatters no longer
+    return found | {path: key.written(value) for path, key, value in zip(named, keys, values, strict=True)}
+
+
+def key_of(design: Design, path: str) -> Key:
+    """The key of a path.
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E310 no such key, with the nearest one, E311 a key that names no number.
+    """
+    path = path.strip()
+    known = {key.path: key for key in keys_of(design)}
+    path = "loads.seismic.k" if path == "loads.seismic" else path
+    if path in known:
+        return known[path]
+    node = _at(design, path)
+    below = [name for name in known if name.startswith(f"{path}.")]
+    if node is not None or below:
+        what = _what(node, below)
+        advice = f"Name one of {_listed(below)}." if below else ""
+        raise DesignError([Fault("E311", f"{path} is {what}: a study changes one number", path, advice)])
+    advice = _nearest(path, known)
+    message = f"{path or 'an empty text'} is no number of this {design.kind} design"
+    raise DesignError([Fault("E310", message, "", advice)])
+
+
+def keys_of(design: Design) -> tuple[Key, ...]:
+    """Every number of a design, those that it leaves to a default among them.
+
+    Raises
+    ------
+    DesignError
+        E280 where the design was not read from a file or a dict.
+    """
+    if design.source is None:
+        with_values(design, {})
+    assert design.source is not None
+    found = {key.path: key for key in _present(design, design.source.root)}
+    for path, value, out in _absent(design, found):
+        measure = measure_of(design.kind, path)
+        if path not in found and measure is not None:
+            found[path] = _key(path, measure, value, given=False, out=out)
+    return tuple(found.values())
+
+
+# -- what stands in the file ------------------------------------------------------------------------------------------
+
+
+def _present(design: Design, node: Node) -> Iterator[Key]:
+    node = spread(node)
+    if node.path.partition(".")[0] in _NO_NUMBERS:
+        return
+    angles = _ANGLES.get(node.name)
+    if is_distribution(node):
+        yield from _scattering(design, node)
+    elif angles is not None and (node.text is not None or len(node.elements) == 2):
+        yield from _angles(design, node, angles)
+    elif node.is_mapping:
+        for _, below in node.items():
+            yield from _present(design, below)
+    elif node.elements:
+        for below in node.elements:
+            yield from _present(design, below)
+    elif node.text is not None and (measure := measure_of(design.kind, node.path, node.text)) is not None:
+        value = _number(node.text, measure.kind)
+        if value is not None:
+            yield _key(node.path, measure, value)
+
+
+def _angles(design: Design, node: Node, angles: tuple[str, str]) -> Iterator[Key]:
+    """The two angles of an orientation that is written with a slash or as a pair."""
+    texts = [part.text or "" for part in node.elements] if node.elements else (node.text or "").split("/")
+    if len(texts) != 2:
+        if node.name == "toward" and (value := _number(node.text or "", "angle")) is not None:
+            yield _key(node.path, DIRECTION, value)  # of a seismic load
+        return
+    for angle, text in zip(angles, texts, strict=True):
+        path = f"{node.path}.{angle}"
+        value, measure = _number(text, "angle"), measure_of(design.kind, path)
+        if value is not None and measure is not None:
+            yield _key(path, measure, value)
+
+
+def _scattering(design: Design, node: Node) -> Iterator[Key]:
+    """The value of a distribution as one number, then the numbers that it is made of."""
+    angles = _ANGLES.get(node.name)
+    if angles is not None:
+        fisher = read_orientation(node, node.path, "line" if node.name == "toward" else "plane")
+        mean = node.get("mean")
+        if mean is not None:
+            for key, value in zip(_angles(design, mean, angles), _both(fisher.mean), strict=True):
+                yield replace(key, value=value, scatters=fisher)
+        yield _key(f"{node.path}.k", Measure("ratio", 0.1, 1e6, "scatter"), fisher.k)
+        return
+    own = measure_of(design.kind, node.path)
+    if own is None:
+        return
+    distribution = read_distribution(node, own.kind, node.path)
+    yield replace(_key(node.path, own, distribution.centre), scatters=distribution)
+    for name, value in distribution.parameters.items():
+        role: Role = own.role if name == "mean" else "scatter"
+        low = 0.0 if name == "sd" else own.low
+        high = own.high - own.low if name == "sd" else own.high
+        period = None if name == "sd" else own.period
+        yield _key(f"{node.path}.{name}", replace(own, role=role, low=low, high=high, period=period), value)
+
+
+def _both(mean: Plane | Line) -> tuple[float, float]:
+    return (mean.dip_deg, mean.dip_direction_deg) if isinstance(mean, Plane) else (mean.trend_deg, mean.plunge_deg)
+
+
+# -- what the design leaves to a default ------------------------------------------------------------------------------
+
+_Absent = tuple[str, float | None, tuple[tuple[str, str], ...]]
+
+
+def _absent(design: Design, found: Mapping[str, Key]) -> Iterator[_Absent]:
+    """Paths that the file does not have, the value that they take, and what is to be written first."""
+    assert design.source is not None
+    root = design.source.root
+    gravity = design.gravity_m_s2
+    weight = design.unit_weight_kn_m3 or None
+    yield "rock.unit_weight", weight, ()
+    yield "rock.density", None if weight is None else weight / gravity * 1e3, ()
+    yield "rock.gravity", gravity, ()
+    if not isinstance(design, FootingDesign):
+        yield "loads.seismic.k", design.seismic.coefficient, ()
+    strengths = root.get("strength")
+    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    for name in names:
+        yield f"strength.{name}.dilation", 0.0, ()
+        yield f"strength.{name}.tension", 0.0, ()
+    if isinstance(design, WedgeDesign):
+        yield "slope.height", design.height_m, ()
+        for path, plane in (("slope.face", design.face), ("slope.upper", design.upper)):
+            yield from _plane(path, plane)
+        for name in names or ["joints"]:
+            yield f"strength.{name}.c", design.cohesion_kpa[0], ()
+            yield f"strength.{name}.phi", design.friction_angle_deg[0], ()
+    if isinstance(design, PlaneDesign | BenchDesign):
+        yield from _plane("slope.upper", design.upper)
+    if isinstance(design, WedgeDesign | PlaneDesign):
+        crack = ("crack",) if design.crack is not None else ()
+        joints = design.joint_names if isinstance(design, WedgeDesign) else (design.joint_name,)
+        yield from _water(design, root, (*joints, *crack), fills=True)
+        yield "analysis.refine", float(design.refine), ()
+    elif isinstance(design, SurfaceDesign):
+        yield from _water(design, root, ("slip",), fills=False)
+    elif isinstance(design, FootingDesign):
+        middle = design.length_m * math.cos(math.radians(design.dip_deg)) / 2.0
+        yield "footing.at", middle if design.load_at_m is None else design.load_at_m, ()
+    elif isinstance(design, ToppleDesign):
+        yield "columns.base_step", design.base_step_m, ()
+        yield "columns.thickness", design.thickness_m, ()
+        yield from _water(design, root, ("base", "sides"), fills=False)
+    elif isinstance(design, BenchDesign):
+        yield "slope.length", design.length_m, ()
+        yield "slope.depth", design.depth_m, ()
+        for joint_set in design.sets:
+            yield f"sets.{joint_set.name}.offset", joint_set.offset_m, ()
+            yield f"sets.{joint_set.name}.scatter", joint_set.scatter_deg, ()
+            yield f"sets.{joint_set.name}.spacing_scatter", joint_set.spacing_scatter, ()
+        yield from _water(design, root, [joint_set.name for joint_set in design.sets], fills=False)
+    elif isinstance(design, BlocksDesign):
+        yield "section.thickness", design.thickness_m if design.in_section else None, ()
+        for block in design.blocks:
+            if not block.fixed:
+                yield f"blocks.{block.name}.unit_weight", block.unit_weight_kn_m3 or weight, ()
+
+
+def _plane(path: str, plane: Plane) -> Iterator[_Absent]:
+    text = f"{plane.dip_deg!r}/{plane.dip_direction_deg!r}"
+    yield f"{path}.dip", plane.dip_deg, ((path, text),)
+    yield f"{path}.dip_direction", plane.dip_direction_deg, ((path, text),)
+
+
+def _water(design: Design, root: Node, interfaces: Sequence[str], fills: bool) -> Iterator[_Absent]:
+    """How full the joints are, or the pressures on them: the one that is not given, or given to some of them only."""
+    water = design.water
+    if not isinstance(design, AssemblyDesign):
+        yield "water.unit_weight", design.water_unit_weight_kn_m3, ()
+    crack = root.get("crack")
+    if isinstance(design, PlaneDesign) and crack is not None and crack.get("water") is not None:
+        return  # which says it all
+    if fills:
+        yield "water.fill", {"dry": 0.0, "full": water.fill}.get(water.mode), ()
+    node = root.get("water")
+    given = spread(node).get("pressures") if node is not None else None
+    if given is None or given.is_mapping:
+        dry = water.mode == "dry" or given is not None
+        for name in interfaces:
+            yield f"water.pressures.{name}", 0.0 if dry else None, ()
+
+
+# -- names ------------------------------------------------------------------------------------------------------------
+
+
+def _key(
+    path: str, measure: Measure, value: float | None, given: bool = True, out: tuple[tuple[str, str], ...] = ()
+) -> Key:
+    return Key(
+        path, measure.kind, value, measure.low, measure.high, measure.role, measure.whole, measure.period, given,
+        None, out,
+    )  # fmt: skip
+
+
+def _number(text: str, kind: str) -> float | None:
+    try:
+        return quantity(text, kind, "")
+    except DesignError:
+        return None
+
+
+def _at(design: Design, path: str) -> Node | None:
+    node: Node | None = design.source.root if design.source is not None else None
+    for part in path.split("."):
+        if node is not None and part.isdigit() and int(part) < len(node.elements):
+            node = node.elements[int(part)]
+        else:
+            node = node.get(part) if node is not None else None
+    return node
+
+
+def _what(node: Node | None, below: Sequence[str]) -> str:
+    if node is None or node.is_mapping:
+        return "a group"
+    if isinstance(node.value, list):
+        return f"a list of {len(node.value)}"
+    if below and below[0].endswith((".dip", ".trend")):
+        return "an orientation"
+    return f"the text {node.text!r}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f", … ({len(names)} in all)" if len(names) > _MOST_LISTED else ""
+    return ", ".join(names[:_MOST_LISTED]) + more
+
+
+def _nearest(path: str, known: Mapping[str, Key]) -> str:
+    """The keys that may have been meant: those that end so, are written nearly so, or stand beside it."""
+    above, _, last = path.rpartition(".")
+    last = _CALLED.get(last, last)
+    path = f"{above}.{last}" if above else last
+    if path in known:
+        return f"Did you mean {path}?"
+    ends = [name for name in known if path and (name.endswith(f".{path}") or f".{path}." in f".{name}.")]
+    if not ends:
+        ends = get_close_matches(path, known, n=1, cutoff=0.8)
+    if not ends and above:
+        ends = [name for name in known if name.startswith(f"{above}.")]
+    if not ends:
+        near = get_close_matches(last, {name.rpartition(".")[2] for name in known}, n=1, cutoff=0.7)
+        ends = [name for name in known if near and name.endswith(f".{near[0]}")]
+    if not ends:
+        top = path.partition(".")[0]
+        ends = [name for name in known if name.startswith(f"{top}.")]
+    if ends:
+        return f"Did you mean {ends[0]}?" if len(ends) == 1 else f"Did you mean one of {_listed(ends)}?"
+    numbers = [name for name, key in known.items() if key.role == "quantity"]
+    missing = "It has no bolts. " if path.startswith("support") else ""
+    return f"{missing}There are {_listed(numbers)}."
+
+
+def in_words(key: Key) -> str:
+    """A key with what it is now.
+
+    >>> in_words(Key("slope.height", "length", 64.89, 0.001, 1e5))
+    'slope.height, now 64.89 m'
+    """
+    if key.value is None:
+        return f"{key.path}, not given now"
+    now = "by default" if not key.given else "now"
+    return f"{key.path}, {now} {key.shown(key.value)}" + (" (its mean)" if key.scatters is not None else "")
+
+
+__all__ = ["Key", "in_words", "key_of", "keys_of", "values_of"]

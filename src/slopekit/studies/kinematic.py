@@ -1,0 +1,300 @@
+"""A joint survey tested against a slope: planar and wedge sliding, flexural and direct toppling, over face angles.
+
+The criteria and their sources stand in `kinematic_criteria`.
+
+>>> import slopekit as sk
+>>> found = sk.kinematic(["40/175", "35/090", "75/010"], face="65/180", phi=30)
+>>> found.counts["planar"], found.joint_names("planar"), found.joint_names("flexural")
+(1, ('J1',), ('J3',))
+"""
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from slopekit._version import __version__
+from slopekit.arrays import Floats
+from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.design.reader import Reader
+from slopekit.errors import DesignError, Fault, Notice
+from slopekit.orientation import Plane, number
+from slopekit.studies.kinematic_criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
+from slopekit.units import quantity
+
+PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
+_MOST_FACES = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Kinematic:
+    """A survey tested against a slope. `to_dict()` is the JSON of `slopekit kinematic --json`.
+
+    Attributes
+    ----------
+    friction_deg : (n,) of each joint; measured : how many have their own
+    lines, modes : see there; a stereonet needs no more than these, the joints and the limits
+    over_faces : (dip of the face, counts) for each face that was asked for
+    """
+
+    joints: JointList
+    face: Plane
+    friction_deg: Floats
+    measured: int
+    lateral_deg: float
+    lateral_toppling_deg: float
+    lines: Lines
+    modes: Modes
+    over_faces: tuple[tuple[float, Mapping[str, int]], ...]
+    defaults: tuple[str, ...]
+    warnings: tuple[Notice, ...]
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many joints and lines of intersection, by what could happen to them."""
+        return self.modes.counts()
+
+    @property
+    def toppling(self) -> tuple[bool, bool]:
+        """Whether columns could topple directly, and obliquely: edges and bases are there."""
+        counts = self.counts
+        direct = bool(counts["direct"] and counts["base_sliding"] + counts["base_release"])
+        return direct, bool(counts["oblique"] and counts["base_release"] + counts["base_oblique"])
+
+    def joint_names(self, what: str) -> tuple[str, ...]:
+        """The joints of one kind (`OF_JOINTS`), in the order of the list."""
+        found = self.modes.of_joints()[what]
+        return tuple(joint.name for joint, critical in zip(self.joints.joints, found, strict=True) if critical)
+
+    def partners(self, what: str) -> tuple[tuple[str, int], ...]:
+        """Joints by how many critical lines (`OF_LINES`) they take part in, most first; none that is in none."""
+        found = self.modes.of_lines()[what]
+        times = np.bincount(self.lines.first[found], minlength=len(self.joints))
+        times += np.bincount(self.lines.second[found], minlength=len(self.joints))
+        order = np.argsort(-times, kind="stable")
+        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+
+    def by_set(self) -> dict[str, dict[str, int]]:
+        """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
+        if not self.joints.sets():
+            return {}
+        own = np.array([joint.set_name for joint in self.joints.joints])
+        names = (*self.joints.sets(), *([""] if (own == "").any() else []))
+        kinds = self.modes.of_joints()
+        return {
+            name: {"joints": int((own == name).sum())}
+            | {kind: int((found & (own == name)).sum()) for kind, found in kinds.items()}
+            for name in names
+        }
+
+    def by_set_pair(self) -> dict[tuple[str, str], dict[str, int]]:
+        """Lines of intersection of each two sets, and those of them that could move."""
+        if not self.joints.sets():
+            return {}
+        sets = list(self.by_set())
+        number_of = {name: k for k, name in enumerate(sets)}
+        own = np.array([number_of[joint.set_name] for joint in self.joints.joints])
+        a, b = own[self.lines.first], own[self.lines.second]
+        key = np.minimum(a, b) * len(sets) + np.maximum(a, b)
+        size = len(sets) ** 2
+        counted = {"lines": np.bincount(key, minlength=size)}
+        counted |= {kind: np.bincount(key[found], minlength=size) for kind, found in self.modes.of_lines().items()}
+        return {
+            (sets[k // len(sets)], sets[k % len(sets)]): {kind: int(found[k]) for kind, found in counted.items()}
+            for k in np.flatnonzero(counted["lines"])
+        }
+
+    def input_hash(self) -> str:
+        """SHA-256 of the face, the limits and the joints with their friction angles."""
+        face = (self.face.dip_deg, self.face.dip_direction_deg)
+        faces = [dip for dip, _ in self.over_faces]
+        limits = (self.lateral_deg, self.lateral_toppling_deg)
+        exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
+        return hashlib.sha256(json.dumps(exact).encode()).hexdigest()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as JSON values; critical lines are counted by joint, `intersections.csv` has them all."""
+        n, m = len(self.joints), len(self.lines.first)
+        counts = self.counts
+        direct, oblique = self.toppling
+        return {
+            "slopekit": __version__,
+            "kind": "kinematic",
+            "survey": {"name": self.joints.name, "joints": n, "left_out": list(self.joints.left_out)},
+            "input_sha256": self.input_hash(),
+            "inputs": {
+                "face": str(self.face),
+                "friction_deg": {
+                    "least": float(self.friction_deg.min()), "most": float(self.friction_deg.max()),
+                    "own": self.measured, "given": n - self.measured,
+                },
+                "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
+            },
+            "defaults": list(self.defaults),
+            "joints": n,
+            "pairs": n * (n - 1) // 2,
+            "intersections": m,
+            "counts": counts,
+            "percent": percentages(counts, n, m),
+            "secondary_zone_of_dips": int(self.modes.secondary_of_dips.sum()),
+            "direct_toppling": direct,
+            "oblique_toppling": oblique,
+            "critical_joints": {kind: list(self.joint_names(kind)) for kind in OF_JOINTS},
+            "joints_in_critical_lines": {
+                kind: [{"joint": name, "lines": times} for name, times in self.partners(kind)]
+                for kind in ("wedge", "direct", "oblique")
+            },
+            "sets": [{"set": name} | found for name, found in self.by_set().items()],
+            "set_pairs": [{"sets": list(names)} | found for names, found in self.by_set_pair().items()],
+            "faces": [
+                {"dip_deg": dip, "counts": dict(found), "percent": percentages(found, n, m)}
+                for dip, found in self.over_faces
+            ],
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "timing_s": {"total": self.seconds},
+        }  # fmt: skip
+
+
+def percentages(counts: Mapping[str, int], joints: int, lines: int) -> dict[str, float | None]:
+    """Counts as percentages of the joints, or of the lines of intersection; None of none."""
+    return {
+        name: 100.0 * count / whole if (whole := joints if name in OF_JOINTS else lines) else None
+        for name, count in counts.items()
+    }
+
+
+def kinematic(
+    joints: Any,
+    face: Any,
+    phi: Any = None,
+    lateral: Any = None,
+    lateral_toppling: Any = None,
+    faces: Any = None,
+    convention: str | None = None,
+    skip_bad: bool = False,
+    option: Callable[[str], str] = lambda key: f"{key} =",
+) -> Kinematic:
+    """Test every joint and every pair of joints of a survey against a slope.
+
+    Parameters
+    ----------
+    joints, convention, skip_bad : as `slopekit.design.joint_lists.joint_list`
+    phi : friction angle of joints without their own, degrees [30]
+    lateral : limit of planar sliding, degrees from the dip direction of the face [20]
+    lateral_toppling : limit of toppling [30]
+    faces : dips of the face to go through: "45:90:5" or a list
+    option : how an input is called where the user wrote it
+
+    Raises
+    ------
+    DesignError
+        As `joint_list`; E113, E115 for phi, E333 for the faces, E337 for the lateral limits.
+    """
+    began = time.perf_counter()
+    faults: list[Fault] = []
+    defaults: list[str] = []
+
+    def read(convert: Callable[[], Any]) -> Any:
+        try:
+            return convert()
+        except DesignError as error:
+            faults.extend(error.faults)
+            return None
+
+    listed: JointList | None = read(lambda: joint_list(joints, convention, skip_bad))
+    plane: Plane | None = read(lambda: plane_of(face, "face", option("face")))
+    friction_angle = read(lambda: _friction(phi, f"{option('phi')} {phi}")) if phi is not None else PHI_DEG
+    limits = []
+    for key, value, standard in (
+        ("lateral", lateral, LATERAL_DEG), ("lateral_toppling", lateral_toppling, LATERAL_TOPPLING_DEG),
+    ):  # fmt: skip
+        if value is None:
+            defaults.append(key)
+        limits.append(standard if value is None else read(partial(_limit, value, option(key))))
+    dips = read(lambda: _faces(faces, option("faces")))
+    if faults:
+        raise DesignError(faults)
+    assert listed is not None and plane is not None  # noqa: PT018  # no fault, so nothing is missing
+    friction, measured, _ = own_or_given(listed, "phi", friction_angle, option("phi"))
+    if phi is None and measured < len(listed):
+        defaults.append("phi")
+    lines = lines_of(listed)
+    over = tuple(
+        (dip, modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits).counts()) for dip in dips
+    )
+    modes = modes_of(listed, lines, plane, friction, *limits)
+    return Kinematic(
+        listed, plane, friction, measured, limits[0], limits[1], lines, modes, over, tuple(defaults),
+        tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
+    )  # fmt: skip
+
+
+def _friction(value: object, where: str) -> float:
+    found = quantity(value, "angle", "phi", where)
+    Reader.check_friction(found, "phi", where)
+    return found
+
+
+def _limit(value: object, option: str) -> float:
+    found = quantity(value, "angle", "lateral limit", f"{option} {value}")
+    if not 0.0 <= found <= 90.0:
+        message = f"the lateral limit is {number(found)}°, it lies between 0 and 90"
+        advice = "20 is usual for sliding, 10 to 30 for toppling; 90 counts every direction out of the slope."
+        raise DesignError([Fault("E337", message, f"{option} {value}", advice)])
+    return found
+
+
+def _faces(value: Any, option: str) -> tuple[float, ...]:
+    """Dips of the face: a:b:step, or a list of them."""
+    if value is None:
+        return ()
+    where, advice = f"{option} {value}", "Write from:to:step, 45:90:5."
+    parts = value.split(":") if isinstance(value, str) else None
+    try:
+        if parts is not None:
+            if len(parts) != 3:
+                raise DesignError([Fault("E333", f"faces are {value!r}, not from:to:step", where, advice)])
+            low, high, step = (quantity(part, "angle", "faces", where) for part in parts)
+            if not step > 0.0 or low > high:
+                message = f"faces from {number(low)} to {number(high)} in steps of {number(step)}: there are none"
+                raise DesignError([Fault("E333", message, where, advice)])
+            count = math.floor((high - low) / step + 1e-9) + 1
+            dips = tuple(low + k * step for k in range(min(count, _MOST_FACES + 1)))
+        else:
+            dips = tuple(quantity(dip, "angle", "faces", where) for dip in value)
+    except TypeError:
+        raise DesignError([Fault("E333", f"faces are {value!r}, not from:to:step", where, advice)]) from None
+    if len(dips) > _MOST_FACES:
+        raise DesignError([Fault("E333", f"there are more than {_MOST_FACES} faces", where, "Take a larger step.")])
+    bad = [dip for dip in dips if not 0.0 < dip <= 90.0]
+    if bad:
+        message = f"a face of {number(bad[0])}° is none, a face dips more than 0 and up to 90"
+        raise DesignError([Fault("E333", message, where, advice)])
+    return dips
+
+
+def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, modes: Modes) -> list[Notice]:
+    found = []
+    if joints.left_out:
+        found.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
+    if any(joint.cohesion_kpa for joint in joints.joints):
+        message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
+        found.append(Notice("W367", message))
+    if 0 < measured < len(joints) or (measured and float(np.ptp(friction)) > 0.0):
+        message = (
+            f"friction angles are the joints' own for {measured} of {len(joints)}, from "
+            f"{number(float(friction.min()))} to {number(float(friction.max()))}°: lines take the lower of their two "
+            "joints, oblique toppling the highest of all; a stereonet has no one circle for them"
+        )
+        found.append(Notice("W368", message))
+    if face.dip_deg <= float(friction.min()):
+        message = f"the face dips {number(face.dip_deg)}°, no steeper than friction: nothing slides out of it"
+        found.append(Notice("W369", message))
+    return found

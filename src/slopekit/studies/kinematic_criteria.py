@@ -1,0 +1,232 @@
+"""The kinematic tests: what could slide or topple by orientation and friction alone.
+
+No cohesion, no water, no size; the ground behind the crest is taken as horizontal. What each test asks:
+
+planar sliding
+    The dip vector of a joint daylights in the face, dips at least at the friction angle, and lies within the lateral
+    limit of the face's dip direction (Hoek & Bray 1981, ch. 2 and 7; Wyllie & Mah 2004, §2.6 and 6.2). Daylighting is
+    that of the daylight envelope: flatter than the face along the joint's own dip direction, as in Dips; hand tests
+    that compare true dips (Norrish & Wyllie 1996) count a little more beside the dip direction of the face.
+wedge sliding
+    The line of intersection daylights. primary: it plunges at least at the friction angle (Markland 1972; Hoek & Bray
+    1981, ch. 8). secondary: it plunges less, but one joint loses contact and the wedge slides on the other alone,
+    which dips at least at its friction angle (Hocking 1976; Goodman & Shi 1985, ch. 9). No lateral limits: two joints
+    release the wedge on both sides. Dips draws its secondary zone otherwise, between the friction circle and a plane
+    that dips at the friction angle with the face: lines there need not slide on one joint, and others that do lie
+    outside. Its count is given beside ours.
+flexural toppling
+    Layers dip into the slope, and the normal to them plunges less than the apparent dip of a plane that dips with the
+    face at the face's dip less the friction angle: (90 - dip) + friction angle <= dip of the face, square to the face
+    (Goodman & Bray 1976; Goodman 1980, ch. 8; Wyllie & Mah 2004, §9.2). The lateral limit is Goodman's 30°; 10° is
+    that of Goodman & Bray and of Wyllie & Mah.
+direct toppling
+    Lines of intersection that plunge into the slope within the lateral limit, and steeper than the normal to the face,
+    cut columns; joints that dip out of the slope, flatter than the face, are their base (Goodman & Bray 1976; Hudson &
+    Harrison 1997, ch. 18, as drawn by Dips). Base planes steeper than the friction angle let the columns slide as
+    well. oblique: within 90° of the way into the slope but beyond the lateral limit, and nearer to the vertical than
+    the friction angle. Either needs lines and bases: alone they are no mechanism.
+
+Limits are met where they are reached (to 1e-9°): a joint at the friction angle slides. Only daylighting is strict, as
+everywhere in slopekit: a joint parallel to the face does not daylight.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.design.joint_lists import JointList
+from slopekit.orientation import Plane
+
+#: Wedges by how they would slide: primary on both joints or on one, secondary.
+NO_WEDGE, PRIMARY_BOTH, PRIMARY_ONE, SECONDARY = range(4)
+#: Lines of intersection as the edges of columns.
+NO_COLUMN, DIRECT, OBLIQUE = range(3)
+#: Base planes, numbered as the zones of Dips: columns may slide on them; they release; they release obliquely.
+NO_BASE, SLIDING_BASE, RELEASE, OBLIQUE_RELEASE = range(4)
+#: What is counted of joints and of lines of intersection, in the order of the sheet.
+OF_JOINTS = ("planar", "planar_without_limits", "flexural", "base_sliding", "base_release", "base_oblique")
+OF_LINES = ("wedge", "wedge_primary", "wedge_secondary", "wedge_on_both", "wedge_by_friction", "direct", "oblique")
+_ANGLE = 1e-9  # degrees
+_TOUCHES = 1e-12  # cosine, as in geometry.rockmass
+_PARALLEL = 1e-6  # sine, likewise
+
+Words = NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """The lines of intersection of all pairs of joints.
+
+    Attributes
+    ----------
+    first, second : (m,) indices of the joints; parallel ones meet in no line and are not among them
+    down : (m, 3) unit vectors, pointing down; trend_deg, plunge_deg : (m,)
+    cosine : (m,) between the upward normals of the two; turn : (m,) 1 where their cross product points down, else -1
+    """
+
+    first: Ints
+    second: Ints
+    down: Floats
+    trend_deg: Floats
+    plunge_deg: Floats
+    cosine: Floats
+    turn: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Modes:
+    """What could move in a slope of one face.
+
+    Attributes
+    ----------
+    planar, planar_without_limits, flexural : (n,) of joints; base : (n,) SLIDING_BASE, RELEASE, OBLIQUE_RELEASE
+    wedge : (m,) of lines, PRIMARY_BOTH, PRIMARY_ONE, SECONDARY; column : (m,) DIRECT, OBLIQUE
+    by_friction : (m,) wedges whose weight friction on the joints that keep contact does not hold (F <= 1, c = 0, dry)
+    secondary_of_dips : (m,) lines in the secondary zone as Dips draws it
+    """
+
+    planar: Bools
+    planar_without_limits: Bools
+    flexural: Bools
+    base: Words
+    wedge: Words
+    by_friction: Bools
+    secondary_of_dips: Bools
+    column: Words
+
+    def of_joints(self) -> dict[str, Bools]:
+        """Joints by what could happen to them."""
+        return {
+            "planar": self.planar, "planar_without_limits": self.planar_without_limits, "flexural": self.flexural,
+            "base_sliding": self.base == SLIDING_BASE, "base_release": self.base == RELEASE,
+            "base_oblique": self.base == OBLIQUE_RELEASE,
+        }  # fmt: skip
+
+    def of_lines(self) -> dict[str, Bools]:
+        """Lines of intersection likewise."""
+        primary = (self.wedge == PRIMARY_BOTH) | (self.wedge == PRIMARY_ONE)
+        return {
+            "wedge": self.wedge != NO_WEDGE, "wedge_primary": primary, "wedge_secondary": self.wedge == SECONDARY,
+            "wedge_on_both": self.wedge == PRIMARY_BOTH, "wedge_by_friction": self.by_friction,
+            "direct": self.column == DIRECT, "oblique": self.column == OBLIQUE,
+        }  # fmt: skip
+
+    def counts(self) -> dict[str, int]:
+        """How many joints and lines."""
+        return {name: int(found.sum()) for name, found in (self.of_joints() | self.of_lines()).items()}
+
+
+def lines_of(joints: JointList) -> Lines:
+    """The lines of intersection of all pairs that are not parallel."""
+    normals = joints.normals()
+    first, second = joints.pairs()
+    a, b = normals[first], normals[second]
+    line = np.cross(a, b)
+    sine = np.sqrt(np.einsum("ij,ij->i", line, line))
+    crossing = sine >= _PARALLEL
+    first, second, line = first[crossing], second[crossing], line[crossing] / sine[crossing, None]
+    turn = np.where(line[:, 2] > 0.0, -1.0, 1.0)
+    line *= turn[:, None]
+    trend = np.degrees(np.arctan2(line[:, 0], line[:, 1])) % 360.0
+    plunge = np.degrees(np.arctan2(-line[:, 2], np.hypot(line[:, 0], line[:, 1])))
+    return Lines(first, second, line, trend, plunge, np.einsum("ij,ij->i", a[crossing], b[crossing]), turn)
+
+
+def modes_of(
+    joints: JointList, lines: Lines, face: Plane, friction_deg: Floats, lateral_deg: float, lateral_toppling_deg: float
+) -> Modes:
+    """What could move in a slope with this face; the criteria stand above."""
+    dip, direction, normals = joints.dips_deg, joints.dip_directions_deg, joints.normals()
+    out, friction = face.normal(), friction_deg
+    off = _apart(direction, face.dip_direction_deg)
+
+    # planar sliding
+    down = np.stack([
+        np.sin(np.radians(direction)) * np.cos(np.radians(dip)),
+        np.cos(np.radians(direction)) * np.cos(np.radians(dip)),
+        -np.sin(np.radians(dip)),
+    ], axis=-1)  # fmt: skip
+    slides = (down @ out > _TOUCHES) & (down[:, 2] < -_TOUCHES) & (dip >= friction - _ANGLE)
+    planar = slides & (off <= lateral_deg + _ANGLE)
+
+    # flexural toppling: a vertical joint dips into the slope as much as out of it
+    vertical = dip >= 90.0 - _ANGLE
+    off_pole = np.where(vertical, np.minimum(off, 180.0 - off), 180.0 - off)
+    slip = np.radians(face.dip_deg - friction)
+    plunge = np.radians(90.0 - dip)
+    outside = np.sin(slip) * np.cos(plunge) * np.cos(np.radians(off_pole)) - np.cos(slip) * np.sin(plunge)
+    flexural = (slip >= -np.radians(_ANGLE)) & (outside >= -_TOUCHES) & (off_pole <= lateral_toppling_deg + _ANGLE)
+
+    # base planes of columns
+    off_base = np.where(dip <= _ANGLE, 0.0, off)
+    flatter = dip <= face.dip_deg + _ANGLE
+    within = flatter & (off_base <= lateral_toppling_deg + _ANGLE)
+    beside = flatter & ~within & (off_base <= 90.0 + _ANGLE)
+    holds = dip < friction - _ANGLE
+    base = np.zeros(len(dip), dtype=np.int8)
+    base[within & ~holds] = SLIDING_BASE
+    base[within & holds] = RELEASE
+    base[beside & holds] = OBLIQUE_RELEASE
+
+    wedge, by_friction, zone = _wedges(lines, normals, out, face, friction, dip)
+
+    # edges of columns
+    off_line = np.where(lines.plunge_deg >= 90.0 - _ANGLE, 0.0, _apart(lines.trend_deg, face.dip_direction_deg + 180.0))
+    within = off_line <= lateral_toppling_deg + _ANGLE
+    plunges = lines.down[:, 2] < -_TOUCHES
+    column = np.zeros(len(lines.first), dtype=np.int8)
+    column[within & plunges & (lines.plunge_deg >= 90.0 - face.dip_deg - _ANGLE)] = DIRECT
+    upright = lines.plunge_deg >= 90.0 - float(friction.max()) - _ANGLE
+    column[~within & (off_line <= 90.0 + _ANGLE) & plunges & upright] = OBLIQUE
+    return Modes(planar, slides, flexural, base, wedge, by_friction, zone, column)
+
+
+def _wedges(
+    lines: Lines, normals: Floats, out: Floats, face: Plane, friction: Floats, dip: Floats
+) -> tuple[Words, Bools, Bools]:
+    """How the wedge of each pair would slide, whether friction holds it not, and Dips' secondary zone."""
+    daylight = np.flatnonzero((lines.down @ out > _TOUCHES) & (lines.down[:, 2] < -_TOUCHES))
+    first, second, down = lines.first[daylight], lines.second[daylight], lines.down[daylight]
+    plunge = lines.plunge_deg[daylight]
+    # the wedge lies on the side of each joint on which the trace of the other climbs up the face
+    climb, turn = np.cross(normals, out)[:, 2], lines.turn[daylight]
+    climb = np.where(np.abs(climb) < _PARALLEL, 0.0, np.sign(climb))
+    side1, side2 = turn * climb[second], -turn * climb[first]
+    up1, up2, cosine = normals[first, 2], normals[second, 2], lines.cosine[daylight]
+    # a joint that strikes with the face ends nowhere: the other only releases one end, and the block may part from it
+    side1 = np.where(side1 == 0.0, np.where(up2 * cosine >= up1, 1.0, -1.0), side1)
+    side2 = np.where(side2 == 0.0, np.where(up1 * cosine >= up2, 1.0, -1.0), side2)
+    on1, on2, between = -side1 * up1, -side2 * up2, side1 * side2 * cosine  # the weight along the inward normals
+    alone1 = (on1 < 0.0) & (on2 - on1 * between >= 0.0)
+    alone2 = (on2 < 0.0) & (on1 - on2 * between >= 0.0) & ~alone1
+    on_both = ~(alone1 | alone2)
+    steep = dip >= friction - _ANGLE
+    slides_alone = (alone1 & steep[first]) | (alone2 & steep[second])
+
+    least = np.minimum(friction[first], friction[second])
+    primary = plunge >= least - _ANGLE
+    wedge = np.zeros(len(lines.first), dtype=np.int8)
+    wedge[daylight] = np.where(
+        primary, np.where(on_both, PRIMARY_BOTH, PRIMARY_ONE), np.where(slides_alone, SECONDARY, NO_WEDGE)
+    )
+    # on both: N1 tan φ1 + N2 tan φ2 against the weight along the line
+    tangent = np.tan(np.radians(friction))
+    held = (on2 * between - on1) * tangent[first] + (on1 * between - on2) * tangent[second]
+    overcome = held <= -down[:, 2] * (1.0 - between * between) * (1.0 + _TOUCHES)
+    by_friction = np.zeros(len(wedge), dtype=np.bool_)
+    by_friction[daylight] = np.where(on_both, overcome, slides_alone)
+
+    # outside the great circle of the plane that dips at the friction angle with the face
+    slope, off = np.radians(least), np.radians(_apart(lines.trend_deg[daylight], face.dip_direction_deg))
+    beyond = np.tan(slope) * np.cos(off) < np.tan(np.radians(plunge)) * (1.0 - _TOUCHES)
+    zone = np.zeros(len(wedge), dtype=np.bool_)
+    zone[daylight] = ~primary & beyond
+    return wedge, by_friction, zone
+
+
+def _apart(direction: Floats, from_deg: float) -> Floats:
+    """How far directions lie from another, 0 to 180°."""
+    apart: Floats = np.abs((direction - from_deg + 180.0) % 360.0 - 180.0)
+    return apart

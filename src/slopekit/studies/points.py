@@ -1,0 +1,79 @@
+"""One point of a study: a design with some of its values changed, and what both methods say of it."""
+
+from collections.abc import Mapping
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from slopekit.analysis.factors import Factors, factors_of
+from slopekit.design.common import Design
+from slopekit.design.files import with_values
+from slopekit.errors import SlopekitError
+from slopekit.studies.running import Record
+
+_BUG = "E599"
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """What a design with other values comes to: its factors, or the code and the message of why there are none."""
+
+    factors: Factors | None
+    code: str = ""
+    message: str = ""
+
+    @property
+    def forms_block(self) -> bool:
+        """Whether there is a block to speak of."""
+        return self.factors is not None
+
+    def to_record(self) -> Record:
+        """As JSON values, for a journal and for the way between processes."""
+        return [self.code, self.message] if self.factors is None else list(astuple(self.factors))
+
+    @classmethod
+    def from_record(cls, record: Record) -> "Point":
+        """Back from JSON values."""
+        return cls(None, *record) if len(record) == 2 else cls(Factors(*record))
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """What a worker does with one set of values: the design is read with them and analysed.
+
+    `pre_ie` False asks the closed form alone, where there is one.
+    """
+
+    design: Design
+    pre_ie: bool = True
+
+    def __call__(self, values: Mapping[str, object]) -> Record:
+        return point_of(self.design, values, self.pre_ie).to_record()
+
+
+def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) -> Point:
+    """The point of a design at some values, by their dotted paths; a value that is refused is a point too.
+
+    >>> from slopekit.design.files import load
+    >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
+    >>> point_of(wedge, {"joints.J1.plane": "45/20"}).code
+    'E204'
+    """
+    try:
+        return Point(factors_of(with_values(design, values), pre_ie))
+    except SlopekitError as error:
+        fault = error.faults[0]
+        return Point(None, fault.code, fault.message)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:  # one sample of many: it is counted, the others go on
+        return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def falls_short(status: str, factor: float | None, target: float) -> bool:
+    """Whether a block fails against a target: it moves at a lower factor, or moves and has none.
+
+    >>> falls_short("slides_on_J1", 1.2, 1.3), falls_short("no_driving_force", None, 1.3), falls_short("falls", None, 1)
+    (True, False, True)
+    """
+    if status == "no_driving_force":
+        return False
+    return factor is None or factor < target

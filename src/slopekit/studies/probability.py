@@ -1,0 +1,390 @@
+"""Probability of failure: samples of what scatters, the closed form of all of them, PRE-IE of some of them or of all.
+
+samples -> outcome and factor of each -> PRE-IE where it matters -> shares with their confidence limits.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from slopekit.analysis.factors import closed_form_of, has_closed_form
+from slopekit.analysis.stages import Clock
+from slopekit.arrays import Bools, Floats
+from slopekit.design.common import Design
+from slopekit.design.quantities import quantity_of
+from slopekit.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.orientation import number
+from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
+from slopekit.studies.estimates import Share, Summary, rank_correlation, share_of, summary_of
+from slopekit.studies.journal import Journal
+from slopekit.studies.limits import checked_limits
+from slopekit.studies.points import Evaluation, Point, point_of
+from slopekit.studies.running import ALONE, Advance, Crew, crew_in_words, run_all
+from slopekit.studies.sampling import METHODS, Samples
+from slopekit.studies.sampling import samples as drawn
+from slopekit.studies.vectorised import vectorised
+
+By = Literal["closed-form", "pre-ie"]
+#: A progress bar: its label and how much there is to do.
+Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
+#: Samples where the closed form does the work, and where PRE-IE has to.
+MANY, FEW = 20_000, 1_000
+_MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
+_CONFIRMED = 200
+_IMPOSSIBLE = "impossible"
+_RARE = 10  # failures: with fewer the estimate says little
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What a study of probability was asked for.
+
+    Attributes
+    ----------
+    n : samples; seed : of all random numbers; method : of sampling
+    by : whose factors count: the closed form's, or PRE-IE's of every sample
+    target : what fails has a factor of safety below it
+    confirm : samples taken at random that PRE-IE looks at too
+    near : those within this part of the target are looked at besides
+    confidence : of the limits; accept : largest probability that is accepted, None where none is given
+    """
+
+    n: int
+    seed: int
+    method: str
+    by: By
+    target: float
+    confirm: int
+    near: float
+    confidence: float
+    accept: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Probability:
+    """What came of it.
+
+    Attributes
+    ----------
+    samples : what was drawn
+    names, outcome : the outcomes there are, and the number of each sample's (n,)
+    factor : (n,) by the method that counts, nan where there is none
+    fails : (n,) whether the sample fails
+    all_samples, forming : the probability of failure among all possible samples, and among those that form a block
+    means : the design at the centres of its distributions
+    sensitivities : column and Spearman's coefficient with the factor, the strongest first
+    confirmation : what PRE-IE says, None where it was not asked apart
+    evaluator : how the factors were found, in words
+    """
+
+    design: Design
+    asked: Asked
+    samples: Samples
+    names: tuple[str, ...]
+    outcome: np.ndarray
+    factor: Floats
+    fails: Bools
+    all_samples: Share
+    forming: Share
+    summary: Summary | None
+    means: Point
+    sensitivities: tuple[tuple[str, float], ...]
+    confirmation: Confirmation | None
+    evaluator: str
+    crew: str
+    warnings: tuple[Notice, ...]
+    timing_s: Mapping[str, float]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many samples there are of each outcome, the most frequent first."""
+        found = np.bincount(self.outcome, minlength=len(self.names))
+        return dict(Counter({name: int(count) for name, count in zip(self.names, found, strict=True) if count})
+                    .most_common())  # fmt: skip
+
+    @property
+    def accepted(self) -> bool | None:
+        """Whether the upper confidence limit lies below the largest probability accepted."""
+        return None if self.asked.accept is None else self.all_samples.high <= self.asked.accept
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 1 not accepted, 4 the methods disagree on samples that both answer."""
+        if self.confirmation is not None and self.confirmation.disagree:
+            return 4
+        return 1 if self.accepted is False else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The study as JSON values; the samples themselves are in the CSV."""
+        from slopekit.studies.probability_records import document
+
+        return document(self)
+
+
+def probability(
+    design: Design,
+    n: int | None = None,
+    *,
+    seed: int = 1,
+    method: str = "monte-carlo",
+    by: By | None = None,
+    target: float = 1.0,
+    confirm_count: int = _CONFIRMED,
+    near: float | None = None,
+    confidence: float = 0.95,
+    accept: float | None = None,
+    crew: Crew = ALONE,
+    folder: Path | None = None,
+    bar: Bar = lambda _label, _total: nullcontext(_silent),
+) -> Probability:
+    """The probability that the factor of safety of a design lies below a target.
+
+    Parameters
+    ----------
+    n : samples: 20,000 by the closed form, 1,000 where PRE-IE has to be asked
+    seed : the same seed gives the same numbers, whoever does the work
+    method : monte-carlo, latin-hypercube or sobol
+    by : closed-form or pre-ie; None takes the closed form where the kind has one that knows all of the design
+    confirm_count : samples at random that PRE-IE looks at; near : besides all whose factor lies within this part of
+        the target (None: the design's agree_within)
+    crew : who does the work; folder : where its journal is kept; bar : how progress is shown
+
+    Raises
+    ------
+    DesignError
+        E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, and those of
+        `run_all`.
+    """
+    asked = _asked(design, n, seed, method, by, target, confirm_count, near, confidence, accept)
+    clock = Clock()
+    with clock("draw"):
+        samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)
+    journals = _Journals(design, asked, folder)
+    with clock("factors"):
+        judged = _judge(design, asked, samples, crew, journals, bar)
+    confirmation = None
+    if asked.by == "closed-form":
+        with clock("confirm"):
+            confirmation = _confirmed(design, asked, samples, judged, crew, journals, bar)
+    journals.remove()
+    certain = judged.among("E5", "not_converged")
+    all_samples = share_of(judged.fails, ~judged.among("E1", _IMPOSSIBLE) & ~certain, samples.replicate, confidence)
+    forming = share_of(judged.fails, judged.forms & ~certain, samples.replicate, confidence)
+    means = point_of(design, {}) if design.source is not None else Point(None)
+    return Probability(
+        design, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
+        summary_of(judged.factor), means, _sensitivities(samples, judged.factor), confirmation, judged.evaluator,
+        crew_in_words(crew), tuple(_notices(asked, judged, samples, all_samples, confirmation)), clock.done(),
+    )  # fmt: skip
+
+
+def _silent(_done: int) -> None:
+    """Progress that nobody looks at."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Judged:
+    """What the method that counts says of the samples."""
+
+    names: tuple[str, ...]
+    outcome: np.ndarray
+    factor: Floats
+    fails: Bools
+    evaluator: str
+    points: tuple[Point, ...] = ()
+
+    def among(self, *beginnings: str) -> Bools:
+        """Samples whose outcome begins with one of these."""
+        found: Bools = np.array([name.startswith(beginnings) for name in self.names])[self.outcome]
+        return found
+
+    @property
+    def forms(self) -> Bools:
+        """Samples that form a block."""
+        return ~self.among("E", _IMPOSSIBLE)
+
+
+class _Settings(Sequence[Mapping[str, object]]):
+    """The samples as settings, each made when it is asked for."""
+
+    def __init__(self, samples: Samples) -> None:
+        self.samples = samples
+
+    def __len__(self) -> int:
+        return len(self.samples.values)
+
+    def __getitem__(self, row: Any) -> Any:
+        return self.samples.settings(row)
+
+
+class _Journals:
+    """The journals of a run: one for each part of it that takes long."""
+
+    def __init__(self, design: Design, asked: Asked, folder: Path | None) -> None:
+        plain = design.source.root.plain() if design.source is not None else None
+        self.run = [plain, asked.n, asked.seed, asked.method, asked.by]
+        self.folder, self.streamed = (Path.cwd(), False) if folder is None else (folder, True)
+        self.kept: list[Journal] = []
+
+    def of(self, *part: Any) -> Journal:
+        self.kept.append(Journal.of(self.folder, "prob", [*self.run, *part], self.streamed))
+        return self.kept[-1]
+
+    def remove(self) -> None:
+        for journal in self.kept:
+            journal.remove()
+
+
+def _asked(
+    design: Design, n: int | None, seed: int, method: str, by: str | None, target: float, confirm_count: int,
+    near: float | None, confidence: float, accept: float | None,
+) -> Asked:  # fmt: skip
+    """What was asked for, checked."""
+    faults = []
+    if not design.variables:
+        advice = "Write one: phi: {dist: normal, mean: 20, sd: 2}."
+        faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
+    if method not in METHODS:
+        faults.append(Fault("E308", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
+    if by not in (None, "closed-form", "pre-ie"):
+        faults.append(Fault("E308", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
+    known = has_closed_form(design)
+    if by == "closed-form" and not known:
+        faults.append(Fault("E308", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
+    chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and _dilates(design)) else "closed-form"
+    most = _MOST if chosen == "closed-form" else _MOST_BY_PRE_IE
+    n = (MANY if chosen == "closed-form" else FEW) if n is None else n
+    near = design.agree_within if near is None else near
+    for name, value, low, high in (
+        ("n", n, 1, most), ("seed", seed, 0, 2**63 - 1), ("the target", target, 1e-6, 1e6),
+        ("confirm", confirm_count, 0, most), ("near", near, 0.0, 10.0), ("confidence", confidence, 0.5, 0.9999),
+        ("accept", 0.0 if accept is None else accept, 0.0, 1.0),
+    ):  # fmt: skip
+        if not low <= value <= high:
+            message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
+            faults.append(Fault("E307", message))
+    if faults:
+        raise DesignError(faults)
+    checked_limits(design)
+    return Asked(n, seed, method, chosen, target, confirm_count, near, confidence, accept)
+
+
+def _dilates(design: Design) -> bool:
+    """Whether the closed form leaves something out that the design has."""
+    try:
+        found = closed_form_of(design)
+    except GeometryError:
+        return False
+    return found is not None and bool(found.why_not)
+
+
+def _judge(
+    design: Design, asked: Asked, samples: Samples, crew: Crew, journals: _Journals, bar: Bar
+) -> _Judged:  # fmt: skip
+    """Outcome and factor of every sample."""
+    fast = vectorised(design, samples.values, samples.settings) if asked.by == "closed-form" else None
+    if fast is not None:
+        found = fast(samples.values)
+        names, outcome, factor = (*found.names, _IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
+        impossible = _impossible(design, samples)
+        outcome[impossible], factor[impossible] = len(names) - 1, np.nan
+        fails = _fails(names, outcome, factor, asked.target)
+        return _Judged(names, outcome, factor, fails, "closed form, all at once")
+    by_pre_ie = asked.by == "pre-ie"
+    with bar("samples", len(samples.values)) as advance:
+        records = run_all(
+            Evaluation(design, by_pre_ie), _Settings(samples), crew, journal=journals.of("all"), advance=advance
+        )
+    points = tuple(Point.from_record(record) for record in records)
+    words = [point.code if point.factors is None else point.factors.status for point in points]
+    names = tuple(dict.fromkeys(words))
+    outcome = np.array([names.index(word) for word in words], dtype=np.int16)
+    factors = [None if p.factors is None else p.factors.limit if by_pre_ie else p.factors.closed_form for p in points]
+    factor = np.array([np.nan if value is None else value for value in factors])
+    fails = _fails(names, outcome, factor, asked.target)
+    evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
+    return _Judged(names, outcome, factor, fails, evaluator, points)
+
+
+def _fails(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:
+    """Whether each sample falls short of the target: `falls_short` for arrays."""
+    stays = [name.startswith(("E", _IMPOSSIBLE)) or name in ("no_driving_force", "not_converged") for name in names]
+    with np.errstate(invalid="ignore"):
+        fails: Bools = ~np.array(stays)[outcome] & ~(factor >= target)
+    return fails
+
+
+def _impossible(design: Design, samples: Samples) -> Bools:
+    """Samples with a value that no design can have."""
+    found = np.zeros(len(samples.values), dtype=bool)
+    for column, path in enumerate(samples.names):
+        limits = quantity_of(path, design.kind)
+        if not limits.turns:
+            found |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
+    return found
+
+
+def _confirmed(
+    design: Design, asked: Asked, samples: Samples, judged: _Judged, crew: Crew, journals: _Journals, bar: Bar
+) -> Confirmation | None:
+    index = chosen(judged.forms, judged.factor, asked.target, asked.confirm, asked.near, asked.seed)
+    if not len(index.all):
+        return None
+    with bar("PRE-IE", len(index.all)) as advance:
+        records = run_all(
+            Evaluation(design), [samples.settings(int(row)) for row in index.all], crew,
+            journal=journals.of("confirm", asked.confirm, asked.near, asked.target), advance=advance,
+        )  # fmt: skip
+    points = tuple(Point.from_record(record) for record in records)
+    return confirmation_of(index, points, judged.forms, judged.fails, asked.target, asked.near, asked.confidence)
+
+
+def _sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], ...]:
+    """Spearman's coefficient of each column with the factor, the strongest first."""
+    has_one = ~np.isnan(factor)
+    if has_one.sum() < 3:
+        return ()
+    found = [
+        (path, rank_correlation(samples.values[has_one, column], factor[has_one]))
+        for column, path in enumerate(samples.names)
+    ]
+    known = [(path, value) for path, value in found if value is not None]
+    return tuple(sorted(known, key=lambda entry: -abs(entry[1])))
+
+
+def _notices(
+    asked: Asked, judged: _Judged, samples: Samples, share: Share, confirmation: Confirmation | None
+) -> Iterator[Notice]:
+    impossible = int(judged.among("E1", _IMPOSSIBLE).sum())
+    if impossible:
+        yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
+                     "and count nowhere: bound the distribution with min or max")  # fmt: skip
+    unsolved = int(judged.among("E5", "not_converged").sum())
+    if unsolved:
+        yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged or an "
+                     "error): they are left out of the probability, which may be off by as much")  # fmt: skip
+    if share.count < _RARE and share.of:
+        yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
+    if confirmation is None:
+        governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
+        if asked.by == "pre-ie" and governed:
+            yield Notice(
+                "W353",
+                f"moments govern in {governed} of {len(samples.values)} samples: the closed form would be too high",
+            )
+        return
+    if confirmation.governed:
+        of = int(confirmation.at_random.sum())
+        yield Notice("W353", f"moments govern in {confirmation.governed} of {of} samples at random: there the closed "
+                     "form is too high; --by pre-ie asks PRE-IE of every sample")  # fmt: skip
+    if confirmation.unsafe:
+        yield Notice("W354", f"{confirmation.unsafe} of {len(confirmation.index)} samples fail by PRE-IE and stand by "
+                     "the closed form: judge by PRE-IE")  # fmt: skip
+
+
+__all__ = ["Asked", "Bar", "By", "Probability", "probability"]

@@ -1,0 +1,118 @@
+"""A study of probability as JSON values, and its samples as CSV."""
+
+import csv
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault
+from slopekit.studies.estimates import QUANTILES, Summary
+from slopekit.studies.points import Point
+
+if TYPE_CHECKING:
+    from slopekit.studies.probability import Probability
+
+
+def document(study: "Probability") -> dict[str, Any]:
+    """The study as JSON values."""
+    asked, summary = study.asked, study.summary
+    return {
+        "slopekit": __version__, "study": "prob", "kind": study.design.kind, "title": study.design.title,
+        "input_sha256": study.design.input_hash(), "n": len(study.samples.values),
+        "replicates": int(study.samples.replicate.max()) + 1, "seed": asked.seed, "sampling": asked.method,
+        "by": asked.by, "evaluator": study.evaluator, "target": asked.target,
+        "probability_of_failure": {
+            "all_samples": study.all_samples.to_dict(), "samples_that_form_a_block": study.forming.to_dict(),
+        },
+        "accept": asked.accept, "accepted": study.accepted, "outcomes": study.counts,
+        "fos": None if summary is None else _summary(summary, asked.target),
+        "histogram": None if summary is None else {
+            "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
+            "above": summary.above,
+        },
+        "at_means": _point(study.means),
+        "lowest": _lowest(study),
+        "variables": [variable(study, column) for column in range(len(study.samples.names))],
+        "correlation": [
+            {"between": [a, b], "rank": value} for a, b, value in study.design.correlation
+        ],
+        "sensitivity": [{"variable": name, "rank_correlation_with_fos": value} for name, value in study.sensitivities],
+        "pre_ie": None if study.confirmation is None else study.confirmation.to_dict(),
+        "inputs": study.design.inputs(), "defaults": list(study.design.defaults),
+        "warnings": [{"code": notice.code, "message": notice.message} for notice in study.warnings],
+        "timing_s": dict(study.timing_s),
+    }  # fmt: skip
+
+
+def _summary(summary: Summary, target: float) -> dict[str, Any]:
+    return {
+        "samples": summary.count, "mean": summary.mean, "sd": summary.sd, "min": summary.least, "max": summary.most,
+        "quantiles": {f"{share:g}": value for share, value in zip(QUANTILES, summary.quantiles, strict=True)},
+        "beta": summary.beta(target),
+    }  # fmt: skip
+
+
+def _point(point: Point) -> dict[str, Any] | None:
+    found = point.factors
+    if found is None:
+        return {"code": point.code, "message": point.message} if point.code else None
+    return {
+        "status": found.status, "limit": found.limit, "closed_form": found.closed_form, "agree": found.agree,
+        "moments_govern": found.moments_govern,
+    }  # fmt: skip
+
+
+def _lowest(study: "Probability") -> dict[str, Any] | None:
+    """The sample with the lowest factor, as values to put into the design."""
+    found = [(value, row) for row, value in enumerate(study.factor.tolist()) if not math.isnan(value)]
+    if not found:
+        return None
+    factor, row = min(found)
+    return {"sample": row, "fos": factor, "values": dict(study.samples.settings(row))}
+
+
+def variable(study: "Probability", column: int) -> dict[str, Any]:
+    """A column of the samples: its path, and what was drawn."""
+    drawn = study.samples.values[:, column]
+    return {
+        "path": study.samples.names[column], "mean": float(drawn.mean()),
+        "sd": float(drawn.std(ddof=1)) if len(drawn) > 1 else 0.0, "min": float(drawn.min()),
+        "max": float(drawn.max()),
+    }  # fmt: skip
+
+
+def write_samples(study: "Probability", path: Path) -> None:
+    """Every sample as a row of CSV: its values, outcome and factor, whether it fails, and what PRE-IE says of it.
+
+    Raises
+    ------
+    DesignError
+        E129 where the file cannot be written.
+    """
+    checked = study.confirmation
+    also = {} if checked is None else dict(zip(checked.index.tolist(), checked.points, strict=True))
+    by = "closed_form" if study.asked.by == "closed-form" else "limit"
+    head = ["sample", *study.samples.names, "outcome", f"fos_{by}", "fails"]
+    head += ["pre_ie_outcome", "fos_limit", "moments_govern"] if checked is not None else []
+    try:
+        with path.open("w", encoding="utf-8", newline="") as file:
+            rows = csv.writer(file)
+            rows.writerow(head)
+            values, outcomes = study.samples.values.tolist(), study.outcome.tolist()
+            fails, factors = study.fails.tolist(), study.factor.tolist()
+            for row, (given, outcome, factor, fall) in enumerate(zip(values, outcomes, factors, fails, strict=True)):
+                own = [row, *given, study.names[outcome], "" if math.isnan(factor) else factor, int(fall)]
+                rows.writerow(own + (_also(also.get(row)) if checked is not None else []))
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+
+
+def _also(point: Point | None) -> list[Any]:
+    if point is None:
+        return ["", "", ""]
+    if point.factors is None:
+        return [point.code, "", ""]
+    limit = point.factors.limit
+    return [point.factors.status, "" if limit is None else limit, int(point.factors.moments_govern)]

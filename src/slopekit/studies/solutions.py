@@ -1,0 +1,185 @@
+"""What is found when a number of a design is solved for: values, brackets, what both methods say of them."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from slopekit._version import __version__
+from slopekit.design.common import Design
+from slopekit.errors import Fault, Notice
+from slopekit.studies.keys import Key
+from slopekit.studies.points import Point
+
+Method = Literal["closed_form", "pre_ie"]
+#: What putting a value back may miss the target by.
+TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
+#: Factors this near to each other (relative) are the same.
+ALIKE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A value at which the factor passes the target.
+
+    Attributes
+    ----------
+    how : root; jump: the factor passes the target without taking it; gap: the input is refused there
+    value : of the key; of a jump or a gap the side that is nearer to the target
+    factor, status : of the method at that value, put back
+    bracket : values on both sides, with the factors there (inf where nothing drives, 0 where nothing holds)
+    rises : whether the factor rises with the value there
+    both : what both methods say at the value
+    """
+
+    how: Literal["root", "jump", "gap"]
+    value: float
+    factor: float
+    status: str
+    bracket: tuple[tuple[float, float], tuple[float, float]]
+    rises: bool
+    both: Point
+
+
+@dataclass(frozen=True, slots=True)
+class Answers:
+    """What one method says.
+
+    Attributes
+    ----------
+    method : closed_form or pre_ie
+    roots : the one nearest to the present value first
+    others : jumps across the target and gaps in which it is passed
+    least, most : (value, factor) where the factor is least and greatest; None where there is none
+    refused : (from, to, code, message) of values that form no block or are refused, in order
+    looked : (from, to) where the method was asked; evaluations : how often
+    reason : why there is no root, None where there is one
+    """
+
+    method: Method
+    roots: tuple[Found, ...]
+    others: tuple[Found, ...]
+    least: tuple[float, float] | None
+    most: tuple[float, float] | None
+    refused: tuple[tuple[float, float, str, str], ...]
+    looked: tuple[float, float]
+    evaluations: int
+    reason: Fault | None
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """The value that was asked for.
+
+    Attributes
+    ----------
+    key, target, within : what was asked; from_acceptance : whether the target is that of the design's own rule
+    before : the design as it is
+    closed_form : None where the kind has none that is quick; pre_ie
+    rounded : the first root of PRE-IE in four digits on the safe side, with the factor there; None without a root
+    """
+
+    design: Design
+    key: Key
+    target: float
+    within: tuple[float, float]
+    from_acceptance: bool
+    before: Point
+    closed_form: Answers | None
+    pre_ie: Answers
+    rounded: tuple[float, float] | None
+    warnings: tuple[Notice, ...] = ()
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def answer(self) -> Found | None:
+        """The root of PRE-IE nearest to the present value, None where there is none."""
+        return self.pre_ie.roots[0] if self.pre_ie.roots else None
+
+    @property
+    def reason(self) -> Fault | None:
+        """Why there is no such value, None where there is one."""
+        return self.pre_ie.reason
+
+    @property
+    def agree(self) -> bool | None:
+        """Whether the methods agree at the answer; None where they are not compared."""
+        found = self.answer
+        return None if found is None or found.both.factors is None else found.both.factors.agree
+
+    @property
+    def moments_govern(self) -> bool:
+        """Whether moments govern at the answer."""
+        found = self.answer
+        return found is not None and found.both.factors is not None and found.both.factors.moments_govern
+
+    @property
+    def exit_code(self) -> int:
+        """0 found, 1 there is no such value, 4 the methods disagree there, or no convergence."""
+        found = self.answer
+        if found is None:
+            return 1
+        return 4 if self.agree is False or found.status == "not_converged" else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
+        found = self.answer
+        return {
+            "slopekit": __version__,
+            "study": "solve",
+            "kind": self.design.kind,
+            "title": self.design.title,
+            "input_sha256": self.design.input_hash(),
+            "key": self.key.path,
+            "unit": self.key.unit,
+            "target": {"fos": self.target, "from_acceptance": self.from_acceptance},
+            "within": list(self.within),
+            "before": {"value": self.key.value} | point_record(self.before),
+            "value": None if found is None else self.key.reduced(found.value),
+            "rounded": None if self.rounded is None else {"value": self.rounded[0], "fos": _finite(self.rounded[1])},
+            "agree": self.agree,
+            "moments_govern": self.moments_govern,
+            "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
+            "pre_ie": self._answers(self.pre_ie),
+            "reason": None if self.reason is None else self.reason.to_dict(),
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "timing_s": {"total": self.seconds},
+        }
+
+    def _answers(self, answers: Answers) -> dict[str, Any]:
+        ends = {"least": answers.least, "most": answers.most}
+        return {
+            "roots": [self._found(found) for found in answers.roots],
+            "jumps_and_gaps": [self._found(found) for found in answers.others],
+            "reach": {
+                name: None if end is None else {"value": self.key.reduced(end[0]), "fos": _finite(end[1])}
+                for name, end in ends.items()
+            },
+            "refused": [
+                {"from": low, "to": high, "code": code, "message": message}
+                for low, high, code, message in answers.refused
+            ],
+            "looked": list(answers.looked),
+            "evaluations": answers.evaluations,
+            "reason": None if answers.reason is None else answers.reason.to_dict(),
+        }
+
+    def _found(self, found: Found) -> dict[str, Any]:
+        miss = abs(found.factor - self.target)
+        return {
+            "how": found.how, "value": self.key.reduced(found.value), "fos": _finite(found.factor),
+            "status": found.status, "misses_by": miss if math.isfinite(miss) else None, "rises": found.rises,
+            "bracket": [{"value": value, "fos": _finite(factor)} for value, factor in found.bracket],
+            "put_back": point_record(found.both),
+        }  # fmt: skip
+
+
+def _finite(factor: float) -> float | None:
+    return factor if math.isfinite(factor) else None
+
+
+def point_record(point: Point) -> dict[str, Any]:
+    """What both methods say at a value, as JSON values."""
+    factors = point.factors
+    names = ("status", "limit", "closed_status", "closed_form", "difference", "agree", "moments_govern", "settled")
+    found = {name: None if factors is None else getattr(factors, name) for name in names}
+    return found | {"code": point.code or None, "message": point.message or None}

@@ -1,0 +1,379 @@
+"""The value of one number of a design at which its factor of safety is a target, by both methods.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+...          "strength": {"weak": {"c": 50, "phi": 20}}}
+>>> found = solve(sk.load(wedge), "strength.weak.c", fos=1.5).answer
+>>> round(found.value, 3), round(found.factor, 9)
+(43.41, 1.5)
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import groupby
+from typing import TypeAlias
+
+from slopekit.analysis.factors import closed_form_of, has_closed_form
+from slopekit.design.common import Design
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import number
+from slopekit.studies.keys import Key, key_of, values_of
+from slopekit.studies.points import Evaluation, Point
+from slopekit.studies.ranges import Within, parse_within
+from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
+from slopekit.studies.running import ALONE, Advance, Crew, run_all
+from slopekit.studies.solutions import ALIKE, TOLERANCE, Answers, Found, Method, Solution
+from slopekit.studies.solve_notices import notices, reason_of
+
+_EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
+_SECTIONS = 24
+_EACH_BRANCH = 8  # parts into which a stretch of one status is divided
+_FINE, _ROUGH = (33, 6, 3), (9, 1, 1)  # evenly over the range, closer to the present value, to a decade
+_MOST_SHARED = 12  # places of the grid at which PRE-IE is asked too
+_PARTS = (0.25, 0.5, 0.75)  # of a stretch that has no place of the grid
+_BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
+_PRE_IE_RESOLUTION, _PRE_IE_NEAR = 1e-10, 1e-11
+_JUMP = 1e-5, 0.02  # so near to each other, levels that far apart are a jump: PRE-IE takes long beside one
+_ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
+_SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
+_SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
+_Samples: TypeAlias = list[Sample[Point]]
+
+
+def solve(
+    design: Design,
+    key: str,
+    *,
+    fos: float | None = None,
+    within: Within | None = None,
+    crew: Crew = ALONE,
+    advance: Advance = lambda _: None,
+) -> Solution:
+    """The value of one number of a design at which its factor of safety is a target.
+
+    Parameters
+    ----------
+    key : dotted path, or `path=low:high`
+    fos : the target; None takes that of the design's acceptance rule
+    within : between which values to look (numbers, or texts with units); None: what such a number can be
+    crew : who evaluates the grid; advance : told of every evaluation
+
+    The factor is looked at on a grid that is fine near the present value; every place where it passes the target is
+    narrowed down, edges of validity and changes of status are looked at from both sides. Where nothing drives the
+    block it counts as infinite, where nothing holds it as zero.
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E310 and E311 for the key, E312 for the range, E314 for the target.
+    """
+    began = time.perf_counter()
+    path, equals, text = key.partition("=")
+    if equals and within is not None:
+        raise DesignError([Fault("E312", f"{path} has two ranges", f"{key}, within", "Give one of them.")])
+    one = key_of(design, path)
+    if one.whole:
+        message = f"{one.path} counts something: it cannot be solved for"
+        raise DesignError([Fault("E311", message, one.path, "Sweep it: slopekit sweep design.yaml KEY=1,2,3")])
+    low, high = parse_within(one, text if equals else within)
+    target, own = _target(design, fos)
+    closed: Answers | None = None
+    asked = _Asked(design, one, low, high, target, crew, advance)
+    if has_closed_form(design):
+        quick = asked.search("closed_form")
+        _look_closely(quick, asked)
+        crossings = _crossings(quick)
+        closed = _answers("closed_form", asked, quick, crossings)
+        search = asked.search("pre_ie")
+        _look_again(search, quick, crossings, asked)
+        found = _crossings(search)
+    else:
+        search = asked.search("pre_ie", slow=True)
+        found = _look_roughly(search, asked, bool(equals) or within is not None)
+    pre_ie = _answers("pre_ie", asked, search, found)
+    if closed is not None:
+        closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
+    before = asked.before()
+    solution = Solution(design, one, target, (low, high), own, before, closed, pre_ie, None)
+    solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
+    return replace(solution, seconds=time.perf_counter() - began)
+
+
+def level_of(factor: float, target: float) -> float:
+    """How far a factor lies above a target: -1 at 0, 0 at the target, 1 at infinity; smooth in between.
+
+    >>> level_of(3.0, 1.0), level_of(math.inf, 1.0)
+    (0.5, 1.0)
+    """
+    return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
+
+
+def factor_at(point: Point, method: Method) -> float | None:
+    """The factor by one method: infinite where nothing drives, 0 where nothing holds, None where there is no block."""
+    factors = point.factors
+    if factors is None:
+        return None
+    status, factor = factors.status, factors.limit
+    if method == "closed_form":
+        status, factor = factors.closed_status or "", factors.closed_form
+    if factor is not None:
+        return factor
+    return math.inf if status == "no_driving_force" else None if status in ("not_converged", "") else 0.0
+
+
+# -- where the factor is looked at ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    design: Design
+    key: Key
+    low: float
+    high: float
+    target: float
+    crew: Crew
+    advance: Advance
+    points: dict[float, Point] = field(default_factory=dict)
+
+    def search(self, method: Method, slow: bool = False) -> Search[Point]:
+        resolution = _SLOW_RESOLUTION if slow else 4e-16 if method == "closed_form" else _PRE_IE_RESOLUTION
+        near = 0.0 if method == "closed_form" else _SLOW_NEAR if slow else _PRE_IE_NEAR
+        same, jump = (1e-7, (0.0, math.inf)) if method == "closed_form" else (_SAME, _JUMP)
+        return Search(partial(self.samples, method), self.high - self.low, resolution=resolution, near=near, same=same,
+                      jump=jump)  # fmt: skip
+
+    def samples(self, method: Method, values: Sequence[float]) -> _Samples:
+        work = Evaluation(self.design, method == "pre_ie")
+        tasks = [values_of(self.design, [self.key], [value]) for value in values]
+        crew = self.crew if len(tasks) > 1 and method == "pre_ie" else ALONE
+        records = run_all(work, tasks, crew, advance=self.advance, at_once=1)
+        found = []
+        for value, record in zip(values, records, strict=True):
+            point = Point.from_record(record)
+            if method == "pre_ie":
+                self.points[value] = point
+            factor = factor_at(point, method)
+            level = None if factor is None else level_of(factor, self.target)
+            found.append(Sample(value, level, _status(point, method), point))
+        return found
+
+    def both(self, value: float) -> Point:
+        """What both methods say at a value."""
+        if value not in self.points:
+            self.samples("pre_ie", [value])
+        return self.points[value]
+
+    def before(self) -> Point:
+        """The design as it is."""
+        return Point.from_record(Evaluation(self.design)({}))
+
+    def grid(self, even: int, close: int, each_decade: float) -> list[float]:
+        far = self.key.role == "coordinate"
+        return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
+                      around_zero=far)  # fmt: skip
+
+
+def _status(point: Point, method: Method) -> str:
+    if point.factors is None:
+        return point.code
+    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
+
+
+def _look_closely(search: Search[Point], asked: _Asked) -> None:
+    """A closed form takes a millisecond: edges, changes of status and turning points are all found."""
+    search.add(asked.grid(*_FINE))
+    search.find_edges(_EDGE)
+    search.find_changes(_EDGE)
+    for low, high in list(_branches(search.samples)):  # a narrow one may have no place of the grid
+        search.add(low + (high - low) * k / _EACH_BRANCH for k in range(1, _EACH_BRANCH))
+    search.find_extremes(_SECTIONS)
+
+
+def _branches(samples: _Samples) -> Iterator[tuple[float, float]]:
+    """The stretches over which the closed form is of one kind."""
+    for label, run in groupby(samples, key=lambda sample: "" if sample.level is None else sample.label):
+        stretch = [sample.at for sample in run]
+        if label:
+            yield stretch[0], stretch[-1]
+
+
+def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Crossing[Point]], asked: _Asked) -> None:
+    """PRE-IE where the closed form passes the target, and here and there where it lies above.
+
+    Moments only take from the factor, so where the forces alone are below the target nothing crosses it; joints that
+    dilate are looked at everywhere, and so is a factor that never gets there, for what it reaches.
+    """
+    taken = set[float]()
+    if asked.key.value is not None and asked.low <= asked.key.value <= asked.high:
+        taken.add(asked.key.value)
+    for crossing in crossings:
+        best, width = crossing.best.at, _BRACKET * max(abs(crossing.best.at), 1e-6 * search.span)
+        taken |= {crossing.before.at, crossing.after.at} if crossing.how != "root" else set()
+        taken |= {place for place in (best - width, best, best + width) if asked.low <= place <= asked.high}
+    everywhere = _dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
+    stretches = list(_stretches(quick.samples, everywhere))
+    if not crossings and stretches:
+        taken |= {min(quick.defined, key=_level).at, max(quick.defined, key=_level).at}
+    grid = set(asked.grid(*_FINE))
+    for a, b in stretches:
+        inside = [place for place in grid if a < place < b] or [a, b]
+        inside = sorted({*inside, *(a + part * (b - a) for part in _PARTS)} if len(inside) < len(_PARTS) else inside)
+        taken |= {inside[round(k * (len(inside) - 1) / _MOST_SHARED)] for k in range(_MOST_SHARED + 1)}
+    search.add(sorted(taken) or [sample.at for sample in quick.samples[:: max(1, len(quick.samples) // 3)]])
+    for a, b in stretches:
+        _towards_ends(search, a, b)
+    if any(_moments(sample) for sample in search.samples):
+        search.find_extremes(_SECTIONS // 3)
+
+
+def _stretches(samples: _Samples, everywhere: bool) -> Iterator[tuple[float, float]]:
+    """Where the closed form lies above the target without a break, or wherever it has a factor."""
+    inside: list[float] = []
+    for sample in samples:
+        if sample.level is not None and (everywhere or sample.level >= -ALIKE):
+            inside.append(sample.at)
+            continue
+        if inside:
+            yield inside[0], inside[-1]
+        inside = []
+    if inside:
+        yield inside[0], inside[-1]
+
+
+def _towards_ends(search: Search[Point], a: float, b: float) -> None:
+    """Where the factor has not got above the target inside a stretch it may do so near its ends."""
+    if any((sample.level or 0.0) > 0.0 for sample in search.defined if a <= sample.at <= b):
+        return
+    for part in (1e-2, 1e-4, 1e-6, 1e-8):
+        for place in (a + part * (b - a), b - part * (b - a)):
+            if a < place < b and _level(search.at(place)) > 0.0:
+                return
+
+
+def _level(sample: Sample[Point]) -> float:
+    return sample.level or 0.0
+
+
+def _dilates(design: Design) -> bool:
+    closed = closed_form_of(design) if has_closed_form(design) else None
+    return closed is not None and bool(closed.why_not)
+
+
+def _moments(sample: Sample[Point]) -> bool:
+    return sample.found.factors is not None and sample.found.factors.moments_govern
+
+
+def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Crossing[Point]]:
+    """Where PRE-IE alone answers, and takes its time: first about the present value, then further off.
+
+    Parameters
+    ----------
+    whole : look at all of the range at once
+    """
+    grid = asked.grid(*_ROUGH)
+    if not whole:
+        search.add(near_by(grid, asked.low, asked.high, asked.key.value))
+        crossings = _crossings(search)
+        if crossings:
+            return crossings
+    search.add(grid)
+    crossings = _crossings(search)
+    if not crossings:
+        search.find_edges(_SLOW_EDGE)
+        crossings = _crossings(search)
+    return crossings
+
+
+def _crossings(search: Search[Point]) -> list[Crossing[Point]]:
+    levels = [sample.level for sample in search.samples if sample.level is not None]
+    if len(levels) > 1 and max(levels) - min(levels) <= ALIKE:
+        return []  # it does not depend on the value: nothing is passed
+    return search.crossings()
+
+
+# -- what came of it --------------------------------------------------------------------------------------------------
+
+
+def _answers(
+    method: Method, asked: _Asked, search: Search[Point], crossings: list[Crossing[Point]]
+) -> Answers:  # fmt: skip
+    found = [_found(method, asked, crossing) for crossing in crossings]
+    own = asked.key.value
+    found.sort(key=lambda one: one.value if own is None else asked.key.apart(one.value, own))
+    roots = tuple(one for one in found if one.how == "root")
+    others = tuple(_together([one for one in found if one.how != "root"], search.span))
+    reached = [(sample.at, factor_at(sample.found, method) or 0.0) for sample in search.defined]
+    least = min(reached, key=lambda end: end[1], default=None)
+    most = max(reached, key=lambda end: end[1], default=None)
+    refused = tuple(_refused(search.samples))
+    reason = None
+    if not roots:
+        reason = reason_of(asked.key, asked.target, (asked.low, asked.high), others, least, most, refused)
+    looked = (search.samples[0].at, search.samples[-1].at)
+    return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
+
+
+def _together(found: list[Found], span: float) -> Iterator[Found]:
+    """Jumps so near to each other that they are one: beside an edge rounding makes many."""
+    last: Found | None = None
+    for one in sorted(found, key=lambda one: one.value):
+        near = last is not None and one.value - last.value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span)
+        if last is not None and near:
+            last = replace(last, value=one.value, bracket=(last.bracket[0], one.bracket[1]))
+            continue
+        if last is not None:
+            yield last
+        last = one
+    if last is not None:
+        yield last
+
+
+def _found(method: Method, asked: _Asked, crossing: Crossing[Point]) -> Found:
+    best = crossing.best
+    ends = [(end.at, factor_at(end.found, method) or 0.0) for end in (crossing.before, crossing.after)]
+    factor = factor_at(best.found, method) or 0.0
+    return Found(crossing.how, best.at, factor, best.label, (ends[0], ends[1]), crossing.rises, best.found)
+
+
+def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
+    """Stretches of neighbouring values that are refused for the same reason, with what is said in their middle."""
+    for code, run in groupby(samples, key=lambda sample: "" if sample.level is not None else sample.label):
+        stretch = list(run)
+        if code:
+            low, high = stretch[0].at, stretch[-1].at
+            middle = min(stretch, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
+            yield low, high, code, middle.found.message
+
+
+def _rounded(solution: Solution, asked: _Asked) -> tuple[float, float] | None:
+    """The first root in four digits, rounded to where the factor is the greater."""
+    found = solution.answer
+    if found is None or not found.value:
+        return None
+    step = 10.0 ** (math.floor(math.log10(abs(found.value))) - 3)
+    up: Callable[[float], int] = math.ceil if found.rises else math.floor
+    value = float(f"{up(found.value / step) * step:.12g}")
+    if not asked.low <= value <= asked.high:
+        return None
+    factor = factor_at(asked.both(value), "pre_ie")
+    return None if factor is None or factor < asked.target - TOLERANCE["pre_ie"] else (value, factor)
+
+
+def _target(design: Design, fos: float | None) -> tuple[float, bool]:
+    """The factor that is wanted, and whether it comes from the acceptance rules."""
+    advice = "Give the factor of safety that is wanted: --fos 1.5"
+    if fos is None:
+        wanted = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and ">" in rule.relation]
+        if not wanted:
+            raise DesignError([Fault("E314", "no target is given, and the design has no acceptance rule", "", advice)])
+        return max(wanted), True
+    if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
+        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
+        raise DesignError([Fault("E314", message, "", advice)])
+    return fos, False
+
+
+__all__ = ["factor_at", "level_of", "solve"]

@@ -1,0 +1,313 @@
+"""The value of one number of a design at which its probability of failure is a target.
+
+The probability comes from samples drawn with the same random numbers at every value: it is a step function of the
+value, so what is found is the place of a step, and the confidence limits of the estimate become limits of the value.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, TypeAlias
+
+from slopekit._version import __version__
+from slopekit.design.common import Design
+from slopekit.design.files import with_values
+from slopekit.errors import DesignError, Fault, Notice, SlopekitError
+from slopekit.orientation import number
+from slopekit.studies.keys import Key, key_of, keys_of, values_of
+from slopekit.studies.ranges import Within, parse_within
+from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
+from slopekit.studies.running import ALONE, Advance, Crew
+from slopekit.studies.solve_notices import end_advice
+
+_EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
+_RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A probability of failure with its confidence limits; without limits they are None."""
+
+    value: float
+    low: float | None = None
+    high: float | None = None
+
+
+#: What a design comes to; drawn with the same random numbers at every call.
+FailureProbability: TypeAlias = Callable[[Design], "Estimate | float"]
+_Tried: TypeAlias = "Estimate | Fault"
+
+
+@dataclass(frozen=True, slots=True)
+class ProbableValue:
+    """A value at which the probability passes the target.
+
+    Attributes
+    ----------
+    value : on the side where the probability is not above the target; estimate : the probability there
+    bracket : the two sides of the step, each a value and its estimate
+    rises : whether the probability rises with the value there
+    limits : values between which the target lies within the confidence limits; None where an end was not found
+    """
+
+    value: float
+    estimate: Estimate
+    bracket: tuple[tuple[float, Estimate], tuple[float, Estimate]]
+    rises: bool
+    limits: tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class ProbabilitySolution:
+    """The value that was asked for.
+
+    Attributes
+    ----------
+    roots : the one nearest to the present value first
+    before : the probability of the design as it is, None where it forms no block
+    least, most : (value, probability) where it is least and greatest
+    reason : why there is no root
+    """
+
+    design: Design
+    key: Key
+    target: float
+    within: tuple[float, float]
+    before: Estimate | None
+    roots: tuple[ProbableValue, ...]
+    least: tuple[float, float] | None
+    most: tuple[float, float] | None
+    evaluations: int
+    reason: Fault | None
+    warnings: tuple[Notice, ...] = ()
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def answer(self) -> ProbableValue | None:
+        """The value nearest to the present one, None where there is none."""
+        return self.roots[0] if self.roots else None
+
+    @property
+    def exit_code(self) -> int:
+        """0 found, 1 there is no such value."""
+        return 0 if self.roots else 1
+
+    def to_dict(self) -> dict[str, Any]:
+        """The solution as JSON values."""
+        found = self.answer
+        return {
+            "slopekit": __version__,
+            "study": "solve",
+            "kind": self.design.kind,
+            "title": self.design.title,
+            "input_sha256": self.design.input_hash(),
+            "key": self.key.path,
+            "unit": self.key.unit,
+            "target": {"probability_of_failure": self.target},
+            "within": list(self.within),
+            "before": {"value": self.key.value, "probability": _estimate(self.before)},
+            "value": None if found is None else self.key.reduced(found.value),
+            "roots": [
+                {
+                    "value": self.key.reduced(root.value), "probability": _estimate(root.estimate),
+                    "rises": root.rises, "limits": list(root.limits),
+                    "bracket": [{"value": at, "probability": _estimate(of)} for at, of in root.bracket],
+                }
+                for root in self.roots
+            ],
+            "reach": {
+                name: None if end is None else {"value": self.key.reduced(end[0]), "probability": end[1]}
+                for name, end in (("least", self.least), ("most", self.most))
+            },
+            "evaluations": self.evaluations,
+            "reason": None if self.reason is None else self.reason.to_dict(),
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "timing_s": {"total": self.seconds},
+        }  # fmt: skip
+
+
+def _estimate(estimate: Estimate | None) -> dict[str, float | None] | None:
+    return None if estimate is None else {"value": estimate.value, "low": estimate.low, "high": estimate.high}
+
+
+def solve_probability(
+    design: Design,
+    key: str,
+    pf: float,
+    failure_probability: FailureProbability,
+    *,
+    within: Within | None = None,
+    advance: Advance = lambda _: None,
+) -> ProbabilitySolution:
+    """The value of one number of a design at which the probability of failure is a target.
+
+    Parameters
+    ----------
+    key : dotted path, or `path=low:high`; of a distribution one of its numbers: strength.weak.phi.mean
+    pf : the target, between 0 and 1
+    failure_probability : of a design, with the same random numbers at every call
+    within : between which values to look
+
+    Raises
+    ------
+    DesignError
+        E280, E310, E311 for the key, E312 for the range, E314 for the target; E302 and others of the probability of
+        the design as it is.
+    """
+    began = time.perf_counter()
+    if not (math.isfinite(pf) and 0.0 < pf < 1.0):
+        message = f"the target is a probability of failure of {number(pf)}, it lies between 0 and 1"
+        raise DesignError([Fault("E314", message, "", "Write --pf 0.05 for 5 %.")])
+    path, equals, text = key.partition("=")
+    one = key_of(design, path)
+    if one.scatters is not None or one.whole:
+        what = "is a distribution: solve for one of its numbers" if one.scatters else "counts something"
+        parts = [part.path for part in keys_of(design) if part.path.startswith(f"{one.path}.")]
+        advice = f"Name {' or '.join(parts)}." if parts else ""
+        raise DesignError([Fault("E311", f"{one.path} {what}", one.path, advice)])
+    low, high = parse_within(one, text if equals else within)
+    asked = _Asked(design, one, failure_probability, advance)
+    before = asked.ask(None)
+    if isinstance(before, Fault) and before.code.startswith("E30"):
+        raise DesignError([before])
+    search = asked.search(pf, "value", high - low, _RESOLUTION)
+    grid = places(low, high, one.value, even=_EVEN, close=_CLOSE, each_decade=_EACH_DECADE,
+                  around_zero=one.role == "coordinate")  # fmt: skip
+    if not equals and within is None:
+        search.add(near_by(grid, low, high, one.value))
+    found = search.crossings()
+    if not found:
+        search.add(grid)
+        found = search.crossings()
+    limits = {side: asked.limits(search, pf, side) for side in ("low", "high")} if found else {}
+    roots = [_value(crossing, limits, search) for crossing in found]
+    roots.sort(key=lambda root: root.value if one.value is None else one.apart(root.value, one.value))
+    reached = [(sample.at, sample.level + pf) for sample in search.samples if sample.level is not None]
+    least = min(reached, key=lambda end: end[1], default=None)
+    most = max(reached, key=lambda end: end[1], default=None)
+    reason = None if roots else _reason(one, pf, (low, high), least, most, search.samples)
+    solution = ProbabilitySolution(
+        design, one, pf, (low, high), None if isinstance(before, Fault) else before, tuple(roots), least, most,
+        len(asked.known), reason,
+    )  # fmt: skip
+    return replace(solution, warnings=tuple(_notices(solution)), seconds=time.perf_counter() - began)
+
+
+def solve_for_probability(
+    design: Design,
+    key: str,
+    pf: float,
+    *,
+    fos: float | None = None,
+    n: int | None = None,
+    seed: int = 1,
+    within: Within | None = None,
+    crew: Crew = ALONE,
+    advance: Advance = lambda _: None,
+) -> ProbabilitySolution:
+    """`solve_probability` with the probability of `slopekit.studies.probability`, without PRE-IE's confirmation.
+
+    Parameters
+    ----------
+    fos : what fails has a factor of safety below it [1]; n, seed : of the samples
+    """
+    from slopekit.studies.probability import probability
+
+    def failure_probability(changed: Design) -> Estimate:
+        target = 1.0 if fos is None else fos
+        found = probability(changed, n, seed=seed, target=target, confirm_count=0, near=0.0, crew=crew)
+        share = found.all_samples
+        if share.share is None:
+            raise DesignError([Fault("E318", "no sample could be judged")])
+        return Estimate(share.share, share.low, share.high)
+
+    return solve_probability(design, key, pf, failure_probability, within=within, advance=advance)
+
+
+@dataclass(slots=True)
+class _Asked:
+    design: Design
+    key: Key
+    failure_probability: FailureProbability
+    advance: Advance
+    known: dict[float | None, _Tried] = field(default_factory=dict)
+
+    def ask(self, value: float | None) -> _Tried:
+        """The estimate at a value (None: the design as it is), or why there is none; each asked once."""
+        if value not in self.known:
+            try:
+                values = {} if value is None else values_of(self.design, [self.key], [value])
+                found = self.failure_probability(with_values(self.design, values))
+                self.known[value] = found if isinstance(found, Estimate) else Estimate(float(found))
+            except SlopekitError as error:
+                self.known[value] = error.faults[0]
+            self.advance(1)
+        return self.known[value]
+
+    def search(self, target: float, of: str, span: float, resolution: float) -> Search[_Tried]:
+        sample = partial(self.samples, target, of)
+        return Search(sample, span, resolution=resolution, same=math.inf)
+
+    def samples(self, target: float, of: str, values: Sequence[float]) -> list[Sample[_Tried]]:
+        found = []
+        for value in values:
+            tried = self.ask(value)
+            share = None if isinstance(tried, Fault) else getattr(tried, of)
+            label = tried.code if isinstance(tried, Fault) else ""
+            found.append(Sample(value, None if share is None else share - target, label, tried))
+        return found
+
+    def limits(self, search: Search[_Tried], target: float, side: str) -> list[float]:
+        """Where one of the confidence limits passes the target."""
+        other = self.search(target, side, search.span, _RESOLUTION_OF_LIMITS)
+        other.add([sample.at for sample in search.samples])
+        return [crossing.best.at for crossing in other.crossings()]
+
+
+def _value(crossing: Crossing[_Tried], limits: dict[str, list[float]], search: Search[_Tried]) -> ProbableValue:
+    """The value on the safe side of a step, and how far off the limits of the estimate put it."""
+    ends = [end for end in (crossing.before, crossing.after) if isinstance(end.found, Estimate)]
+    safe = crossing.best if crossing.best.level == 0.0 else min(ends, key=lambda end: end.level or 0.0)
+    below = _nearest([at for side in limits.values() for at in side if at <= safe.at], safe.at)
+    above = _nearest([at for side in limits.values() for at in side if at > safe.at], safe.at)
+    estimates = [(end.at, end.found) for end in ends if isinstance(end.found, Estimate)]
+    assert isinstance(safe.found, Estimate)
+    return ProbableValue(safe.at, safe.found, (estimates[0], estimates[-1]), crossing.rises, (below, above))
+
+
+def _nearest(found: list[float], at: float) -> float | None:
+    return min(found, key=lambda one: abs(one - at), default=None)
+
+
+def _reason(
+    key: Key, target: float, within: tuple[float, float], least: tuple[float, float] | None,
+    most: tuple[float, float] | None, samples: Sequence[Sample[_Tried]],
+) -> Fault:  # fmt: skip
+    span = f"from {key.shown(within[0], 7)} to {key.shown(within[1], 7)}"
+    if least is None or most is None:
+        first = next(sample.found for sample in samples if isinstance(sample.found, Fault))
+        return Fault("E318", f"no value of {key.path} {span} gives a probability: {first.code} {first.message}")
+    if least[1] == most[1]:
+        text = f"the probability of failure does not depend on {key.path}: it is {least[1]:.6g} {span}"
+        return Fault("E316", text)
+    side, end = ("at most", most) if most[1] < target else ("at least", least)
+    text = (
+        f"no value of {key.path} {span} gives a probability of failure of {number(target)}: it is {side} "
+        f"{end[1]:.6g}, at {key.shown(end[0], 7)}"
+    )
+    return Fault("E315", text, "", end_advice(key, end[0], within))
+
+
+def _notices(solution: ProbabilitySolution) -> Iterable[Notice]:
+    key = solution.key
+    if len(solution.roots) > 1:
+        others = ", ".join(key.shown(root.value, 7) for root in solution.roots[1:])
+        text = f"{len(solution.roots)} values give {number(solution.target)}; further: {others}"
+        yield Notice("W356", text)
+    found = solution.answer
+    if found is not None and abs(found.estimate.value - solution.target) > 0.1 * solution.target:
+        (a, at_a), (b, at_b) = found.bracket
+        yield Notice("W357", f"the probability steps from {at_a.value:.4g} to {at_b.value:.4g} between "
+                             f"{key.shown(a)} and {key.shown(b)}: more samples make smaller steps")  # fmt: skip

@@ -1,0 +1,296 @@
+"""Support: the bolts, or the pressure on the face, that give a wedge or a plane a wanted factor of safety.
+
+>>> import slopekit as sk
+>>> plane = {"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
+...          "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 0, "phi": 37}}}
+>>> found = sk.support(sk.load(plane), 1.5, acts="active")
+>>> best = found.cases[0]
+>>> round(best.toward.plunge_deg, 2), round(best.closed_form.force, 1), round(best.closed_form.fos, 6)
+(-8.33, 201.5, 1.5)
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from slopekit.arrays import Floats, Ints
+from slopekit.design.common import Bolt, Design
+from slopekit.errors import Notice
+from slopekit.notices import common_notices
+from slopekit.orientation import Line
+from slopekit.studies.support_directions import NO_STRENGTH, Optimum, Way, Ways
+from slopekit.studies.support_options import Options, read_options
+from slopekit.studies.support_pattern import Layout, centre_of, groups, layout, too_short
+from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, Which, built_way, enough
+from slopekit.studies.support_search import Found, least_force
+from slopekit.studies.support_site import Answer, Site, pre_ie, pre_ie_coarse, site_of, strengths_of
+
+_AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
+_WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
+_ROUGH = 1e-3  # on coarse node pairs
+_MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
+_LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
+
+
+def support(
+    design: Design,
+    fos: object = 1.5,
+    *,
+    acts: object = None,
+    toward: object = None,
+    plunge: object = None,
+    bolt_capacity: object = 200.0,
+    spacing: object = None,
+    bond: object = 3.0,
+    length: object = None,
+) -> Support:
+    """Bolts and pressure that give a design a factor of safety; bolts that it has stay and count.
+
+    Parameters
+    ----------
+    fos : the target
+    acts : active or passive; None for both
+    toward : trend/plunge of the bolts' force on the block, into the rock
+    plunge : least and most plunge of a direction that can be drilled, "-5,15" (positive downward)
+    bolt_capacity : kN a bolt; spacing : m, of its heads; bond : m, anchorage behind the joint; length : m, of all
+
+    Raises
+    ------
+    DesignError
+        E320 for other kinds than wedge and plane, E321 for options that are not understood.
+    GeometryError
+        Where no block can be formed.
+    """
+    began = time.perf_counter()
+    options = read_options(
+        fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
+        length=length,
+    )  # fmt: skip
+    site = site_of(design)
+    bare, bare_limit = site.closed_form(design), pre_ie(design)
+    study = _Study(site, options, bare, bare_limit)
+    stands = enough(options.target, bare, bare_limit, study.dilates)
+    cases = () if stands else tuple(study.cases())
+    weight = design.unit_weight_kn_m3 * site.block.volume
+    return Support(
+        design, options.target, options, bare, bare_limit, cases, None if stands else study.pressure(), weight,
+        site.area, site.unit, tuple(common_notices(design, strengths_of(design))), study.dilates,
+        time.perf_counter() - began,
+    )  # fmt: skip
+
+
+class _Asked:
+    """PRE-IE's answers to a design with more force, each asked once."""
+
+    def __init__(self, changed: Callable[[float], Design]) -> None:
+        self.changed = changed
+        self._known: dict[float, Answer] = {}
+
+    def __call__(self, force: float) -> Answer:
+        if force not in self._known:
+            self._known[force] = pre_ie(self.changed(force))
+        return self._known[force]
+
+    def coarsely(self, force: float) -> Answer:
+        """On the coarsest node pairs."""
+        return pre_ie_coarse(self.changed(force))
+
+
+class _Study:
+    """One design at one target."""
+
+    def __init__(self, site: Site, options: Options, bare: Answer, bare_limit: Answer) -> None:
+        self.site, self.options, self.bare, self.bare_limit = site, options, bare, bare_limit
+        self.target = options.target
+        self.dilates = any(strength.dilation_deg for strength in strengths_of(site.design))
+        self.aim = self.target * (1.0 + _AIM)
+        self.factor = self.aim  # that the forces alone have to reach
+        if bare.level >= self.target:
+            # they have it already, PRE-IE has not: ask them for as much more as it lacks, for a direction
+            lacks = self.aim / bare_limit.level if bare_limit.level > 0.0 else 2.0
+            self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + _AIM)
+
+    def cases(self) -> list[Case]:
+        """Every case that was asked for."""
+        found = []
+        for acts in self.options.acts:
+            ways = Ways(self.site, self.factor, acts == "passive")
+            goal = self.factor / (1.0 + _AIM)
+            if self.options.toward is not None:
+                way = ways.along(self.site.axes @ self.options.toward.vector(), goal, self.bare)
+                found.append(self._case(ways, "given", way, None))
+            if self.options.plunge is not None:
+                found.append(self._case(ways, "practical", *ways.within(self.options.plunge, goal, self.bare)))
+            found.append(self._case(ways, "best", *ways.best(goal, self.bare)))
+        return found
+
+    def _case(self, ways: Ways, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
+        acts: Literal["active", "passive"] = "passive" if ways.passive else "active"
+        if way is None:
+            return Case(acts, which, None, Need(None, None, self.bare.status, notice=self._nowhere(ways, which)), None)
+        stands = self.bare.level >= self.target
+        line = self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
+        closed = Need(way.force, way.answer.factor, way.answer.status, way.below, notice=way.notice)
+        if stands:
+            closed = Need(0.0, self.bare.factor, self.bare.status)
+            optimum = None
+        if way.force is None:
+            lacks = Need(None, way.answer.factor, way.answer.status, notice=way.notice) if stands else None
+            return Case(acts, which, line, closed, lacks)
+        found = self._least(_Asked(lambda force: self.site.with_bolts(ways.bolt(line, force))), way.force, way.most)
+        limit = self._need(found, "through the centroid")
+        most = None if math.isinf(way.most) or stands else way.most
+        case = Case(acts, which, line, closed, limit, most, optimum, dilates=self.dilates)
+        if which == built_way(self.options):
+            force = case.force or max(closed.force or 0.0, way.force)
+            least = 0.0 if self.dilates else closed.force or 0.0
+            case = replace(case, pattern=self._pattern(ways, line, force, least, found.slope))
+        if case.pattern is not None and case.pattern.reached:
+            return replace(case, bolts=self._bolts(ways, line, case.pattern))
+        return case if case.force is None else replace(case, bolts=(ways.bolt(line, case.force),))
+
+    def _nowhere(self, ways: Ways, which: Which) -> Notice:
+        if not ways.held.has_strength:
+            return NO_STRENGTH
+        if which == "practical":
+            low, high = self.options.plunge or (0.0, 0.0)
+            where = f"no direction into the face that plunges {low:g} to {high:g}° reaches the target"
+            return Notice("E323" if ways.passive else "E322", where)
+        return Notice("E324", "no force of any direction reaches the target")
+
+    # -- PRE-IE ---------------------------------------------------------------------------------------------
+
+    def _least(self, ask: "_Asked", guess: float, most: float, slope: float | None = None) -> Found:
+        at_zero = self.bare_limit.level
+        if at_zero >= self.target:
+            return Found(0.0, self.bare_limit, 0.0, None, None)
+        within, first = min(_WITHIN, 4e-7 / self.target), ask(guess)
+        if slope is None and not first.level >= self.target * (1.0 - _WITHIN):
+            # moments govern, and each answer takes long: look on coarse node pairs first
+            rough = least_force(ask.coarsely, self.target, _ROUGH, guess, at_zero, most)
+            if rough.force is None:  # finer ones seldom give more: ask them once, where the coarse gave most
+                return least_force(ask, self.target, within, guess, at_zero, most, upward=[rough.best_force])
+            guess, slope = rough.force, rough.slope
+        return least_force(ask, self.target, within, guess, at_zero, most, slope)
+
+    def _need(self, found: Found, where: str) -> Need:
+        answer, notice = found.answer, None
+        if found.force is None:
+            at = f"at best FoS {answer.level:.4g} at {found.best_force:.4g} {self.site.unit}"
+            turning = "moments turn the block" if answer.moments_govern else "its limit lies below the closed form's"
+            notice = Notice("E329", f"PRE-IE does not reach the target {where}: {turning}, {at}")
+        elif found.below is not None:
+            notice = Notice(
+                "E325", f"FoS jumps over the target at {found.force:.6g} {self.site.unit}, from {found.below:.4g} to "
+                f"{answer.level:.4g}: contact, or how the block moves, changes there"
+            )  # fmt: skip
+        return Need(found.force, answer.factor, answer.status, found.below, answer.moments_govern, answer.agree, notice)
+
+    # -- heads on the face ------------------------------------------------------------------------------------
+
+    def _pattern(self, ways: Ways, line: Line, force: float, least: float, rate: float | None) -> Pattern:
+        """Heads on the face for a force that is enough through the centroid, and what PRE-IE says of them.
+
+        `least` is what the forces alone need, `rate` how the level rises with the force.
+        """
+        options, site = self.options, self.site
+        direction = site.local(line.vector())
+        first: float | None = None
+        wanted, guess, slope, rounds = force, force, rate, 0
+        while True:
+            laid = layout(site, direction, wanted, options.capacity, options.spacing)
+            if isinstance(laid, Notice):
+                return Pattern(None, (laid,), asked=force, first=first)
+            for most in (1, _MOST_GROUPS) if ways.passive else (1,):
+                heads, counts = groups(site, laid, direction, most)
+                ask = _Asked(self._with_heads(ways, line, direction, heads, counts))
+                first = ask(force).level if first is None else first
+                found = self._least(ask, guess, math.inf, slope)
+                if found.force is None:
+                    break
+                guess, slope = found.force, found.slope
+                if not found.answer.moments_govern:
+                    break  # it slides without turning: every bolt is drawn out alike, wherever its head is
+            rounds += 1
+            fits = found.force is not None and 0.9 * wanted < found.force <= wanted * (1.0 + 1e-9)
+            if found.force is None or fits or rounds == _LAYOUTS:
+                return self._laid_out(
+                    Pattern(laid, (), asked=force, first=first, groups=len(heads)), laid, found, least
+                )
+            wanted = found.force
+
+    def _laid_out(self, pattern: Pattern, laid: Layout, found: Found, least: float) -> Pattern:
+        """A pattern with its lengths, and whether those given are enough."""
+        options, site = self.options, self.site
+        need = self._need(found, "with the heads on the face")
+        lengths = laid.leaves_m + options.bond
+        notices = [need.notice] if need.notice is not None else []
+        taken = np.ceil(lengths * 100.0 - 1e-9) / 100.0
+        if options.length is not None:
+            taken = np.full(len(laid), options.length)
+            short = too_short(taken, lengths, f"{options.length:g} m")
+            notices += [short] if short else []
+        force = each = None
+        if found.force is not None:
+            force = max(found.force, least)  # with heads PRE-IE needs no less than the forces alone
+            each = force * (laid.across_m if site.in_section else 1.0) / len(laid)
+            if each > options.capacity * (1.0 + 1e-6):
+                message = f"{each:.6g} kN come to each bolt: with more of them the moments ask for more force again"
+                notices.append(Notice("E328", message))
+        return replace(
+            pattern, layout=laid, notices=tuple(notices), force=force, each=each, lengths=lengths, taken=taken,
+            per_m2=None if force is None else force / site.area, need=need,
+        )  # fmt: skip
+
+    def _with_heads(
+        self, ways: Ways, line: Line, direction: Floats, heads: Floats, counts: Ints
+    ) -> Callable[[float], Design]:
+        """The design with a force spread over heads: active bolts are one force through their mean head."""
+        shares = counts / counts.sum()
+        if not ways.passive:
+            middle = shares @ heads
+            return lambda force: self.site.with_force(force * direction, middle)
+        places = [self.site.place(head) for head in heads]
+
+        def changed(force: float) -> Design:
+            bolts = [
+                Bolt(force * float(share), line, "passive", place) for share, place in zip(shares, places, strict=True)
+            ]
+            return self.site.with_bolts(*bolts)
+
+        return changed
+
+    def _bolts(self, ways: Ways, line: Line, pattern: Pattern) -> tuple[Bolt, ...]:
+        laid = pattern.layout
+        assert laid is not None
+        assert pattern.force is not None
+        acts: Literal["active", "passive"] = "passive" if ways.passive else "active"
+        return tuple(
+            Bolt(pattern.force / len(laid), line, acts, (float(head[0]), float(head[1]), float(head[2])), float(length))
+            for head, length in zip(laid.heads_m, pattern.taken, strict=True)
+        )
+
+    # -- pressure -----------------------------------------------------------------------------------------------
+
+    def pressure(self) -> Pressure:
+        """An even pressure on the face."""
+        site, area = self.site, self.site.area
+        ways = Ways(site, self.factor, passive=False)
+        way = ways.along(site.inward, self.factor / (1.0 + _AIM), self.bare)
+        middle = centre_of(site.face)
+        place = site.place(middle)
+        line = site.line(site.inward)
+        none = Need(0.0, self.bare.factor, self.bare.status) if self.bare.level >= self.target else None
+        if way.force is None:
+            lacks = Need(None, way.answer.factor, way.answer.status, notice=way.notice)
+            return Pressure(none or lacks, lacks if none else None, area, line, place)
+        closed = none or Need(way.force / area, way.answer.factor, way.answer.status, way.below, notice=way.notice)
+        found = self._least(_Asked(lambda force: site.with_force(force * site.inward, middle)), way.force, math.inf)
+        need = self._need(found, "with the pressure on the face")
+        if need.force is not None:
+            need = replace(need, force=need.force / area)
+        return Pressure(closed, need, area, line, place, self.dilates)

@@ -1,0 +1,288 @@
+"""The least force by the closed form: along a direction, over all of them, within limits of plunge.
+
+The forces come from `support_forces`; each is put back into the closed form itself before it counts.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.design.common import Bolt
+from slopekit.errors import Notice
+from slopekit.orientation import Line
+from slopekit.studies.support_forces import Held, around, least_along, most_along, nearest, polished, sphere
+from slopekit.studies.support_search import Found, least_force
+from slopekit.studies.support_site import Answer, Site
+
+SCANNED = 20_000  # directions over the sphere, 1.4° apart
+_IN_SECTION = 3_600  # directions in a section, 0.1° apart
+_CANDIDATES = 6  # nearest points that are put back before the search goes another way
+_STARTS = 8
+_SAME = 1e-9
+_ROUNDING = 1e-12
+_FLAT = 1e-9  # what rounding a direction may add to the least force
+INTO_FACE_DEG = 5.0  # the practical optimum points into the face by at least that
+_SAMPLES = np.concatenate([[0.0], np.logspace(-4.0, 4.0, 33)])  # forces in parts of the loads, where none reaches
+
+NO_STRENGTH = Notice(
+    "E324", "the joints have no strength: a load can only balance the block, and passive bolts would hang it up alone"
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A direction and the least force along it, by the closed form.
+
+    Attributes
+    ----------
+    direction : (3,) local axes, unit length in space
+    force : kN, None where no force that way reaches the target; most : above it the factor falls below again
+    answer : at that force; without one the best that the direction gives, at `best_force`
+    below : the factor just under the force, where it jumps over the target; None where it rises to it
+    notice : why not, or what to know
+    """
+
+    direction: Floats
+    force: float | None
+    most: float
+    answer: Answer
+    best_force: float
+    below: float | None
+    notice: Notice | None
+
+
+@dataclass(frozen=True, slots=True)
+class Optimum:
+    """The evidence that a direction is the best.
+
+    Attributes
+    ----------
+    scanned : other directions that were looked at; least_scanned : the least force of those, kN
+    around : least and most force 1° off it, kN (inf: some direction there reaches the target with no force)
+    """
+
+    scanned: int
+    least_scanned: float
+    around: tuple[float, float]
+    is_minimum: bool
+
+
+class Ways:
+    """Directions of bolts that act one way, at one factor of safety.
+
+    Parameters
+    ----------
+    factor : what the force shall give; passive : whether its capacity is divided by that factor
+    """
+
+    def __init__(self, site: Site, factor: float, passive: bool) -> None:
+        self.site, self.factor, self.passive = site, factor, passive
+        self.held: Held = site.held(factor)
+        self.times = factor if passive else 1.0
+        self.acts: str = "passive" if passive else "active"
+        world = sphere(SCANNED)
+        if site.in_section:
+            turn = 2.0 * math.pi * np.arange(_IN_SECTION) / _IN_SECTION
+            world = site.world(np.stack([np.cos(turn), 0.0 * turn, np.sin(turn)], axis=1))
+        self._sphere = world
+        self._forces: Floats | None = None
+
+    def forces(self, world: Floats) -> Floats:
+        """Least capacities (m,) along unit directions (m, 3) in east, north, up."""
+        least = least_along(self.held, self.site.local(world), self.passive)
+        found: Floats = least * self.times
+        return found
+
+    def ask(self, direction: Floats, force: float) -> Answer:
+        """The closed form with that much more."""
+        return self.site.closed_form(self.site.with_bolts(self.bolt(self.site.line(direction), force)))
+
+    def bolt(self, line: Line, force: float) -> Bolt:
+        """A bolt without a head."""
+        return Bolt(force, line, "passive" if self.passive else "active")
+
+    # -- the best direction -------------------------------------------------------------------------------
+
+    def best(self, target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
+        """The direction of the least force, with its evidence; None where no direction has one."""
+        found = None
+        if self._balances_only():
+            return None, None
+        for way in nearest(self.held, self.passive)[:_CANDIDATES]:
+            size = math.sqrt(float(way @ way))
+            tried = self._put_back(*self._rounded(way / size, size * self.times), target, at_zero)
+            if tried.force is not None:
+                found = tried
+                break
+        scan = self._scan()
+        least = float(scan.min())
+        if math.isfinite(least) and (found is None or found.force is None or least < found.force * (1.0 - _SAME)):
+            angles = _angles(self._sphere[np.argsort(scan)[:_STARTS]])
+            polish = polished(lambda some: self.forces(_vectors(some)), angles, (-1e9, -90.0), (1e9, 90.0))
+            if polish is not None:
+                other = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
+                if other.force is not None and (found is None or other.force < (found.force or math.inf)):
+                    found = other
+        return found, None if found is None else self._evidence(found, np.ones(len(scan), dtype=bool))
+
+    def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
+        """The same among the directions that plunge between limits (degrees) and point into the face."""
+        if self._balances_only():
+            return None, None
+        low, high = plunges
+        trends = np.arange(0.0, 360.0, 2.0)
+        steps = np.linspace(low, high, 2 + int((high - low) / 2.0))
+        grid = np.stack(np.meshgrid(trends, steps), axis=-1).reshape(-1, 2)
+        scan = self._of_angles(grid)
+        starts = grid[np.argsort(scan)[:_STARTS]]
+        every = [self.site.line(way / math.sqrt(float(way @ way))) for way in nearest(self.held)[:_CANDIDATES]]
+        starts = np.concatenate([starts, [[line.trend_deg, line.plunge_deg] for line in every]]) if every else starts
+        polish = polished(self._of_angles, starts, (-1e9, low), (1e9, high))
+        if polish is None:
+            return None, None
+        found = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
+        if found.force is None:
+            return None, None
+        return found, self._evidence(found, self._allowed(self._sphere, plunges), plunges)
+
+    def _of_angles(self, angles: Floats) -> Floats:
+        world = _vectors(angles)
+        return np.where(self._into_face(world), self.forces(world), np.inf)
+
+    def _into_face(self, world: Floats) -> Bools:
+        into: Bools = world @ self.site.world(self.site.inward) >= math.sin(math.radians(INTO_FACE_DEG)) - _ROUNDING
+        return into
+
+    def _allowed(self, world: Floats, plunges: tuple[float, float]) -> Bools:
+        plunge = -np.degrees(np.arcsin(np.clip(world[:, 2], -1.0, 1.0)))
+        allowed: Bools = self._into_face(world) & (plunge >= plunges[0] - 1e-9) & (plunge <= plunges[1] + 1e-9)
+        return allowed
+
+    def _balances_only(self) -> bool:
+        """Whether nothing has strength that could be divided by a factor: loads balance exactly, or not at all."""
+        return not self.held.has_strength and len(self.held.pulls) == 0
+
+    def _scan(self) -> Floats:
+        if self._forces is None:
+            self._forces = self.forces(self._sphere)
+        return self._forces
+
+    def _direction(self, angles: Floats) -> Floats:
+        """Local axes; in a section the direction keeps its length in space."""
+        direction: Floats = _vectors(angles[None, :])[0] @ self.site.axes.T
+        return direction
+
+    def _rounded(self, direction: Floats, force: float) -> tuple[Floats, float]:
+        """A direction to a ten-thousandth of a degree with the least force along it, where that is as little."""
+        line = self.site.line(direction)
+        short = self._direction(np.array([round(line.trend_deg, 4) % 360.0, round(line.plunge_deg, 4)]))
+        least = float(self.forces(self.site.world(short)[None, :])[0])
+        return (short, least) if least <= force * (1.0 + _FLAT) else (direction, force)
+
+    def _evidence(self, way: Way, allowed: Bools, plunges: tuple[float, float] | None = None) -> Optimum:
+        assert way.force is not None
+        scan = self._scan()[allowed]
+        ring = around(self.site.world(way.direction), 1.0)
+        if plunges is not None:
+            ring = ring[self._allowed(ring, plunges)]
+        near = self.forces(ring)
+        least = float(scan.min()) if len(scan) else math.inf
+        low, high = (float(near.min()), float(near.max())) if len(near) else (math.inf, math.inf)
+        sound = min(least, low) >= way.force * (1.0 - _SAME)
+        return Optimum(int(allowed.sum()), least, (low, high), sound)
+
+    # -- one direction --------------------------------------------------------------------------------------
+
+    def along(self, direction: Floats, target: float, at_zero: Answer) -> Way:
+        """The least force along one direction (local axes)."""
+        if self._balances_only():
+            return Way(direction, None, math.inf, at_zero, 0.0, None, NO_STRENGTH)
+        force = float(self.forces(self.site.world(direction)[None, :])[0])
+        if math.isfinite(force):
+            found = self._put_back(direction, force, target, at_zero)
+            if found.force is not None:
+                return found
+        return self._out_of_reach(direction, target, at_zero)
+
+    def _put_back(self, direction: Floats, force: float, target: float, at_zero: Answer) -> Way:
+        """The closed form at a force that the sets gave; where it says otherwise, its own root near by."""
+        most = math.inf
+        if not self.passive:
+            most = most_along(self.held, self.site.local(self.site.world(direction)[None, :])[0], force)
+        answer = self.ask(direction, force)
+        if abs(answer.level / self.factor - 1.0) <= _SAME:
+            return Way(direction, force, most, answer, force, None, None)
+        found = least_force(
+            lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0, force, at_zero.level, most
+        )
+        if found.force is None:
+            return Way(direction, None, math.inf, found.answer, found.best_force, None, None)
+        return self._found(direction, found, most)
+
+    def _found(self, direction: Floats, found: Found, most: float) -> Way:
+        assert found.force is not None
+        notice = None
+        if found.below is not None:
+            notice = jump_notice(found.below, found.answer, found.force, self.site.unit)
+        return Way(direction, found.force, most, found.answer, found.force, found.below, notice)
+
+    def _out_of_reach(self, direction: Floats, target: float, at_zero: Answer) -> Way:
+        """The best that a direction gives, and what stands against more."""
+        size, best, best_force = self.held.size, at_zero, 0.0
+        answers = [at_zero] + [self.ask(direction, share * size) for share in _SAMPLES[1:]]
+        for share, answer in zip(_SAMPLES, answers, strict=True):
+            if answer.level > best.level:
+                best, best_force = answer, share * size
+        enough = next((k for k, answer in enumerate(answers) if answer.level >= target), None)
+        if enough is not None:  # where bolts pull in part, the sets do not have it
+            found = least_force(
+                lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0,
+                float(_SAMPLES[enough]) * size, at_zero.level, math.inf,
+            )  # fmt: skip
+            if found.force is not None:
+                return self._found(direction, found, math.inf)
+        unit, shown = self.site.unit, f"{best.level:.4g}"
+        level = [answer.level for answer in answers]
+        gained = best.level > at_zero.level * (1.0 + _SAME)
+        last = answers[-1].status
+        if self.passive:
+            why = (
+                "the movement does not draw them out: they add nothing"
+                if not gained
+                else f"they pull no more than stops the movement along them: at best FoS {shown}"
+            )
+            return Way(direction, None, math.inf, best, best_force, None, Notice("E323", why))
+        if not gained:
+            why = "force that way drives the block, or lifts it, as much as it holds it: it adds nothing"
+        elif best_force >= _SAMPLES[-2] * size:
+            why = f"force that way adds to what drives as to what holds: FoS tends to {shown}, however strong"
+        else:
+            why = f"at best FoS {shown} at {best_force:.4g} {unit}; more force lowers it again"
+        if last in ("lifted", "falls") and level[-1] == 0.0:
+            why += ", and in the end lifts the block off"
+        return Way(direction, None, math.inf, best, best_force, None, Notice("E322", why))
+
+
+def jump_notice(below: float, answer: Answer, force: float, unit: str) -> Notice:
+    """A factor that jumps over the target where contact is won or lost."""
+    from_ = f"{below:.4g}" if below > 0.0 else "none (the block has no hold)"
+    to = "no driving force" if math.isinf(answer.level) else f"{answer.level:.4g}"
+    message = (
+        f"FoS jumps over the target at {force:.6g} {unit}, from {from_} to {to}: contact is won there. A little less "
+        "force loses it: go above"
+    )
+    return Notice("E325", message)
+
+
+def _angles(world: Floats) -> Floats:
+    """Trend and plunge (m, 2) of unit vectors, degrees."""
+    trend = np.degrees(np.arctan2(world[:, 0], world[:, 1]))
+    return np.stack([trend, -np.degrees(np.arcsin(np.clip(world[:, 2], -1.0, 1.0)))], axis=1)
+
+
+def _vectors(angles: Floats) -> Floats:
+    trend, plunge = np.radians(angles[:, 0]), np.radians(angles[:, 1])
+    flat = np.cos(plunge)
+    return np.stack([np.sin(trend) * flat, np.cos(trend) * flat, -np.sin(plunge)], axis=1)

@@ -1,0 +1,282 @@
+"""Where bolts of one force stand on the face, and how long each must be: rows and columns at even spacing.
+
+A head is taken only where its bolt, drawn on through the block, leaves it through a joint: there it can be anchored.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.errors import Notice
+from slopekit.studies.support_site import Site
+
+MOST_BOLTS = 5000
+CLOSEST_M = 0.25  # bolts that stand closer hold the same rock
+_MARGIN = 0.25  # of the spacing: the least distance of a head from the edge of the face
+_FINER = 0.98  # of the spacing, from one try to the next
+_STARTS = np.array([(a, b) for a in (0.0, 0.25, 0.5, 0.75) for b in (0.0, 0.25, 0.5, 0.75)])  # of the spacing
+_PLACES = 401  # along the face of a section that are looked at
+_CLEAR = 1e-9  # of the size of the block
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Bolts on a face.
+
+    Attributes
+    ----------
+    heads_m : (n, 3) in east, north, up of the design; local_m : the same in local axes
+    leaves_m : (n,) from the head to where each bolt leaves the block through a joint
+    row : (n,) and column : (n,) of each head, from 0, the lowest row first
+    rows, columns : how many
+    across_m, up_m : spacing along the rows and from row to row
+    left_out : places of the grid on the face whose bolts would leave the block through a free face
+    needed : bolts that the force asks for; a section's: None, its bolts stand along the slope
+    """
+
+    heads_m: Floats
+    local_m: Floats
+    leaves_m: Floats
+    row: Ints
+    column: Ints
+    rows: int
+    columns: int
+    across_m: float
+    up_m: float
+    left_out: int
+    needed: int | None
+
+    def __len__(self) -> int:
+        return len(self.heads_m)
+
+
+def depths(site: Site, heads: Floats, direction: Floats) -> tuple[Floats, Bools]:
+    """How far (n,) from its head each bolt leaves the block, and whether rock lies behind the face it leaves through.
+
+    Parameters
+    ----------
+    heads : (n, 3) and direction : (3,), local axes; not of unit length in a section where the bolt points aside
+    """
+    size = float(np.ptp(site.block.corners, axis=0).max())
+    enters, leaves = np.zeros(len(heads)), np.full(len(heads), np.inf)
+    behind = np.full(len(heads), -1)
+    for plane, polygon in site.block.faces.items():
+        outward = site.outward[plane]
+        gap, slope = (polygon[0] - heads) @ outward, float(outward @ direction)
+        if abs(slope) < 1e-12:
+            enters = np.where(gap < -_CLEAR * size, np.inf, enters)
+        elif slope < 0.0:
+            enters = np.maximum(enters, gap / slope)
+        else:
+            nearer = gap / slope < leaves
+            leaves, behind = np.where(nearer, gap / slope, leaves), np.where(nearer, plane, behind)
+    joint = (behind[:, None] == np.array(site.joints)).any(axis=1)
+    anchored = joint & (leaves > enters + _CLEAR * size)
+    return leaves, anchored
+
+
+def layout(site: Site, direction: Floats, force: float, capacity: float, spacing: float | None) -> Layout | Notice:
+    """Bolts of at most `capacity` that carry `force` along a direction (local axes), or why there are none."""
+    if not float(site.inward @ direction) > 1e-6:
+        message = "the force points out of the face: bolts with their heads on it pull the other way"
+        return Notice("E326", message)
+    if site.in_section:
+        return _section_layout(site, direction, force, capacity, spacing)
+    return _face_layout(site, direction, force, capacity, spacing)
+
+
+def _face_layout(
+    site: Site, direction: Floats, force: float, capacity: float, spacing: float | None
+) -> Layout | Notice:
+    needed = max(1, math.ceil(force / capacity * (1.0 - 1e-9)))
+    if needed > MOST_BOLTS:
+        message = f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, more than {MOST_BOLTS}: no pattern is laid"
+        return Notice("E328", message)
+    grid = _Grid.of(site, direction)
+    if spacing is not None:
+        if float(np.ptp(grid.polygon, axis=0).max()) / spacing > MOST_BOLTS:
+            message = f"a spacing of {spacing:.6g} m puts more than {MOST_BOLTS} bolts on a face of {site.area:.6g} m²"
+            return Notice("E328", message)
+        best = max(grid.at(spacing), key=lambda found: found.rank(needed))
+        if len(best.points) < needed:
+            holds = len(best.points) * capacity
+            message = (
+                f"at a spacing of {spacing:.6g} m the face holds {len(best.points)} bolts of {capacity:.6g} kN, "
+                f"{holds:.6g} kN in all, and {force:.6g} kN are needed"
+            )
+            return Notice("E328", message)
+        return grid.layout(best, needed)
+    tried = 2.0 * math.sqrt(site.area / needed)
+    while tried > 0.02 * math.sqrt(site.area / needed):
+        enough = [one for one in grid.at(tried) if len(one.points) >= needed]
+        if enough and needed > 1 and tried < CLOSEST_M:
+            message = (
+                f"{force:.6g} kN take {needed} bolts of {capacity:.6g} kN, {tried:.2g} m apart: no pattern is laid "
+                f"closer than {CLOSEST_M} m"
+            )
+            return Notice("E328", message)
+        if enough:
+            return grid.layout(max(enough, key=lambda one: one.rank(needed)), needed)
+        tried *= _FINER
+    message = "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
+    return Notice("E326", message)
+
+
+@dataclass(frozen=True, slots=True)
+class _Chosen:
+    points: Floats
+    spacing: float
+    left_out: int
+    off: float
+
+    def rank(self, needed: int) -> tuple[int, float]:
+        """Enough heads and no more than that, near the middle of the face."""
+        count = len(self.points)
+        return (-count if count >= needed else count - 10 * MOST_BOLTS, -self.off)
+
+
+@dataclass(frozen=True, slots=True)
+class _Grid:
+    """The face in its own axes: along the strike, and up the dip; heads as (n, 2)."""
+
+    site: Site
+    direction: Floats
+    middle: Floats
+    axes: Floats
+    polygon: Floats
+
+    @staticmethod
+    def of(site: Site, direction: Floats) -> "_Grid":
+        out = -site.inward
+        across = np.cross(np.array([0.0, 0.0, 1.0]), out)
+        size = math.sqrt(float(across @ across))
+        across = across / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+        axes = np.array([across, np.cross(out, across)])
+        middle = centre_of(site.face)
+        return _Grid(site, direction, middle, axes, (site.face - middle) @ axes.T)
+
+    def at(self, spacing: float) -> list[_Chosen]:
+        """Heads at a spacing, for each place where rows and columns may begin."""
+        low, high = self.polygon.min(axis=0), self.polygon.max(axis=0)
+        u, v = (
+            np.arange(math.floor(low[k] / spacing) - 1, math.ceil(high[k] / spacing) + 2) * spacing for k in range(2)
+        )
+        lattice = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+        points = (lattice + spacing * _STARTS[:, None, :]).reshape(-1, 2)
+        start = np.repeat(np.arange(len(_STARTS)), len(lattice))
+        clear = _clear_of_edges(points, self.polygon, _MARGIN * spacing)
+        points, start = points[clear], start[clear]
+        _, anchored = depths(self.site, self.local(points), self.direction)
+        found = []
+        for k in range(len(_STARTS)):
+            kept = points[anchored & (start == k)]
+            off = float(np.hypot(*kept.mean(axis=0))) if len(kept) else math.inf
+            found.append(_Chosen(kept, spacing, int((~anchored & (start == k)).sum()), off))
+        return found
+
+    def local(self, points: Floats) -> Floats:
+        found: Floats = self.middle + points @ self.axes
+        return found
+
+    def layout(self, chosen: _Chosen, needed: int) -> Layout:
+        columns, column = np.unique(chosen.points[:, 0].round(9), return_inverse=True)
+        rows, row = np.unique(chosen.points[:, 1].round(9), return_inverse=True)
+        local = self.local(chosen.points)
+        leaves, _ = depths(self.site, local, self.direction)
+        return Layout(
+            frozen(self.site.world(local) + self.site.origin), frozen(local), frozen(leaves), row.ravel(),
+            column.ravel(), len(rows), len(columns), chosen.spacing, chosen.spacing, chosen.left_out, needed,
+        )  # fmt: skip
+
+
+def _clear_of_edges(points: Floats, polygon: Floats, margin: float) -> Bools:
+    """Which points (n, 2) lie in a convex polygon, anticlockwise, and at least so far from its edges."""
+    inside = np.ones(len(points), dtype=bool)
+    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        edge = b - a
+        length = math.hypot(edge[0], edge[1])
+        away = (edge[0] * (points[:, 1] - a[1]) - edge[1] * (points[:, 0] - a[0])) / max(length, 1e-300)
+        inside &= away >= margin
+    return inside
+
+
+def _section_layout(
+    site: Site, direction: Floats, force: float, capacity: float, spacing: float | None
+) -> Layout | Notice:
+    """Rows on the face of a section; `spacing` is that along the slope, else it is that from row to row."""
+    flat = site.face * [1.0, 0.0, 1.0]
+    foot, top = flat[flat[:, 2].argmin()], flat[flat[:, 2].argmax()]
+    length = math.sqrt(float((top - foot) @ (top - foot)))
+    shares = np.linspace(0.0, 1.0, _PLACES)[1:-1]
+    _, anchored = depths(site, foot + shares[:, None] * (top - foot), direction)
+    if not anchored.any():
+        message = (
+            "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
+        )
+        return Notice("E326", message)
+    step = 1.0 / (_PLACES - 1)
+    low, high = float(shares[anchored][0]), float(shares[anchored][-1])
+    reach = (high - low) * length
+    if spacing is None:
+        even = math.sqrt(reach * capacity / force)
+        rows = max(1, math.ceil(reach / even * (1.0 - 1e-9)))
+        across = min(rows * capacity / force, reach)
+    else:
+        across = spacing
+        rows = max(1, math.ceil(across * force / capacity * (1.0 - 1e-9)))
+    if rows > MOST_BOLTS or (rows > 1 and min(across, reach / rows) < CLOSEST_M):
+        message = (
+            f"{force:.6g} kN/m take {rows} rows of bolts of {capacity:.6g} kN, {reach / rows:.2g} m from row to row "
+            f"and one every {across:.2g} m: no pattern is laid closer than {CLOSEST_M} m"
+        )
+        return Notice("E328", message)
+    shares = low + (np.arange(rows) + 0.5) / rows * (high - low)
+    local = foot + shares[:, None] * (top - foot)
+    leaves, anchored = depths(site, local, direction)
+    if not anchored.all():
+        return Notice("E326", "bolts that way leave the block through a free face from some of the rows")
+    left_out = round((length - reach) / (reach / rows)) if reach < length * (1.0 - 3.0 * step) else 0
+    none = np.zeros(rows, dtype=np.int64)
+    return Layout(
+        frozen(site.world(local) + site.origin), frozen(local), frozen(leaves), np.arange(rows), none, rows, 1,
+        across, reach / rows, left_out, None,
+    )  # fmt: skip
+
+
+def centre_of(polygon: Floats) -> Floats:
+    """Centroid (3,) of a plane polygon (k, 3)."""
+    vectors = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0])
+    sizes = vectors @ vectors.sum(axis=0)
+    centres = (polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0
+    centre: Floats = sizes @ centres / sizes.sum()
+    return centre
+
+
+def groups(site: Site, laid: Layout, direction: Floats, most: int) -> tuple[Floats, Ints]:
+    """Bolts that stand together as one: heads (g, 3) in local axes, and how many bolts (g,) each stands for.
+
+    A group's head is the mean of its own, or where a bolt could not be anchored from there the nearest of them.
+    """
+    if len(laid) <= most:
+        return laid.local_m, np.ones(len(laid), dtype=np.int64)
+    across, up = (1, most) if laid.columns == 1 else (math.isqrt(most), math.isqrt(most))
+    _, member = np.unique((laid.column * across // laid.columns) * up + laid.row * up // laid.rows, return_inverse=True)
+    member = member.ravel()
+    counts = np.bincount(member)
+    heads = np.stack([np.bincount(member, laid.local_m[:, k]) for k in range(3)], axis=1) / counts[:, None]
+    for k in np.flatnonzero(~depths(site, heads, direction)[1]):
+        own = laid.local_m[member == k]
+        heads[k] = own[((own - heads[k]) ** 2).sum(axis=1).argmin()]
+    return heads, counts
+
+
+def too_short(lengths: Sequence[float] | Floats, needed: Floats, name: str) -> Notice | None:
+    """Say which bolts are too short."""
+    short = int((np.asarray(lengths) < needed * (1.0 - 1e-12)).sum())
+    if not short:
+        return None
+    message = f"{short} of {len(needed)} bolts are too short at {name}: the longest needs {float(needed.max()):.4g} m"
+    return Notice("E327", message)

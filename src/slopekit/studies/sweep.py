@@ -1,0 +1,364 @@
+"""A design at many values of one or two of its numbers, by both methods; no point is dropped.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+>>> swept = sweep(sk.load(wedge), {"slope.face.dip": [60, 80]}, methods="closed-form")
+>>> [round(point.factors.closed_form, 4) for point in swept.points]
+[1.5574, 1.4776]
+"""
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, get_args
+
+from slopekit._version import __version__
+from slopekit.analysis.factors import has_closed_form
+from slopekit.design.common import Design
+from slopekit.errors import DesignError, Fault, Notice
+from slopekit.orientation import number
+from slopekit.studies.journal import Journal
+from slopekit.studies.keys import Key, key_of, values_of
+from slopekit.studies.points import Evaluation, Point
+from slopekit.studies.ranges import MOST, parse_values
+from slopekit.studies.running import ALONE, Advance, Crew, run_all
+from slopekit.studies.solutions import Method, point_record
+from slopekit.studies.solve import factor_at
+
+Methods = Literal["both", "closed-form", "pre-ie"]
+#: A progress bar: its label and how much there is to do.
+Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
+_SAME = 1e-9  # factors that differ by less do not rise or fall
+
+
+@dataclass(frozen=True, slots=True)
+class Critical:
+    """Where a factor passes a level between two neighbouring values of the first key.
+
+    Attributes
+    ----------
+    level, what : 1, or what is wanted, in words
+    method : closed_form or pre_ie; line : value of the second key, None without one
+    between : the neighbours; at : interpolated (1 / F straight between them), None where that says nothing
+    how : interpolated, at a point, across a change of status, or to where there is no number
+    """
+
+    level: float
+    what: str
+    method: Method
+    line: float | None
+    between: tuple[float, float]
+    at: float | None
+    how: str
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A change of status between two neighbouring values of the first key; `line` as in `Critical`."""
+
+    line: float | None
+    between: tuple[float, float]
+    statuses: tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """A design at many values.
+
+    Attributes
+    ----------
+    keys : one or two; values : of each
+    points : for each value of the second key, those of the first
+    methods : both, closed-form or pre-ie
+    levels : what the factor is held against: (level, words)
+    """
+
+    design: Design
+    keys: tuple[Key, ...]
+    values: tuple[tuple[float, ...], ...]
+    points: tuple[Point, ...]
+    methods: Methods
+    levels: tuple[tuple[float, str], ...]
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def places(self) -> list[tuple[float, ...]]:
+        """The values of the keys at each point, the first key's first."""
+        return [values[::-1] for values in product(*self.values[::-1])]
+
+    @property
+    def asked(self) -> tuple[Method, ...]:
+        """The methods that were asked and are there, the one that counts first."""
+        if self.methods == "closed-form":
+            return ("closed_form",)
+        both = self.methods == "both" and any(
+            point.factors is not None and (point.factors.closed_form is not None or point.factors.closed_status)
+            for point in self.points
+        )
+        return ("pre_ie", "closed_form") if both else ("pre_ie",)
+
+    def status(self, point: Point) -> str:
+        """The status of a point by the method that counts, or the code of why there is no block."""
+        factors = point.factors
+        if factors is None:
+            return point.code
+        return factors.status if self.methods != "closed-form" else factors.closed_status or ""
+
+    def lines(self) -> Iterator[tuple[float | None, list[tuple[float, Point]]]]:
+        """For each value of the second key (None without one) the points by the first, in rising order."""
+        first, others = self.values[0], self.values[1] if len(self.values) > 1 else (None,)
+        for k, other in enumerate(others):
+            own = self.points[k * len(first) : (k + 1) * len(first)]
+            yield other, sorted(zip(first, own, strict=True), key=lambda pair: pair[0])
+
+    @property
+    def changes(self) -> list[Change]:
+        """Changes of status between neighbours."""
+        return [
+            Change(line, (a, b), (self.status(one), self.status(other)))
+            for line, points in self.lines()
+            for (a, one), (b, other) in pairwise(points)
+            if self.status(one) != self.status(other)
+        ]
+
+    @property
+    def critical(self) -> list[Critical]:
+        """Where the factors pass the levels."""
+        return [
+            found
+            for (level, what), method in product(self.levels, self.asked)
+            for line, points in self.lines()
+            for found in self._passes(level, what, method, line, points)
+        ]
+
+    def _passes(
+        self, level: float, what: str, method: Method, line: float | None, points: list[tuple[float, Point]]
+    ) -> Iterator[Critical]:
+        for (a, one), (b, other) in pairwise(points):
+            low, high = factor_at(one, method), factor_at(other, method)
+            if low is None or high is None or low == level or not min(low, high) < level <= max(low, high):
+                continue
+            at, how = None, "to where there is no number"
+            if high == level:
+                at, how = b, "at a point"
+            elif math.isfinite(low + high) and low > 0.0 and high > 0.0:
+                at = a + (b - a) * (1.0 / level - 1.0 / low) / (1.0 / high - 1.0 / low)
+                how = "interpolated" if self.status(one) == self.status(other) else "across a change of status"
+            yield Critical(level, what, method, line, (a, b), at, how)
+        at_first = points[0]
+        if factor_at(at_first[1], method) == level:
+            yield Critical(level, what, method, line, (at_first[0], at_first[0]), at_first[0], "at a point")
+
+    def shape(self, method: Method) -> str:
+        """How the factor goes with the first key: rises, falls, stays, turns; over all lines the same, or turns."""
+        found = set()
+        for _, points in self.lines():
+            factors = [factor for _, point in points if (factor := factor_at(point, method)) is not None]
+            steps = {_step(low, high) for low, high in pairwise(factors)} - {"stays"}
+            found.add("turns" if len(steps) > 1 else steps.pop() if steps else "stays" if len(factors) > 1 else "")
+        found -= {""}
+        return "" if not found else found.pop() if len(found) == 1 else "turns"
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many points there are of each status, or code where there is no block, the most frequent first."""
+        return dict(Counter(self.status(point) for point in self.points).most_common())
+
+    @property
+    def disagree(self) -> int:
+        """Points at which the methods disagree, or PRE-IE did not converge."""
+        return sum(
+            point.factors is not None and (point.factors.agree is False or point.factors.status == "not_converged")
+            for point in self.points
+        )
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 4 the methods disagree at a point, 3 no point forms a block, 2 every point is bad input."""
+        if self.disagree:
+            return 4
+        if any(point.factors is not None for point in self.points):
+            return 0
+        return 3 if any(point.code.startswith("E2") for point in self.points) else 2
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What a reader must know: points without a number."""
+        bare = [point for point in self.points if not has_number(factor_at(point, self.asked[0]))]
+        if not bare:
+            return ()
+        named = Counter(self.status(point) for point in bare)
+        text = ", ".join(f"{name} {count}" for name, count in named.most_common())
+        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The sweep as JSON values."""
+        return {
+            "slopekit": __version__,
+            "study": "sweep",
+            "kind": self.design.kind,
+            "title": self.design.title,
+            "input_sha256": self.design.input_hash(),
+            "keys": [
+                {"key": key.path, "unit": key.unit, "now": key.value, "values": list(values)}
+                for key, values in zip(self.keys, self.values, strict=True)
+            ],
+            "methods": self.methods,
+            "levels": [{"fos": level, "what": what} for level, what in self.levels],
+            "points": [
+                {"values": list(place)} | point_record(point)
+                for place, point in zip(self.places, self.points, strict=True)
+            ],
+            "counts": self.counts,
+            "disagree": self.disagree,
+            "changes": [
+                {"line": change.line, "between": list(change.between), "statuses": list(change.statuses)}
+                for change in self.changes
+            ],
+            "critical": [
+                {
+                    "fos": one.level, "what": one.what, "method": one.method, "line": one.line,
+                    "between": list(one.between), "at": one.at, "how": one.how,
+                }
+                for one in self.critical
+            ],
+            "shape": {method: self.shape(method) or None for method in self.asked},
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "timing_s": {"total": self.seconds},
+        }  # fmt: skip
+
+
+def sweep(
+    design: Design,
+    keys: Mapping[str, object],
+    *,
+    methods: Methods = "both",
+    fos: float | None = None,
+    crew: Crew = ALONE,
+    folder: Path | None = None,
+    bar: Bar = lambda _label, _total: nullcontext(_silent),
+) -> Sweep:
+    """A design at every value of one key, or at every pair of values of two.
+
+    Parameters
+    ----------
+    keys : dotted paths and their values: numbers, texts with units, `60:80:5` or `60,70,80`
+    methods : both, closed-form alone (quick), or pre-ie alone
+    fos : a factor of safety that is wanted: where it is passed is said, as for 1 and the acceptance rules
+    crew : who does the work; folder : where its journal is kept; bar : how progress is shown
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E310 and E311 for a key, E312 for its values, E313 for what does not go together,
+        E314 for the target, and those of `run_all`.
+    """
+    began = time.perf_counter()
+    one_or_two(keys)
+    check_methods(design, methods)
+    faults: list[Fault] = []
+    found: list[tuple[Key, tuple[float, ...]]] = []
+    for path, given in keys.items():
+        try:
+            key = key_of(design, path)
+            found.append((key, parse_values(key, given)))
+        except DesignError as error:
+            faults += error.faults
+    count = math.prod(len(values) for _, values in found)
+    if count > MOST:
+        faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
+    if faults:
+        raise DesignError(faults)
+    if len({key.path for key, _ in found}) < len(found):
+        raise DesignError([Fault("E313", f"{found[0][0].path} is given twice", "", "Name two different keys.")])
+    own, values = tuple(key for key, _ in found), tuple(of for _, of in found)
+    swept = Sweep(design, own, values, (), methods, levels_of(design, fos))
+    tasks = [values_of(design, own, place) for place in swept.places]
+    points = tuple(evaluated(design, "sweep", tasks, methods, crew, folder, bar))
+    return replace(swept, points=points, seconds=time.perf_counter() - began)
+
+
+def evaluated(
+    design: Design, study: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew,
+    folder: Path | None, bar: Bar,
+) -> list[Point]:  # fmt: skip
+    """The points of a study, by whoever does the work; what is done is kept in a journal until all are."""
+    plain = design.source.root.plain() if design.source is not None else None
+    journal = Journal.of(folder or Path.cwd(), study, [plain, methods, [list(task.items()) for task in tasks]],
+                         streamed=folder is not None)  # fmt: skip
+    at_once = 64 if methods == "closed-form" else 1 if not has_closed_form(design) else 8
+    with bar("points", len(tasks)) as advance:
+        work = Evaluation(design, methods != "closed-form")
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once)
+    journal.remove()
+    points = [Point.from_record(record) for record in records]
+    return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
+
+
+def one_or_two(keys: Mapping[str, object]) -> None:
+    """Refuse no keys, or more than two: E313."""
+    if not keys:
+        raise DesignError(
+            [Fault("E313", "no key is given", "", "Write KEY=60:80:5, for example slope.face.dip=60:80:5")]
+        )
+    if len(keys) > 2:
+        message = f"{len(keys)} keys are given, a sweep takes one or two"
+        raise DesignError([Fault("E313", message, ", ".join(keys), "For many keys one at a time: --tornado")])
+
+
+def check_methods(design: Design, methods: str) -> None:
+    """Refuse a method that is not known, or that the kind does not have: E313."""
+    if methods not in get_args(Methods):
+        advice = f"Known: {', '.join(get_args(Methods))}."
+        raise DesignError([Fault("E313", f"{methods} is not a choice of methods", "", advice)])
+    if methods == "closed-form" and not has_closed_form(design):
+        message = f"a {design.kind} has no closed form that could be asked alone"
+        raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
+
+
+def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...]:
+    """What a factor is held against: 1, the acceptance rules, and what is wanted.
+
+    Raises
+    ------
+    DesignError
+        E314 for a target that is none.
+    """
+    found = {1.0: "FoS 1"}
+    for rule in design.rules:
+        if rule.name in ("fos", "fos.limit", "fos.closed_form"):
+            found.setdefault(rule.value, f"acceptance, {rule}")
+    if fos is not None:
+        if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
+            message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
+            raise DesignError([Fault("E314", message, "", "Write --fos 1.5")])
+        found.setdefault(fos, f"target, FoS {number(fos)}")
+    return tuple(found.items())
+
+
+def _silent(_done: int) -> None:
+    """Progress that nobody looks at."""
+
+
+def _step(low: float, high: float) -> str:
+    if low == high or abs(high - low) <= _SAME * max(low, high):
+        return "stays"
+    return "rises" if high > low else "falls"
+
+
+def has_number(factor: float | None) -> bool:
+    """Whether a factor is one: neither infinite, where nothing drives, nor 0, where nothing holds."""
+    return factor is not None and 0.0 < factor < math.inf
+
+
+def _by_pre_ie(point: Point) -> Point:
+    """A point without what the closed form says."""
+    if point.factors is None:
+        return point
+    bare = replace(point.factors, closed_status=None, closed_form=None, difference=None, agree=None)
+    return replace(point, factors=bare)

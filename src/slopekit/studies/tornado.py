@@ -1,0 +1,307 @@
+"""What each number of a design does to its factor of safety, one at a time.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+>>> study = tornado(sk.load(wedge), methods="closed-form")
+>>> study.bars[0].key.path, study.bars[0].low, study.bars[0].high
+('strength.joints.phi', 18.0, 22.0)
+"""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit._version import __version__
+from slopekit.design.common import Design
+from slopekit.design.distributions import Distribution
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import DesignError, Fault, Notice
+from slopekit.studies.keys import Key, key_of, keys_of, values_of
+from slopekit.studies.points import Point
+from slopekit.studies.ranges import Within, parse_within
+from slopekit.studies.running import ALONE, Crew
+from slopekit.studies.solutions import Method, point_record
+from slopekit.studies.solve import factor_at
+from slopekit.studies.sweep import Bar, Methods, check_methods, evaluated
+
+ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
+RULE = (
+    f"angles ±{ANGLE:g}°, how full the joints are ±{FILL:g}, what scatters from its {TAIL * 100:g} % to its "
+    f"{(1 - TAIL) * 100:g} % quantile, all else ±{PART * 100:g} %, one at a time"
+)
+_NORMAL_TAIL = 1.6448536269514722  # standard deviations
+_CONSTANTS = ("rock.gravity", "water.unit_weight")
+_NO_CHANGE = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class TornadoBar:
+    """One number and what its two ends do.
+
+    Attributes
+    ----------
+    low, high : its ends; how : given, quantiles, or by the rule
+    at_low, at_high : the points there
+    swings : by method how far the factor moves between the ends and the design itself; inf where an end has none
+    """
+
+    key: Key
+    low: float
+    high: float
+    how: str
+    at_low: Point
+    at_high: Point
+    swings: Mapping[Method, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Tornado:
+    """The numbers of a design by what they do.
+
+    Attributes
+    ----------
+    base : the design as it is
+    bars : the one that does most first, by the method that counts
+    left_out : (key, why) of numbers that were not changed
+    """
+
+    design: Design
+    base: Point
+    bars: tuple[TornadoBar, ...]
+    left_out: tuple[tuple[str, str], ...]
+    methods: Methods
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def asked(self) -> tuple[Method, ...]:
+        """The methods that were asked and are there, the one that counts first."""
+        if self.methods == "closed-form":
+            return ("closed_form",)
+        factors = self.base.factors
+        has = factors is not None and (factors.closed_form is not None or bool(factors.closed_status))
+        return ("pre_ie", "closed_form") if has else ("pre_ie",)
+
+    @property
+    def points(self) -> list[Point]:
+        """The design as it is and every end."""
+        return [self.base, *(point for bar in self.bars for point in (bar.at_low, bar.at_high))]
+
+    @property
+    def disagree(self) -> int:
+        """Points at which the methods disagree, or PRE-IE did not converge."""
+        return sum(
+            point.factors is not None and (point.factors.agree is False or point.factors.status == "not_converged")
+            for point in self.points
+        )
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 4 the methods disagree at a point, 3 the design itself forms no block."""
+        if self.base.factors is None:
+            return 3
+        return 4 if self.disagree else 0
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What a reader must know: ends without a number."""
+        method = self.asked[0]
+        bare = [
+            f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
+            for bar in self.bars
+            for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high))
+            if not math.isfinite(factor_at(point, method) or math.inf)
+        ]
+        if not bare:
+            return ()
+        ends = "end has" if len(bare) == 1 else "ends have"
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"),)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The study as JSON values; a swing without bounds is null."""
+        return {
+            "slopekit": __version__,
+            "study": "tornado",
+            "kind": self.design.kind,
+            "title": self.design.title,
+            "input_sha256": self.design.input_hash(),
+            "methods": self.methods,
+            "rule": RULE,
+            "base": point_record(self.base),
+            "bars": [
+                {
+                    "key": bar.key.path, "unit": bar.key.unit, "now": bar.key.value, "low": bar.low, "high": bar.high,
+                    "how": bar.how, "at_low": point_record(bar.at_low), "at_high": point_record(bar.at_high),
+                    "swing": {name: swing if math.isfinite(swing) else None for name, swing in bar.swings.items()},
+                }
+                for bar in self.bars
+            ],
+            "left_out": [{"key": path, "why": why} for path, why in self.left_out],
+            "disagree": self.disagree,
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "timing_s": {"total": self.seconds},
+        }  # fmt: skip
+
+
+def tornado(
+    design: Design,
+    ranges: Mapping[str, Within] | None = None,
+    *,
+    methods: Methods = "both",
+    crew: Crew = ALONE,
+    folder: Path | None = None,
+    bar: Bar = lambda _label, _total: nullcontext(_silent),
+) -> Tornado:
+    """Every number of a design one at a time, from one end to the other, ranked by what it does.
+
+    Parameters
+    ----------
+    ranges : ends of some keys, `lo:hi` or a pair; the others take theirs by `RULE`
+
+    Raises
+    ------
+    DesignError
+        E280, E310 and E311 for a key, E312 for its range, E313 for what does not go together.
+    """
+    began = time.perf_counter()
+    check_methods(design, methods)
+    given, faults = dict[str, tuple[Key, tuple[float, float]]](), list[Fault]()
+    for path, text in (ranges or {}).items():
+        try:
+            key = key_of(design, path)
+            given[key.path] = key, parse_within(key, text)
+        except DesignError as error:
+            faults += error.faults
+    if faults:
+        raise DesignError(faults)
+    chosen: list[tuple[Key, float, float, str]] = []
+    left_out: list[tuple[str, str]] = []
+    for key in keys_of(design):
+        if key.path in given:
+            continue
+        ends = ends_of(key)
+        why = _why_not(design, key) or ("" if ends is not None else "nothing now: give it a range, KEY=lo:hi")
+        if why:
+            left_out += [(key.path, why)] if why != _SILENT else []
+        elif ends is not None:
+            chosen.append((key, *ends))
+    chosen += [(key, low, high, "given") for key, (low, high) in given.values()]
+    tasks: list[dict[str, object]] = [{}]
+    tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
+    points = evaluated(design, "tornado", tasks, methods, crew, folder, bar)
+    study = Tornado(design, points[0], (), tuple(left_out), methods)
+    bars = [
+        _bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)
+    ]  # fmt: skip
+    first = study.asked[0]
+    bars.sort(key=lambda made: (-made.swings[first], made.key.path))
+    return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)
+
+
+def ends_of(key: Key) -> tuple[float, float, str] | None:
+    """The two ends of a number by `RULE`; None where there is nothing to change.
+
+    >>> ends_of(Key("strength.weak.phi", "angle", 20.0, 0.0, 89.99))
+    (18.0, 22.0, '±2°')
+    """
+    if key.scatters is not None:
+        return (*_quantiles(key), f"{TAIL * 100:g} % to {(1 - TAIL) * 100:g} %")
+    value = key.value
+    if value is None:
+        return None
+    if key.kind == "angle":
+        low, high = value - ANGLE, value + ANGLE
+        if key.period is not None:
+            return low, high, f"±{ANGLE:g}°"
+        return max(low, key.low), min(high, key.high), f"±{ANGLE:g}°"
+    if not value:
+        return None
+    step = FILL if key.path.endswith(".fill") else abs(value) * PART
+    rule = f"±{FILL:g}" if key.path.endswith(".fill") else f"±{PART * 100:g} %"
+    return max(value - step, key.low), min(value + step, key.high), rule
+
+
+def status_of(point: Point, method: Method) -> str:
+    """The status of a point by one method, or the code of why there is no block."""
+    if point.factors is None:
+        return point.code
+    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
+
+
+_SILENT = "-"  # left out without a word: it says what another key says
+
+
+def _why_not(design: Design, key: Key) -> str:
+    """Why a number is not changed, empty where it is."""
+    parent = key.path.rpartition(".")[0]
+    if any(variable.path == parent for variable in design.variables) and key.scatters is None:
+        return _SILENT  # a part of a distribution that is changed as a whole
+    if key.role == "coordinate":
+        return "a coordinate"
+    if key.role in ("setting", "scatter"):
+        return _SILENT
+    if key.path in _CONSTANTS and not key.given:
+        return _SILENT
+    if not key.given and key.value and not _counts_by_default(design, key):
+        return _SILENT
+    if not key.given and not key.value:
+        return "not given: give it a range, KEY=lo:hi"
+    return ""
+
+
+def _counts_by_default(design: Design, key: Key) -> bool:
+    """Whether a default stands for a number of the slope: those that a wedge takes."""
+    if not isinstance(design, WedgeDesign):
+        return False
+    if key.path in ("rock.density", "rock.unit_weight"):
+        root = design.source.root if design.source is not None else None
+        rock = root.get("rock") if root is not None else None
+        says = rock is not None and (rock.get("density") is not None or rock.get("unit_weight") is not None)
+        return key.path == "rock.density" and not says
+    return key.path.startswith(("slope.", "strength."))
+
+
+def _quantiles(key: Key) -> tuple[float, float]:
+    distribution = key.scatters
+    if isinstance(distribution, Distribution):
+        from slopekit.studies.marginals import marginal
+
+        of_tail, tail = marginal(distribution).of_tail, np.array([TAIL])
+        return float(of_tail(tail.copy(), -1.0)[0]), float(of_tail(tail.copy(), 1.0)[0])
+    assert distribution is not None
+    assert key.value is not None
+    # of a Fisher distribution about its mean each angle scatters by 1/√k radians across the pole (Fisher 1953)
+    reach = math.degrees(_NORMAL_TAIL / math.sqrt(distribution.k))
+    if key.period is not None:
+        steep = distribution.mean.dip_deg if hasattr(distribution.mean, "dip_deg") else 90.0
+        turned = math.sin(math.radians(steep)) if steep else 0.0
+        reach = min(reach / turned, 180.0) if turned else 180.0
+        return key.value - reach, key.value + reach
+    return max(key.value - reach, key.low), min(key.value + reach, key.high)
+
+
+def _bar(study: Tornado, chosen: tuple[Key, float, float, str], at_low: Point, at_high: Point) -> TornadoBar:
+    key, low, high, how = chosen
+    swings = {method: _swing([study.base, at_low, at_high], method) for method in study.asked}
+    return TornadoBar(key, low, high, how, at_low, at_high, swings)
+
+
+def _swing(points: Sequence[Point], method: Method) -> float:
+    """Greatest less least factor; ends without a block do not count."""
+    factors = [factor for point in points if (factor := factor_at(point, method)) is not None]
+    if not factors or (math.isinf(max(factors)) and math.isinf(min(factors))):
+        return 0.0
+    swing = max(factors) - min(factors)
+    return 0.0 if swing <= _NO_CHANGE * max(factors) and math.isfinite(swing) else swing
+
+
+def _silent(_done: int) -> None:
+    """Progress that nobody looks at."""
+
+
+__all__ = ["RULE", "Tornado", "TornadoBar", "ends_of", "status_of", "tornado"]

@@ -1,0 +1,232 @@
+"""The sheet of a value that was solved for: put back by both methods, bracket, other values, or why there is none."""
+
+import math
+import textwrap
+from collections.abc import Sequence
+
+from slopekit._version import __version__
+from slopekit.design.common import Design
+from slopekit.errors import Fault, Notice
+from slopekit.orientation import number
+from slopekit.result import STATUSES, status_text
+from slopekit.studies.keys import Key, in_words
+from slopekit.studies.points import Point
+from slopekit.studies.solutions import Answers, Found, Solution
+from slopekit.studies.solve_probability import Estimate, ProbabilitySolution, ProbableValue
+from slopekit.views.entries import LABEL, WIDTH, block, factor_text
+
+_METHODS = {"closed_form": "closed form", "pre_ie": "PRE-IE"}
+_MOST_REFUSED, _MOST_OTHERS = 6, 12
+
+
+def solve_sheet(solution: Solution) -> str:
+    """The sheet, lines joined, no trailing newline."""
+    key, found = solution.key, solution.answer
+    lines = _head(solution.design)
+    lines += block("KEY", [_asked(key, solution.within)])
+    from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
+    lines += block("TARGET", [f"FoS {number(solution.target)}{from_rule}"])
+    lines += block("NOW", [_now(solution.design.kind, solution.before)])
+    lines += block("VALUE", _value(solution))
+    lines += block("PUT BACK", _put_back(solution), hang=13)
+    if found is not None:
+        lines += block("BRACKET", [f"{_METHODS[one.method]:<12} {_bracket(key, one.roots[0])}" for one in _all(solution)
+                                   if one.roots], hang=13)  # fmt: skip
+    lines += block("OTHERS", _others(solution), hang=13)
+    reached = [one for one in _all(solution) if one.reason or one.method == "closed_form" or not solution.closed_form]
+    lines += block("REACH", [f"{_METHODS[one.method]:<12} {_reach(key, one)}" for one in reached], hang=13)
+    lines += block("REFUSED", _refused(solution))
+    lines += block("ASKED", [_evaluations(solution)])
+    return "\n".join(lines + _notes(solution.warnings))
+
+
+def solve_line(solution: Solution) -> str:
+    """Value, status, factor and check on one line."""
+    found, codes = solution.answer, [notice.code for notice in solution.warnings]
+    if found is None:
+        return "  ".join(["none", str(solution.pre_ie.reason).splitlines()[0], *dict.fromkeys(codes)])
+    agree = {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
+    parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
+    return "  ".join(parts + (["moments_govern"] if solution.moments_govern else []) + list(dict.fromkeys(codes)))
+
+
+def probability_solution_sheet(solution: ProbabilitySolution) -> str:
+    """The sheet of a value at which the probability of failure is a target."""
+    key, found = solution.key, solution.answer
+    lines = _head(solution.design)
+    lines += block("KEY", [_asked(key, solution.within)])
+    lines += block("TARGET", [f"probability of failure {number(solution.target)}"])
+    now = "not known" if solution.before is None else _estimate(solution.before)
+    lines += block("NOW", [f"probability of failure {now}"])
+    lines += block("VALUE", _no_value(solution.reason) if found is None else _probable(key, found))
+    if found is not None:
+        ends = [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
+        lines += block("BRACKET", ends)
+    lines += block("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]])
+    if solution.least is not None and solution.most is not None:
+        ends = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most)]
+        lines += block("REACH", [f"from {ends[0]} to {ends[1]}"])
+    lines += block("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"])
+    return "\n".join(lines + _notes(solution.warnings))
+
+
+def probability_solution_line(solution: ProbabilitySolution) -> str:
+    """Value, probability and its limits on one line."""
+    found, codes = solution.answer, [notice.code for notice in solution.warnings]
+    if found is None:
+        return "  ".join(["none", str(solution.reason).splitlines()[0], *dict.fromkeys(codes)])
+    return "  ".join([solution.key.shown(found.value), _estimate(found.estimate), *dict.fromkeys(codes)])
+
+
+# -- entries ----------------------------------------------------------------------------------------------------------
+
+
+def _head(design: Design) -> list[str]:
+    title = f"   {design.title}" if design.title else ""
+    head = f"slopekit {__version__}   solve   {design.kind}   sha {design.input_hash()[:6]}{title}"
+    return textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
+
+
+def _asked(key: Key, within: tuple[float, float]) -> str:
+    if key.period is not None and within[1] - within[0] >= key.period:
+        return f"{in_words(key)}; looked for all round"
+    return f"{in_words(key)}; looked for from {key.shown(within[0], 7)} to {key.shown(within[1], 7)}"
+
+
+def _now(kind: str, point: Point) -> str:
+    factors = point.factors
+    if factors is None:
+        return f"no block: {point.code} {point.message}"
+    closed = "" if factors.closed_form is None else f"   {factor_text(factors.closed_form)} closed form"
+    govern = "   moments govern" if factors.moments_govern else ""
+    return f"{_status(kind, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
+
+
+def _value(solution: Solution) -> list[str]:
+    key, found = solution.key, solution.answer
+    if found is None:
+        return _no_value(solution.pre_ie.reason)
+    way = "rises" if found.rises else "falls"
+    was = "" if key.value is None else f", {_change(key, found.value)}"
+    entries = [f"{key.shown(found.value)}{was}; {_status(solution.design.kind, found.status)}; FoS {way} with it"]
+    if solution.rounded is not None:
+        value, factor = solution.rounded
+        entries.append(f"in four digits on the safe side {key.shown(value)}: FoS {factor_text(factor)}")
+    return entries
+
+
+def _change(key: Key, value: float) -> str:
+    if key.value is None or value == key.value:
+        return "as it is now"
+    off = value - key.value
+    share = f" ({off / key.value * 100:+.3g} %)" if key.value and key.kind != "angle" else ""
+    unit = key.unit if key.unit in ("", "°") else f" {key.unit}"
+    return f"{off:+.6g}{unit}{share} from now"
+
+
+def _no_value(reason: Fault | None) -> list[str]:
+    if reason is None:
+        return ["none"]
+    return [f"none. {reason.code} {reason.message}", *([reason.advice] if reason.advice else [])]
+
+
+def _put_back(solution: Solution) -> list[str]:
+    entries = []
+    for answers in _all(solution):
+        for root in answers.roots[:1]:
+            miss = abs(root.factor - solution.target)
+            missed = f"{miss:.1e}" if miss else "nothing"
+            factors = root.both.factors
+            other = (
+                None if factors is None else factors.limit if answers.method == "closed_form" else factors.closed_form
+            )
+            name = "PRE-IE" if answers.method == "closed_form" else "closed form"
+            said = "" if other is None else f"; {name} there {other:.6f}"
+            entries.append(
+                f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
+                f"misses by {missed}, {root.status}{said}"
+            )
+    if solution.answer is not None:
+        verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
+        entries.append(
+            f"the methods at PRE-IE's value: {verdict}" + (", moments govern" if solution.moments_govern else "")
+        )
+    return entries
+
+
+def _bracket(key: Key, root: Found) -> str:
+    (a, at_a), (b, at_b) = root.bracket
+    return f"FoS {_factor(at_a, 12)} at {key.shown(a, 14)} to {_factor(at_b, 12)} at {key.shown(b, 14)}"
+
+
+def _others(solution: Solution) -> list[str]:
+    entries = []
+    for answers in _all(solution):
+        for root in answers.roots[1:]:
+            way = "rises" if root.rises else "falls"
+            entries.append(f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}: {root.status}, FoS {way}")
+        for one in answers.others:
+            (_, below), (_, above) = one.bracket
+            entries.append(
+                f"{_METHODS[answers.method]:<12} {solution.key.shown(one.value)}: {one.how} from {_factor(below)} to "
+                f"{_factor(above)}"
+            )
+    more = [f"… {len(entries) - _MOST_OTHERS} more, see the JSON"] if len(entries) > _MOST_OTHERS else []
+    return entries[:_MOST_OTHERS] + more
+
+
+def _reach(key: Key, answers: Answers) -> str:
+    if answers.least is None or answers.most is None:
+        return "no value gives a factor"
+    low, high = (f"{_factor(end[1])} at {key.shown(end[0], 7)}" for end in (answers.least, answers.most))
+    span = f"looked at from {key.shown(answers.looked[0], 7)} to {key.shown(answers.looked[1], 7)}"
+    return f"FoS from {low} to {high}; {span}"
+
+
+def _refused(solution: Solution) -> list[str]:
+    answers = solution.closed_form or solution.pre_ie
+    entries = []
+    for low, high, code, message in answers.refused[:_MOST_REFUSED]:
+        ends = solution.key.shown(low, 7)
+        ends += f" to {solution.key.shown(high, 7)}" if high > low else ""
+        entries.append(f"{ends}: {code} {message}".rstrip())
+    if len(answers.refused) > _MOST_REFUSED:
+        entries.append(f"… {len(answers.refused) - _MOST_REFUSED} more stretches, see the JSON")
+    return entries
+
+
+def _evaluations(solution: Solution) -> str:
+    counts = [f"{_METHODS[one.method]} {one.evaluations} times" for one in _all(solution)]
+    return f"{', '.join(counts)}; {solution.seconds:.2f} s"
+
+
+def _probable(key: Key, found: ProbableValue) -> list[str]:
+    way = "rises" if found.rises else "falls"
+    entries = [f"{key.shown(found.value)}: probability of failure {_estimate(found.estimate)}; it {way} with the value"]
+    if found.limits != (None, None):
+        low, high = ("beyond the range" if at is None else key.shown(at, 5) for at in found.limits)
+        entries.append(f"by the confidence limits of the estimate between {low} and {high}")
+    return entries
+
+
+def _estimate(estimate: Estimate) -> str:
+    limits = "" if estimate.low is None else f" ({estimate.low:.4g} to {estimate.high:.4g})"
+    return f"{estimate.value:.6g}{limits}"
+
+
+def _factor(factor: float, digits: int = 6) -> str:
+    if math.isinf(factor):
+        return "none (nothing drives)"
+    return "none (nothing holds)" if factor == 0.0 else f"{factor:.{digits}g}"
+
+
+def _status(kind: str, status: str) -> str:
+    return status_text(kind, status) if status in STATUSES else status
+
+
+def _all(solution: Solution) -> list[Answers]:
+    return [answers for answers in (solution.pre_ie, solution.closed_form) if answers is not None]
+
+
+def _notes(warnings: Sequence[Notice]) -> list[str]:
+    return block("NOTE", [str(notice) for notice in warnings])

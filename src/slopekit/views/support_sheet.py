@@ -1,0 +1,238 @@
+"""The sheet of support: what each method needs, how it is built, and which number to use; 100 columns."""
+
+import math
+import textwrap
+
+from slopekit._version import __version__
+from slopekit.errors import Notice
+from slopekit.result import status_text
+from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
+from slopekit.studies.support_site import Answer
+from slopekit.views.entries import LABEL, WIDTH, block, bolt_text, factor_text
+from slopekit.views.words import line_in_words, size_number
+
+_ROLES = {
+    "active": "a load: it counts in full, whatever the joints do",
+    "passive": "strength: its capacity is divided by FoS, and it pulls only as the block moves",
+}
+_WHICH = {"best": "best direction", "given": "the direction given", "practical": "best that can be drilled"}
+_FEW = 12  # bolts that are printed to be pasted
+
+
+def support_sheet(found: Support) -> str:
+    """The sheet of a support study, lines joined, no trailing newline."""
+    design = found.design
+    title = f"   {design.title}" if design.title else ""
+    head = f"slopekit {__version__}   support   {design.kind}   sha {design.input_hash()[:6]}{title}"
+    lines = textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
+    lines += block("TARGET", _target(found))
+    lines += block("BOLTS", [bolt_text(bolt) for bolt in design.bolts])
+    for acts in ("active", "passive"):
+        cases = [case for case in found.cases if case.acts == acts]
+        entries = [_ROLES[acts], *(entry for case in cases for entry in _case(found, case))] if cases else []
+        lines += block(acts.upper(), entries)
+    if found.pressure is not None:
+        lines += block("PRESSURE", _pressure(found.pressure, found.unit))
+    lines += block("USE", _use(found))
+    lines += block("NOTE", [str(notice) for notice in found.warnings])
+    lines += _paste(found)
+    return "\n".join(lines)
+
+
+def support_line(found: Support) -> str:
+    """A line for each way the bolts act: reached, force, direction, bolts."""
+    if found.stands:
+        return f"reached  nothing needed  {_level(found.pre_ie)}"
+    lines = []
+    for case in found.built:
+        parts = [case.acts, "reached" if case.reached else "not reached"]
+        parts += [] if case.force is None else [f"{size_number(case.force)} {found.unit}"]
+        parts += [] if case.toward is None else [f"toward {line_in_words(case.toward)}"]
+        pattern = case.pattern
+        if pattern is not None and pattern.layout is not None:
+            parts.append(f"{len(pattern.layout)} {'rows' if found.unit == 'kN/m' else 'bolts'}")
+        parts += list(dict.fromkeys(notice.code for notice in _notices(case)))
+        lines.append("  ".join(parts))
+    return "\n".join(lines)
+
+
+def _notices(case: Case) -> list[Notice]:
+    own = [case.closed_form.notice, case.pre_ie.notice if case.pre_ie else None]
+    return [notice for notice in own if notice] + list(case.pattern.notices if case.pattern else ())
+
+
+def _level(answer: Answer) -> str:
+    return "no FoS" if answer.factor is None else f"FoS {factor_text(answer.factor)}"
+
+
+def _target(found: Support) -> list[str]:
+    bare = found.pre_ie
+    now = f"as it stands {_level(bare)} by PRE-IE, {_level(found.closed_form)} by the closed form"
+    entries = [f"FoS {found.target:g}; {now}: {status_text(found.design.kind, bare.status)}"]
+    if bare.moments_govern:
+        entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
+    if found.stands:
+        entries.append("reached: no more support is needed")
+    return entries
+
+
+def _case(found: Support, case: Case) -> list[str]:
+    head = _WHICH[case.which]
+    if case.toward is None:
+        return [f"{head}: none.  {case.closed_form.notice}"]
+    if _same(found, case):
+        return ["best of all directions: the same"]
+    lines = [
+        f"{head} {line_in_words(case.toward)}: {_need(case.closed_form, found.unit, 'closed form')};  "
+        f"{_need(case.pre_ie, found.unit, 'PRE-IE')}"
+    ]
+    lines += [
+        str(notice) for notice in (case.closed_form.notice, case.pre_ie.notice if case.pre_ie else None) if notice
+    ]
+    best, other = case.optimum, case.pre_ie
+    if (
+        case.which != "given"
+        and other is not None
+        and (other.force is None or other.force > 1.05 * (case.closed_form.force or 0.0))
+    ):
+        lines.append(
+            "the best direction is that of the forces alone: where the block turns, PRE-IE may need less in another, "
+            "for example square to the face (--toward)"
+        )
+    if best is not None:
+        least, most = best.around
+        off = "needs"
+        if math.isfinite(least):
+            shown = size_number(least), size_number(most) if math.isfinite(most) else "more"
+            off = f"needs {shown[0]}" + (f" to {shown[1]}" if shown[0] != shown[1] else "") + f" {found.unit}"
+        else:
+            off = "does not reach it"
+        words = "least of all" if best.is_minimum else "NOT PROVED the least"
+        lines.append(f"{words}: none of {best.scanned} other directions needs less; 1° off it {off} (closed form)")
+    if case.most is not None and case.pattern is not None:
+        lines.append(
+            f"no more than {size_number(case.most)} {found.unit}: beyond that FoS falls below the target again"
+        )
+    if case.pattern is not None:
+        lines += _pattern(found, case, case.pattern)
+    return lines
+
+
+def _same(found: Support, case: Case) -> bool:
+    """Whether a best direction is that which is built, and was printed already."""
+    built = next((other for other in found.built if other.acts == case.acts), case)
+    if built is case or case.toward is None or built.toward is None or built.pre_ie is None:
+        return False
+    apart = float(case.toward.vector() @ built.toward.vector())
+    return apart > 1.0 - 1e-9 and case.optimum is not None and case.optimum.is_minimum
+
+
+def _need(need: Need | None, unit: str, name: str) -> str:
+    if need is None:
+        return f"{name} not asked"
+    if need.force is None:
+        return f"{name} not reached" + (f" (at best FoS {factor_text(need.fos)})" if need.fos is not None else "")
+    fos = "stands" if need.fos is None else f"FoS {factor_text(need.fos)}"
+    if need.force == 0.0:
+        return f"{name} needs none ({fos} as it is)"
+    return f"{name} {size_number(need.force)} {unit} (put back: {fos})"
+
+
+def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
+    laid, unit = pattern.layout, found.unit
+    if laid is None:
+        return [f"on the face: none.  {notice}" for notice in pattern.notices]
+    capacity = found.options.capacity
+    lines = []
+    if pattern.first is not None and pattern.asked is not None:
+        force = pattern.asked
+        level = "nothing drives the block" if math.isinf(pattern.first) else f"FoS {factor_text(pattern.first)}"
+        first = f"heads on the face: at {size_number(force)} {unit} PRE-IE gives {level}"
+        if pattern.force is not None and abs(pattern.force / force - 1.0) <= 1e-6:
+            first += ", so moments ask for no more"
+        elif pattern.force is not None:
+            first += f" with their moments; {size_number(pattern.force)} {unit} reach the target"
+        lines.append(first)
+    lines += [str(notice) for notice in pattern.notices]
+    if pattern.each is not None:
+        if found.unit == "kN/m":
+            rows = "1 row" if laid.rows == 1 else f"{laid.rows} rows, {laid.up_m:.3g} m from row to row"
+            lines.append(
+                f"{rows}, a bolt every {laid.across_m:.4g} m along the slope, {size_number(pattern.each)} of "
+                f"{capacity:g} kN in each; {pattern.per_m2:.4g} kN on a m² of face"
+            )
+        else:
+            asked = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
+            rows = f"{laid.rows} row{'s' * (laid.rows > 1)} and {laid.columns} column{'s' * (laid.columns > 1)}"
+            apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
+            lines.append(
+                f"{len(laid)} bolt{'s' * (len(laid) > 1)}{asked} in {rows}{apart}, {size_number(pattern.each)} of "
+                f"{capacity:g} kN in each; {pattern.per_m2:.4g} kN on a m² of face"
+            )
+    if laid.left_out:
+        lines.append(
+            f"{laid.left_out} place{'s' * (laid.left_out > 1)} on the face left out: bolts from there leave the block "
+            "through a free face, or the crack"
+        )
+    lengths = pattern.lengths
+    span = (
+        f"{lengths.min():.4g} m" if len(lengths) == 1 else f"{lengths.min():.4g} m (shortest) to {lengths.max():.4g} m"
+    )
+    lines.append(f"least length {span}: from the head to behind the joint, and {found.options.bond:g} m of anchorage")
+    turns = pattern.need is not None and pattern.need.moments_govern
+    if pattern.groups < len(laid) and case.acts == "passive" and turns:
+        lines.append(f"PRE-IE took the {len(laid)} bolts as {pattern.groups} groups, each at the middle of its heads")
+    return lines
+
+
+def _pressure(pressure: Pressure, unit: str) -> list[str]:
+    need, other = pressure.closed_form, pressure.pre_ie
+    lines = [
+        f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
+        f"({line_in_words(pressure.toward)}): {_need(need, 'kPa', 'closed form')};  {_need(other, 'kPa', 'PRE-IE')}"
+    ]
+    lines += [str(one.notice) for one in (need, other) if one is not None and one.notice is not None]
+    if pressure.use is not None:
+        lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
+    return lines
+
+
+def _use(found: Support) -> list[str]:
+    lines = []
+    for case in found.built:
+        if case.toward is None or case.force is None:
+            lines.append(f"{case.acts}: the target is not reached; see above")
+            continue
+        closed = case.closed_form.force or 0.0
+        why = "both methods agree"
+        if found.dilates:
+            why = "PRE-IE's: the joints dilate, which the closed form does not know"
+        elif case.force > closed * (1.0 + 1e-6):
+            why = f"moments govern: the closed form's {size_number(closed)} {found.unit} are not enough"
+            if not closed:
+                why = "moments govern: the closed form sees nothing to hold"
+        lost = case.pattern is not None and not case.pattern.reached
+        but = " as a force through the centroid; the bolts above do not reach the target" if lost else ""
+        lines.append(
+            f"{case.acts}: {size_number(case.force)} {found.unit} toward {line_in_words(case.toward)}{but}   ({why})"
+        )
+    if found.pressure is not None and found.pressure.use is not None:
+        lines.append(f"pressure: {size_number(found.pressure.use)} kPa")
+    return lines
+
+
+def _paste(found: Support) -> list[str]:
+    """The bolts as YAML, at the left margin so that they can be pasted."""
+    lines: list[str] = []
+    for case in found.built:
+        if not case.bolts:
+            continue
+        bolts = (*found.design.bolts, *case.bolts)
+        if len(bolts) > _FEW:
+            words = f"{case.acts}: {len(bolts)} bolts; -o DIR writes them to support-{case.acts}.yaml"
+            lines += block("PASTE" if not lines else "", [words])
+            continue
+        each = " (each row's bolts, per metre of slope)" if found.unit == "kN/m" else ""
+        lines += block("PASTE" if not lines else "", [f"{case.acts}, in place of `support` in the design{each}:"])
+        lines += snippet(bolts).rstrip().splitlines()
+    return lines

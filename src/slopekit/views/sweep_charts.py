@@ -1,0 +1,347 @@
+"""Pictures of sweeps (matplotlib, off-screen): a curve, a contour, a tornado. Needs the extra `plot`."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NoReturn
+
+from slopekit.errors import DesignError, Fault
+from slopekit.studies.keys import Key
+from slopekit.studies.points import Point
+from slopekit.studies.solutions import Method
+from slopekit.studies.solve import factor_at
+from slopekit.studies.sweep import Sweep
+from slopekit.studies.tornado import RULE, Tornado, TornadoBar
+from slopekit.views.sweep_sheet import METHODS, cell
+
+_BLUE, _RED, _GREY, _DARK = "#1f5a94", "#c0392b", "#888888", "#4d4d4d"
+_LOW, _HIGH = "#8fb8de", "#1f5a94"
+_BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
+_WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
+_FINE = 20  # parts of a line between neighbours
+_MOST_MARKED = 8  # changes of status that are labelled
+_MOST_BARS = 25
+_BRIEF = {
+    "slides_on_both": "both planes", "slides_on_J1": "J1", "slides_on_J2": "J2", "no_driving_force": "nothing drives",
+    "slides_up": "up", "not_converged": "no convergence",
+}  # fmt: skip
+
+
+def picture(study: Sweep | Tornado, path: Path) -> None:
+    """Draw a sweep or a tornado as a PNG.
+
+    Raises
+    ------
+    DesignError
+        E140 where matplotlib is not installed, E273 without a point to draw.
+    """
+    if isinstance(study, Tornado):
+        tornado_chart(study, path)
+    elif len(study.keys) == 1:
+        curve_chart(study, path)
+    else:
+        contour_chart(study, path)
+
+
+def curve_chart(swept: Sweep, path: Path) -> None:
+    """Factors against the value of one key; changes of status upright, levels across, points without a number below."""
+    key, (_, points) = swept.keys[0], next(iter(swept.lines()))
+    drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
+    numbers = [f for line in drawn.values() for _, f in line if f is not None and 0.0 < f < math.inf]
+    if not numbers:
+        _nothing(path)
+    figure, axes = _figure(path)
+    if max(numbers) > _WIDE * min(numbers):
+        _logarithmic(axes)
+    both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
+    styles: dict[Method, dict[str, Any]] = {
+        "closed_form": {"color": _RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
+                        "marker": "" if both else "o", "markersize": 5.0, "solid_capstyle": "round"},
+        "pre_ie": {"color": _BLUE, "linewidth": 1.4, "marker": "o", "markersize": 5.0},
+    }  # fmt: skip
+    for method in reversed(swept.asked):
+        for stretch in _stretches(drawn[method]):
+            axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
+            axes.plot(*zip(*_interpolated(stretch), strict=True), **styles[method] | {"marker": ""})
+        axes.plot([], [], **styles[method], label=METHODS[method])
+    _moments(axes, points)
+    _levels(axes, swept)
+    _bare(axes, [(value, factor_at(point, swept.asked[0]), point) for value, point in points])
+    _statuses(axes, swept, [value for value, _ in points])
+    for one in swept.critical:
+        if one.method == swept.asked[0] and one.at is not None:
+            axes.plot([one.at], [one.level], marker="D", color=_DARK, markerfacecolor="white", markersize=7.0, zorder=4)
+            axes.annotate(key.shown(one.at, 4), (one.at, one.level), xytext=(6, 7), textcoords="offset points",
+                          fontsize=8.5, color=_DARK, bbox=_BOX, zorder=4)  # fmt: skip
+    if any(one.at is not None for one in swept.critical):
+        axes.plot([], [], color=_DARK, marker="D", markerfacecolor="white", linestyle="none",
+                  label="passes the level (interpolated)")  # fmt: skip
+    axes.set_xlabel(_name(key))
+    axes.set_ylabel("factor of safety")
+    _finish(figure, axes, path, swept)
+
+
+def contour_chart(swept: Sweep, path: Path) -> None:
+    """The factor over two keys: contours, the levels as thick lines, points without a number as crosses."""
+    import numpy as np
+
+    first, second = swept.keys
+    method = swept.asked[0]
+    lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
+    across, down = [value for value, _ in lines[0][1]], [line or 0.0 for line, _ in lines]
+    factors = np.array(
+        [[np.nan if (f := factor_at(point, method)) is None else f for _, point in points] for _, points in lines]
+    )
+    finite = factors[np.isfinite(factors) & (factors > 0.0)]
+    if finite.size < 3 or len(across) < 2 or len(down) < 2:
+        _nothing(path)
+    figure, axes = _figure(path)
+    from matplotlib.colors import Normalize, TwoSlopeNorm
+    from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
+
+    wanted = [level for level, _ in swept.levels]
+    low, high = float(finite.min()), min(float(finite.max()), 3.0 * max(*wanted, float(np.median(finite))))
+    shown = np.clip(np.where(np.isinf(factors), high * 1.01, factors), low * 0.99, high * 1.01)
+    steps: Any = MaxNLocator(nbins=14).tick_values(low, high)
+    if not (len(steps) > 1 and high > low):
+        steps = np.array([low - 0.1, low, low + 0.1])
+    norm = TwoSlopeNorm(1.0, low, high) if low < 1.0 < high else Normalize(low, high)
+    colours = "RdYlBu" if low < 1.0 < high else "YlGnBu" if low >= 1.0 else "YlOrRd_r"
+    filled = axes.contourf(across, down, shown, levels=steps, cmap=colours, norm=norm, extend="both")
+    between = [step for step in steps if all(abs(step - level) > 0.01 * level for level in wanted)]
+    thin = axes.contour(across, down, shown, levels=between, colors="#555555", linewidths=0.5)
+    for label in axes.clabel(thin, fontsize=7.5, fmt="%.4g", colors="black"):
+        label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+    for (level, what), colour in zip(swept.levels, (_RED, _DARK, _BLUE, _GREY), strict=False):
+        if low < level < high:
+            axes.contour(across, down, shown, levels=[level], colors=[colour], linewidths=2.2)
+            axes.plot([], [], color=colour, linewidth=2.2, label=what)
+    figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]})")
+    _grid_points(axes, swept, across, down, lines)
+    if (
+        first.value is not None
+        and second.value is not None
+        and _inside(first.value, across)
+        and _inside(second.value, down)
+    ):
+        axes.plot([first.value], [second.value], marker="*", markersize=13, color=_DARK, markerfacecolor="white",
+                  linestyle="none", clip_on=False, zorder=5, label="the design as it is")  # fmt: skip
+    axes.set_xlabel(_name(first))
+    axes.set_ylabel(_name(second))
+    axes.set_xlim(min(across), max(across))
+    axes.set_ylim(min(down), max(down))
+    _finish(figure, axes, path, swept, margins=False)
+
+
+def tornado_chart(study: Tornado, path: Path) -> None:
+    """A bar for each number from its factor at one end to that at the other, the longest on top."""
+    method = study.asked[0]
+    base = factor_at(study.base, method)
+    bars = [bar for bar in study.bars if bar.swings[method]][:_MOST_BARS]
+    ends = [f for bar in bars for point in (bar.at_low, bar.at_high) if (f := factor_at(point, method)) is not None]
+    finite = [f for f in ends if math.isfinite(f)]
+    if base is None or not math.isfinite(base) or not bars or not finite:
+        _nothing(path)
+    figure, axes = _figure(path, height=2.6 + 0.36 * len(bars))
+    low, high = min([base, *finite]), max([base, *finite])
+    room = (high - low) or 0.1
+    for row, bar in enumerate(bars):
+        _tornado_bar(axes, bar, row, method, base, (low - 0.05 * room, high + 0.05 * room))
+    if len(study.asked) > 1:
+        for row, bar in enumerate(bars):
+            ticks = [factor_at(point, "closed_form") for point in (bar.at_low, bar.at_high)]
+            drawn = [f for f in ticks if f is not None and math.isfinite(f) and f > 0.0]
+            axes.plot(drawn, [row] * len(drawn), marker="|", markersize=17, color=_RED, linestyle="none", zorder=4)
+        axes.plot([], [], marker="|", markersize=12, color=_RED, linestyle="none", label="closed form")
+    axes.plot([], [], color=_LOW, linewidth=8, label="at the lower end")
+    axes.plot([], [], color=_HIGH, linewidth=8, label="at the upper end")
+    axes.axvline(base, color=_DARK, linewidth=1.2)
+    axes.axvline(1.0, color=_GREY, linestyle="--", linewidth=1.0) if low - room < 1.0 < high + room else None
+    axes.set_yticks(range(len(bars)), [f"{bar.key.path}" for bar in bars])
+    axes.set_ylim(len(bars) - 0.4, -0.6)
+    axes.set_xlim(low - 0.22 * room, high + 0.22 * room)
+    left = sum(bar.swings[method] > 0.0 for bar in study.bars) - len(bars)
+    more = f"; {left} smaller ones left out" if left > 0 else ""
+    axes.set_xlabel(f"factor of safety ({METHODS[method]}); upright line: {cell(base)} now{more}\n{RULE}", fontsize=8.5)
+    _finish(figure, axes, path, study, margins=False)
+
+
+# -- parts ------------------------------------------------------------------------------------------------------------
+
+
+def _figure(path: Path, height: float = 6.0) -> tuple[Any, Any]:
+    try:
+        import matplotlib as mpl
+    except ImportError:
+        advice = "In slopekit's folder: pip install '.[plot]'"
+        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)]) from None
+    mpl.use("Agg")
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, height), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots()
+
+
+def _nothing(path: Path) -> NoReturn:
+    raise DesignError([Fault("E273", "there is nothing to draw: too few points have a factor of safety", str(path))])
+
+
+def _finish(figure: Any, axes: Any, path: Path, study: Sweep | Tornado, below: str = "", margins: bool = True) -> None:
+    design = study.design
+    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
+    axes.set_axisbelow(True)
+    if margins:
+        axes.margins(x=0.04, y=0.08)
+    axes.set_title(f"{design.title or design.kind}  (sha {design.input_hash()[:6]})", fontsize=11)
+    if axes.get_legend_handles_labels()[1]:
+        figure.legend(fontsize=8.5, loc="outside lower center", ncols=4, frameon=False)
+    figure.savefig(path)
+
+
+def _name(key: Key) -> str:
+    return f"{key.path} ({key.unit})" if key.unit else key.path
+
+
+def _logarithmic(axes: Any) -> None:
+    """A logarithmic axis with numbers as people write them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _interpolated(stretch: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """What lies between neighbours as the sweep interpolates it: 1 / F straight."""
+    found = [stretch[0]]
+    for (a, low), (b, high) in pairwise(stretch):
+        parts = [k / _FINE for k in range(1, _FINE + 1)]
+        found += [(a + (b - a) * part, 1.0 / ((1.0 - part) / low + part / high)) for part in parts]
+    return found
+
+
+def _stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
+    """Runs of neighbours that have a number."""
+    found: list[list[tuple[float, float]]] = [[]]
+    for value, factor in line:
+        if factor is not None and 0.0 < factor < math.inf:
+            found[-1].append((value, factor))
+        elif found[-1]:
+            found.append([])
+    return [run for run in found if run]
+
+
+def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:
+    governed = [(v, p.factors.limit) for v, p in points if p.factors and p.factors.moments_govern and p.factors.limit]
+    if governed:
+        axes.plot(*zip(*governed, strict=True), marker="o", markersize=9.0, markerfacecolor="none", color=_BLUE,
+                  linestyle="none", label="moments govern")  # fmt: skip
+    wrong = [(v, p.factors.factor) for v, p in points if p.factors and p.factors.agree is False and p.factors.factor]
+    if wrong:
+        axes.plot(*zip(*wrong, strict=True), marker="o", markersize=13.0, markerfacecolor="none", color=_RED,
+                  markeredgewidth=1.6, linestyle="none", label="the methods disagree")  # fmt: skip
+
+
+def _levels(axes: Any, swept: Sweep) -> None:
+    scale = math.log10 if axes.get_yscale() == "log" else float
+    low, high = (scale(end) for end in axes.get_ylim())
+    room, last, on_left = high - low, -math.inf, False
+    for level, what in sorted(swept.levels):
+        if low - 0.15 * room <= scale(level) <= high + 0.15 * room:
+            on_left = not on_left if scale(level) - last < 0.05 * room else False  # labels of near ones on either side
+            axes.axhline(level, color=_GREY, linestyle="--", linewidth=1.0, zorder=1)
+            axes.annotate(what, (0.005 if on_left else 0.995, level), xycoords=("axes fraction", "data"),
+                          ha="left" if on_left else "right", va="bottom", fontsize=8, color="#555555", bbox=_BOX,
+                          zorder=1.9)  # fmt: skip
+            last = scale(level)
+
+
+def _bare(axes: Any, points: Sequence[tuple[float, float | None, Point]]) -> None:
+    """Points without a number: at the top where nothing drives, at the bottom where nothing holds or there is none."""
+    kinds = [
+        ([v for v, f, _ in points if f is not None and math.isinf(f)], 0.98, "^", _BLUE, "nothing drives: no number"),
+        ([v for v, f, _ in points if f == 0.0], 0.02, "v", _RED, "nothing holds: no number"),
+        ([v for v, f, p in points if f is None and p.factors is None], 0.02, "x", _DARK, "no block, or bad input"),
+        ([v for v, f, p in points if f is None and p.factors is not None], 0.02, "P", _RED, "no convergence"),
+    ]
+    for values, height, marker, colour, label in kinds:
+        if values:
+            axes.plot(values, [height] * len(values), marker=marker, color=colour, linestyle="none", clip_on=False,
+                      transform=axes.get_xaxis_transform(), label=label)  # fmt: skip
+
+
+def _statuses(axes: Any, swept: Sweep, values: Sequence[float]) -> None:
+    """The changes of status, upright, with what lies on both sides."""
+    changes = swept.changes
+    for change in changes[:_MOST_MARKED]:
+        at = 0.5 * sum(change.between)
+        one, other = (_BRIEF.get(status, status) for status in change.statuses)
+        axes.axvline(at, color=_RED, linestyle=":", linewidth=1.2)
+        axes.annotate(f"{one} | {other}", (at, 0.98), xytext=(-3, 0), xycoords=("data", "axes fraction"),
+                      textcoords="offset points", rotation=90, ha="right", va="top", fontsize=8, color=_RED,
+                      bbox=_BOX)  # fmt: skip
+    if len(changes) > _MOST_MARKED:
+        axes.plot([], [], color=_RED, linestyle=":", label=f"status changes (first {_MOST_MARKED} of {len(changes)})")
+
+
+def _grid_points(axes: Any, swept: Sweep, across: Sequence[float], down: Sequence[float], lines: Any) -> None:
+    method = swept.asked[0]
+    every = [(x, y, point) for y, (_, points) in zip(down, lines, strict=True) for x, point in points]
+    if len(every) <= 900:
+        axes.plot([x for x, _, _ in every], [y for _, y, _ in every], ".", color="#333333", markersize=2.0)
+    bare = [(x, y) for x, y, point in every if (f := factor_at(point, method)) is None or f == 0.0 or math.isinf(f)]
+    if bare:
+        axes.plot(*zip(*bare, strict=True), "x", color=_DARK, markersize=5.0, label="no factor: status or code")
+    moments = [(x, y) for x, y, point in every if point.factors is not None and point.factors.moments_govern]
+    if moments:
+        axes.plot(*zip(*moments, strict=True), "o", color=_BLUE, markerfacecolor="none", label="moments govern")
+    wrong = [(x, y) for x, y, point in every if point.factors is not None and point.factors.agree is False]
+    if wrong:
+        axes.plot(*zip(*wrong, strict=True), "s", color=_RED, markerfacecolor="none", markersize=9.0,
+                  label="the methods disagree")  # fmt: skip
+
+
+def _inside(value: float, values: Sequence[float]) -> bool:
+    return min(values) <= value <= max(values)
+
+
+def _tornado_bar(
+    axes: Any, bar: TornadoBar, row: int, method: Method, base: float, room: tuple[float, float]
+) -> None:  # fmt: skip
+    """One bar; an end without a number runs to the edge of the chart and says why."""
+    ends = []
+    for point in (bar.at_low, bar.at_high):
+        factor = factor_at(point, method)
+        ends.append(base if factor is None else min(max(factor, room[0]), room[1]))
+    for k, (value, point, colour) in enumerate(((bar.low, bar.at_low, _LOW), (bar.high, bar.at_high, _HIGH))):
+        factor, end, other = factor_at(point, method), ends[k], ends[1 - k]
+        bare = factor is None or not math.isfinite(factor) or factor == 0.0
+        # the longer of two bars to one side lies beneath
+        axes.barh(
+            [row],
+            [end - base],
+            left=base,
+            color=colour,
+            height=0.62,
+            zorder=2.0 + 0.1 * (abs(end - base) < abs(other - base)),
+        )
+        left = end < base or (end == base and (other > base or (other == base and k == 0)))
+        said = bar.key.shown(value, 5) + (f"  {_said(point, method)}" if bare else "")
+        axes.annotate(said, (end, row), xytext=(-4 if left else 4, 0), textcoords="offset points", fontsize=7.5,
+                      ha="right" if left else "left", va="center", color=_DARK, zorder=3, bbox=_BOX)  # fmt: skip
+
+
+def _said(point: Point, method: Method) -> str:
+    factors = point.factors
+    if factors is None:
+        return point.code
+    status = factors.status if method == "pre_ie" else factors.closed_status or ""
+    return _BRIEF.get(status, status)
+
+
+__all__ = ["contour_chart", "curve_chart", "picture", "tornado_chart"]

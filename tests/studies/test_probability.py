@@ -1,0 +1,334 @@
+"""Probability of failure against quadrature, against one sample at a time, and against itself on other workers."""
+
+import csv
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.stats import binom, multivariate_normal, norm
+
+import slopekit as sk
+from slopekit.closed_form.wedge import hoek_bray_wedge
+from slopekit.design.files import load
+from slopekit.errors import DesignError
+from slopekit.orientation import Plane
+from slopekit.studies import running
+from slopekit.studies.estimates import clopper_pearson, share_of, summary_of
+from slopekit.studies.points import point_of
+from slopekit.studies.probability import probability
+from slopekit.studies.running import Interrupted, checked_crew
+
+PHI = {"dist": "normal", "mean": 20, "sd": 2}
+
+
+def default_wedge(correlation: float | None = None) -> dict:
+    """The paper's wedge with φ = N(20, 2) on each plane."""
+    wedge = {
+        "slopekit": 1, "kind": "wedge",
+        "joints": {"J1": {"plane": "45/115", "strength": "a"}, "J2": {"plane": "45/245", "strength": "b"}},
+        "slope": {"face": "60/180", "upper": "10/180", "height": 64.89},
+        "strength": {"a": {"c": 50, "phi": PHI}, "b": {"c": 50, "phi": PHI}}, "rock": {"density": 2600},
+    }  # fmt: skip
+    return wedge | ({} if correlation is None else {"correlation": {"J1.phi/J2.phi": correlation}})
+
+
+def by_quadrature(target: float, rank: float) -> float:
+    """P(F < target): F is a + b (tan φ₁ + tan φ₂), φ₁ and φ₂ normal with r = 2 sin(π ρ / 6) (Pearson 1907).
+
+    a and b come from two factors of the scalar closed form, which other tests hold to 50 digits.
+    """
+
+    def factor(phi: float) -> float:
+        wedge = hoek_bray_wedge((Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 64.89, (50, 50),
+                                (phi, phi), 2600 * 9.81 / 1000)  # fmt: skip
+        return wedge.factor
+
+    a = factor(0.0)
+    b = (factor(45.0) - a) / 2.0
+
+    def limit(phi: float) -> float:
+        return math.degrees(math.atan((target - a) / b - math.tan(math.radians(phi))))
+
+    r = 2.0 * math.sin(math.pi * rank / 6.0)
+    if rank == 1.0:
+        return float(norm.cdf(brentq(lambda phi: factor(phi) - target, 0.0, 80.0), 20.0, 2.0))
+    inner = lambda z: norm.pdf(z) * norm.cdf(((limit(20 + 2 * z) - 20) / 2 - r * z) / math.sqrt(1 - r * r))  # noqa: E731
+    return quad(inner, -9.0, 9.0, epsabs=1e-12, limit=200)[0]
+
+
+@pytest.mark.parametrize("method", ["monte-carlo", "latin-hypercube", "sobol"])
+@pytest.mark.parametrize("rank", [None, 0.8, 1.0])
+def test_the_default_wedge_against_quadrature(rank, method) -> None:
+    for target in (1.0, 1.4, 1.5):
+        exact = by_quadrature(target, rank or 0.0)
+        study = probability(
+            load(default_wedge(rank)), 20_000, method=method, target=target, confirm_count=0, near=0.0,
+            confidence=0.999,  # 27 comparisons: one in twenty would miss at 0.95
+        )  # fmt: skip
+        assert study.evaluator == "closed form, all at once"
+        assert study.all_samples.low <= exact <= study.all_samples.high
+        assert study.all_samples == study.forming
+        if target == 1.5:
+            assert study.all_samples.share == pytest.approx(exact, abs=0.012 if method == "monte-carlo" else 0.006)
+    if method != "monte-carlo":  # what the replicates are for: their limits are the narrower ones
+        low, high = clopper_pearson(study.all_samples.count, study.all_samples.of, 0.999)
+        assert study.all_samples.limits_by.endswith("replicates")
+        assert study.all_samples.high - study.all_samples.low < 0.8 * (high - low)
+
+
+def test_quadrature_itself_against_the_bivariate_normal() -> None:
+    """Where tan is nearly straight, F < target is nearly φ₁ + φ₂ < s: the sum of two normals."""
+    for rank in (0.3, 0.8):
+        r = 2.0 * math.sin(math.pi * rank / 6.0)
+        limit = brentq(lambda s: by_quadrature(1.5, 1.0) - norm.cdf(s / 2, 20, 2), 30, 45)
+        assert by_quadrature(1.5, rank) == pytest.approx(norm.cdf(limit, 40.0, 2 * math.sqrt(2 + 2 * r)), abs=2e-3)
+    assert multivariate_normal([0, 0], [[1, 0.5], [0.5, 1]]).cdf([0, 0]) == pytest.approx(1 / 3, abs=1e-6)
+
+
+WILD = {
+    "slopekit": 1, "kind": "wedge",
+    "joints": {"J1": {"plane": {"dist": "fisher", "mean": "45/125", "k": 60}, "strength": "a"},
+               "J2": {"plane": {"dip": {"dist": "normal", "mean": 60, "sd": 12}, "dip_direction":
+                                {"dist": "uniform", "min": 200, "max": 290}}, "strength": "b"}},
+    "slope": {"face": {"dist": "fisher", "mean": "65/180", "k": 800}, "upper": "10/180",
+              "height": {"dist": "triangular", "min": 10, "mode": 20, "max": 40}},
+    "strength": {"a": {"c": {"dist": "lognormal", "mean": 20, "sd": 10}, "phi": PHI},
+                 "b": {"c": 30, "phi": {"dist": "normal", "mean": 30, "sd": 4, "min": 20, "max": 40}}},
+    "rock": {"density": {"dist": "normal", "mean": 2600, "sd": 50}},
+    "water": {"fill": {"dist": "uniform", "min": 0, "max": 1}},
+    "loads": {"seismic": {"k": {"dist": "uniform", "min": 0, "max": 0.2}}},
+    "support": {"bolts": [{"force": {"dist": "normal", "mean": 2000, "sd": 300}, "toward": "000/10"}]},
+    "correlation": {"a.phi/a.c": -0.5, "a.phi/b.phi": 0.6},
+}  # fmt: skip
+
+
+SHELF = {
+    "slopekit": 1, "kind": "plane",
+    "slope": {"face": {"dip": {"dist": "normal", "mean": 60, "sd": 3}, "dip_direction": 180}, "height": "12 m",
+              "upper": "5/180"},
+    "joints": {"J1": {"plane": {"dist": "fisher", "mean": "35/185", "k": 60}, "strength": "s"}},
+    "strength": {"s": {"c": {"dist": "lognormal", "mean": 25, "sd": 10}, "phi": PHI | {"mean": 37}}},
+    "rock": {"unit_weight": 26}, "crack": {"depth": {"dist": "uniform", "min": 2, "max": 6}},
+    "water": {"fill": {"dist": "uniform", "min": 0, "max": 1}}, "loads": {"seismic": {"k": 0.05, "toward": 170}},
+    "support": {"bolts": [{"force": {"dist": "normal", "mean": 200, "sd": 30}, "toward": "010/05"}]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("values", "met"),
+    [
+        (WILD, {"slides_on_both", "slides_on_J1", "slides_on_J2", "E204"}),
+        (SHELF, {"slides_on_J1", "E207", "E213"}),
+    ],
+    ids=["wedge", "plane"],
+)
+def test_all_at_once_is_one_at_a_time(values, met) -> None:
+    design = load(values)
+    study = probability(design, 2_000, seed=3, confirm_count=0, near=0.0)
+    assert study.evaluator == "closed form, all at once"
+    seen = set()
+    for row in range(0, 2_000, 6):
+        point = point_of(design, study.samples.settings(row), pre_ie=False)
+        name = study.names[study.outcome[row]]
+        seen.add(name)
+        if point.factors is None:
+            assert name == point.code
+            continue
+        assert name == point.factors.status
+        if point.factors.closed_form is None:
+            assert np.isnan(study.factor[row])
+        else:
+            assert study.factor[row] == pytest.approx(point.factors.closed_form, rel=1e-12)
+    assert met <= seen
+    assert sum(study.counts.values()) == 2_000
+    assert study.forming.of == sum(count for name, count in study.counts.items() if not name.startswith("E"))
+    assert study.all_samples.of == 2_000
+    assert study.all_samples.count == study.forming.count == int(study.fails.sum())
+    assert study.forming.share > study.all_samples.share
+
+
+def test_passive_bolts_and_products_go_one_at_a_time() -> None:
+    passive = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
+    study = probability(load(passive), 60, target=1.6, confirm_count=10, near=0.0)
+    assert study.evaluator == "closed form, sample by sample"
+    assert study.confirmation.agree == 10
+    product = default_wedge() | {"rock": {"density": {"dist": "normal", "mean": 2600, "sd": 50},
+                                          "gravity": {"dist": "uniform", "min": 9.7, "max": 9.9}}}  # fmt: skip
+    assert probability(load(product), 60, confirm_count=0).evaluator == "closed form, sample by sample"
+
+
+def test_pre_ie_confirms_at_random_and_near_the_target() -> None:
+    study = probability(load(default_wedge(0.8)), 2_000, target=1.5, confirm_count=30, near=0.002)
+    checked = study.confirmation
+    near = np.abs(study.factor / 1.5 - 1.0) <= 0.002
+    assert checked.near == near.sum() > 5
+    assert set(np.flatnonzero(near)) <= set(checked.index)
+    assert checked.at_random.sum() == 30
+    assert checked.agree == len(checked.index)
+    assert checked.largest < 1e-9
+    assert checked.probability == study.all_samples.share
+    assert checked.other_at_most == pytest.approx(1 - 0.05 ** (1 / 30))  # the rule of three, exactly
+    assert study.exit_code == 0
+
+
+def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
+    """A wedge whose tall block turns: PRE-IE's probability lies above, and each way of asking finds it."""
+    turning = {
+        "slopekit": 1, "kind": "wedge",
+        "joints": {"J1": {"plane": "82/030", "strength": "a"}, "J2": {"plane": "74/012.5", "strength": "b"}},
+        "slope": {"face": "86/20.7", "upper": "5/20.7", "height": 8},
+        "strength": {"a": {"c": 11, "phi": 7.6},
+                     "b": {"c": {"dist": "normal", "mean": 36, "sd": 5}, "phi": PHI | {"mean": 31}}},
+        "rock": {"unit_weight": 21.7},
+    }  # fmt: skip
+    design = load(turning)
+    means = sk.analyse(design)
+    assert means.moments_govern
+    target = 0.5 * (means.fos.limit + means.fos.closed_form)
+    study = probability(design, 60, target=target, confirm_count=15, near=0.0)
+    every = probability(design, 60, target=target, by="pre-ie")
+    assert study.confirmation.governed == 15
+    assert study.confirmation.unsafe > 5
+    assert {"W353", "W354"} <= {notice.code for notice in study.warnings}
+    assert every.all_samples.share > study.all_samples.share + 0.2
+    assert study.confirmation.probability == pytest.approx(every.all_samples.share, abs=0.4)  # from 15 samples
+    assert "W353" in {notice.code for notice in every.warnings}
+
+
+def test_the_same_numbers_whoever_works() -> None:
+    design = load(WILD)
+    alone = probability(design, 16, seed=7, by="pre-ie")
+    pool = probability(design, 16, seed=7, by="pre-ie", crew=checked_crew(2))
+    assert alone.factor.tobytes() == pool.factor.tobytes()
+    assert alone.counts == pool.counts
+    other = probability(design, 16, seed=8, by="pre-ie")
+    assert other.factor.tobytes() != alone.factor.tobytes()
+
+
+def test_an_interrupted_study_goes_on(tmp_path, monkeypatch) -> None:
+    design, calls = load(default_wedge()), []
+
+    def counted(work, *tasks, **options):
+        def one(task):
+            if len(calls) == 12:
+                calls.append(0)
+                raise KeyboardInterrupt
+            calls.append(1)
+            return work(task)
+
+        return running.run_all(one, *tasks, **options)
+
+    whole = probability(design, 30, by="pre-ie")
+    monkeypatch.setattr("slopekit.studies.probability.run_all", counted)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Interrupted) as caught:
+        probability(design, 30, by="pre-ie")
+    assert "12 of 30" in str(caught.value)
+    assert len(list(tmp_path.glob("prob-*.journal"))) == 1
+    again = probability(design, 30, by="pre-ie")
+    assert len(calls) == 31
+    assert again.factor.tobytes() == whole.factor.tobytes()
+    assert not list(tmp_path.iterdir())
+
+
+def test_samples_that_cannot_be_are_counted_apart() -> None:
+    design = load(default_wedge() | {"strength": {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20}, "phi": 20}},
+                                     "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})  # fmt: skip
+    study = probability(design, 20_000, confirm_count=0, near=0.0)
+    assert 50 < study.counts["impossible"] < 200  # 0.62 % of them
+    assert study.all_samples.of == 20_000 - study.counts["impossible"]
+    assert "W350" in {notice.code for notice in study.warnings}
+
+
+def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
+    joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
+    wide = {"c": {"dist": "normal", "mean": 5, "sd": 5}, "phi": 20}
+    with pytest.raises(DesignError) as caught:
+        probability(load(default_wedge() | {"joints": joints, "strength": {"s": wide}}), 10)
+    assert caught.value.codes == ("E281",)
+    smooth = {"c": 20, "phi": {"dist": "uniform", "min": 0.5, "max": 1.5}}
+    design = load(default_wedge() | {"joints": joints, "strength": {"s": smooth}})
+    by_pre_ie = probability(design, 5, by="pre-ie")
+    assert by_pre_ie.counts == {"slides_on_both": 5}
+    assert probability(design, 5, confirm_count=0, near=0.0).factor == pytest.approx(by_pre_ie.factor, rel=1e-9)
+
+
+def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) -> None:
+    def some_fail(work, tasks, *_rest, **_options):
+        stands = ["slides_on_both", 1.2, "slides_on_both", 1.2, 0.0, True, False, True]
+        wild = ["not_converged", None, "slides_on_both", 0.9, None, False, False, False]
+        return [["E599", "LinAlgError: singular"], wild, *[stands] * (len(tasks) - 2)]
+
+    monkeypatch.setattr("slopekit.studies.probability.run_all", some_fail)
+    study = probability(load(default_wedge()), 20, by="pre-ie")
+    assert study.counts == {"slides_on_both": 18, "E599": 1, "not_converged": 1}
+    assert (study.all_samples.count, study.all_samples.of) == (0, 18)
+    assert {"W351", "W352"} <= {notice.code for notice in study.warnings}
+
+
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [
+        ({"n": 0}, "E307"), ({"seed": -1}, "E307"), ({"target": 0.0}, "E307"), ({"confidence": 1.0}, "E307"),
+        ({"accept": 1.5}, "E307"), ({"method": "monte carlo"}, "E308"), ({"by": "bishop"}, "E308"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(options, code) -> None:
+    with pytest.raises(DesignError) as caught:
+        probability(load(default_wedge()), **({"n": 10} | options))
+    assert caught.value.codes == (code,)
+
+
+def test_a_design_in_which_nothing_scatters_is_refused() -> None:
+    with pytest.raises(DesignError) as caught:
+        probability(load("templates/wedge.yaml"), 10)
+    assert caught.value.codes == ("E302",)
+
+
+def test_limits_of_shares() -> None:
+    """Clopper and Pearson's definition: at the limits, a result as extreme has a probability of 2.5 %."""
+    low, high = clopper_pearson(7, 50)
+    assert binom.sf(6, 50, low) == pytest.approx(0.025)
+    assert binom.cdf(7, 50, high) == pytest.approx(0.025)
+    assert clopper_pearson(50, 50)[1] == 1.0
+    rng = np.random.default_rng(5)
+    hits = 0
+    for _ in range(300):
+        shares = rng.uniform(size=1600) < 0.3
+        found = share_of(shares, np.ones(1600, dtype=bool), np.repeat(np.arange(16), 100))
+        hits += found.low <= 0.3 <= found.high
+    assert 270 <= hits <= 298
+    assert share_of(np.zeros(9, bool), np.zeros(9, bool), np.zeros(9, int)).share is None
+    assert summary_of([np.nan]) is None
+    even = summary_of([1.5] * 10)
+    assert (even.mean, even.sd, sum(even.counts)) == (1.5, 0.0, 10)
+
+
+def test_the_command(tmp_path) -> None:
+    file = tmp_path / "wedge.json.yaml"
+    file.write_text(json.dumps(default_wedge(0.8)))
+    command = [sys.executable, "-m", "slopekit.cli", "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5"]
+    run = subprocess.run([*command, "--near", "0.1%", "--accept", "10%", "--json", "-o", str(tmp_path / "out")],
+                         capture_output=True, text=True, timeout=60)  # fmt: skip
+    assert run.returncode == 1, run.stderr
+    found = json.loads(run.stdout)
+    assert found["accepted"] is False
+    assert found["probability_of_failure"]["all_samples"]["of"] == found["n"] == 500
+    assert found == json.loads((tmp_path / "out" / "prob.json").read_text())
+    rows = list(csv.DictReader((tmp_path / "out" / "samples.csv").read_text().splitlines()))
+    fails = sum(int(row["fails"]) for row in rows)
+    assert fails == found["probability_of_failure"]["all_samples"]["count"]
+    assert sum(float(row["fos_closed_form"]) < 1.5 for row in rows) == fails
+    assert sum(row["fos_limit"] != "" for row in rows) == found["pre_ie"]["samples"]
+    sheet = (tmp_path / "out" / "prob.txt").read_text()
+    assert all(len(line) <= 100 for line in sheet.splitlines())
+    assert "P(F < 1.5)" in sheet
+    assert "of 500" in sheet
+    wrong = subprocess.run([*command[:4], str(file), "-n", "many"], capture_output=True, text=True, timeout=60)
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("E106")

@@ -1,0 +1,574 @@
+"""`slopekit support`: forces put back, optima against brute force and book formulas, heads and lengths, refusals.
+
+Nothing here takes the forces from slopekit's own algebra: they are put back as bolts of a new design, directions are
+tried one by one with the closed form, heads and lengths are measured against planes through the toe.
+"""
+
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis.factors import factors_of
+from slopekit.analysis.wedge import closed_form
+from slopekit.closed_form.wedge import hoek_bray_wedge
+from slopekit.design.reading import wedge_design
+from slopekit.design.templates import path_of
+from slopekit.errors import DesignError, Notice
+from slopekit.geometry.cutting import cut_wedge
+from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
+from slopekit.loads import check_bolt
+from slopekit.orientation import Line
+from slopekit.studies.support_forces import Held, around, least_along, nearest, slides, sphere
+from slopekit.studies.support_search import least_force
+from slopekit.studies.support_site import Answer, site_of
+from slopekit.views.support_sheet import support_line, support_sheet
+from tests.support import random_wedge, upward_normal
+
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
+    "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 25, "phi": 37}},
+}  # fmt: skip
+WEDGE = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+    "joints": {"J1": {"plane": "45/125"}, "J2": {"plane": "50/235"}}, "strength": {"s": {"c": 5, "phi": 25}},
+    "rock": {"unit_weight": 26},
+}  # fmt: skip
+#: cases.json, 9_single-plane: slides on J1 alone, where moments govern
+ONE_PLANE = WEDGE | {
+    "joints": {"J1": {"plane": "40/160"}, "J2": {"plane": "80/220"}}, "strength": {"s": {"c": 20, "phi": 30}},
+}  # fmt: skip
+#: a slab on a gentle plane, three times as high as it is deep: it turns over before it slides
+SLAB = PLANE | {
+    "slope": {"face": "85/180", "height": 10, "upper": "0/180"}, "joints": {"J1": {"plane": "30/180"}},
+    "crack": {"distance": 0.5}, "strength": {"s": {"c": 5, "phi": 40}}, "loads": {"seismic": 0.1},
+}  # fmt: skip
+
+
+def loaded(design: dict, **values):
+    return sk.load(design, set=values)
+
+
+def put_back(design, *bolts: dict, forces=()):
+    """Both factors of a design with more bolts and forces, read again from its document."""
+    document = design.source.root.plain()
+    document.setdefault("support", {}).setdefault("bolts", [])
+    document["support"]["bolts"] = [*document["support"]["bolts"], *bolts]
+    if forces:
+        document.setdefault("loads", {})["forces"] = list(forces)
+    found = factors_of(sk.load(document))
+    return found.closed_form, found.limit
+
+
+def as_bolt(force: float, line: Line, acts: str) -> dict:
+    return {"force": force, "toward": f"{line.trend_deg!r}/{line.plunge_deg!r}", "acts": acts}
+
+
+def notices_of(found) -> dict[str, str]:
+    said = [case.closed_form.notice for case in found.cases]
+    said += [case.pre_ie.notice for case in found.cases if case.pre_ie]
+    said += [notice for case in found.cases if case.pattern for notice in case.pattern.notices]
+    return {notice.code: notice.message for notice in said if notice}
+
+
+# -- put back --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_forces_on_random_planes_give_the_target_when_put_back(seed) -> None:
+    """Both methods, active and passive, given and best direction, pressure: within 1e-6, never below."""
+    rng = np.random.default_rng(seed)
+    face, dip = rng.uniform(50, 85), rng.uniform(25, 45)
+    design = loaded(
+        PLANE, slope={"face": f"{face}/140", "height": float(rng.uniform(5, 40)), "upper": "5/140"},
+        joints={"J1": {"plane": f"{dip}/{rng.uniform(130, 150)}"}},
+        strength={"s": {"c": float(rng.uniform(0, 10)), "phi": float(rng.uniform(15, 30))}},
+        loads={"seismic": float(rng.uniform(0, 0.15))}, water={"fill": float(rng.uniform(0, 0.4))},
+    )  # fmt: skip
+    bare = factors_of(design)
+    target = round(bare.closed_form * float(rng.uniform(1.1, 2.0)), 3)
+    found = sk.support(design, target, toward=(300.0, 5.0))  # 20° off the section
+    assert found.reached
+    for case in found.cases:
+        bolt = as_bolt(case.closed_form.force, case.toward, case.acts)
+        assert put_back(design, bolt)[0] == pytest.approx(target, abs=1e-6)
+        limit = put_back(design, as_bolt(case.pre_ie.force, case.toward, case.acts))[1]
+        assert limit == pytest.approx(target, abs=1e-6)
+        assert limit >= target
+        assert case.pre_ie.fos == pytest.approx(target, abs=1e-6)
+    press = found.pressure.force_words() | {"force": found.pressure.pre_ie.force * found.face_area}
+    assert put_back(design, forces=[press])[1] == pytest.approx(target, abs=1e-6)
+    assert found.pressure.use == max(found.pressure.pre_ie.force, found.pressure.closed_form.force)
+
+
+#: random wedges that slide: dry, wet, with an earthquake
+SEEDS = (0, 13, 32, 36, 48, 63, 65, 73, 74, 85, 88, 101)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_forces_on_random_wedges_give_the_target_when_put_back(seed) -> None:
+    given = random_wedge(np.random.default_rng(seed))
+    design = wedge_design(given)
+    target = round(closed_form(design).factor * 1.3, 2)
+    weight = closed_form(design).weight
+    acts = "passive" if SEEDS.index(seed) % 2 else "active"
+    toward = ((given["face"][1] + 180.0) % 360.0, 5.0) if seed < 40 else None
+    found = sk.support(design, target, acts=acts, toward=toward, bolt_capacity=weight)
+    assert found.reached
+    assert [case.which for case in found.cases] == (["given", "best"] if toward else ["best"])
+    for case in found.cases:
+        closed, limit = (
+            wedge_design(
+                given
+                | {"bolts": [*given.get("bolts", ()), {"force": force, "toward": _pair(case.toward), "acts": acts}]}
+            )
+            for force in (case.closed_form.force, case.pre_ie.force)
+        )
+        assert closed_form(closed).factor == pytest.approx(target, abs=1e-6)
+        assert closed_form(closed).factor >= target
+        assert factors_of(limit).limit == pytest.approx(target, abs=1e-6)
+    assert found.cases[0].closed_form.force >= found.cases[-1].closed_form.force
+    assert found.cases[-1].optimum.is_minimum
+    assert found.pressure.closed_form.fos == pytest.approx(target, abs=1e-6)
+
+
+def _pair(line: Line) -> tuple[float, float]:
+    return line.trend_deg, line.plunge_deg
+
+
+# -- the best direction ------------------------------------------------------------------------------------------
+
+
+def _brute(given: dict, directions: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Factors (f, d) of active forces along directions: Hoek & Bray's wedge, one call each, 0 without a number."""
+    design = wedge_design(given)
+    planes = design.joints, design.face, design.upper, design.height_m
+    strength = design.cohesion_kpa, design.friction_angle_deg, design.unit_weight_kn_m3
+    out = np.zeros((len(forces), len(directions)))
+    for i, force in enumerate(forces):
+        for j, direction in enumerate(directions):
+            out[i, j] = hoek_bray_wedge(*planes, *strength, forces=[(force * direction).tolist()]).factor or 0.0
+    return out
+
+
+@pytest.mark.parametrize(
+    ("dips", "strength", "target"),
+    [
+        ((("45/125"), ("50/235")), (5, 25), 1.6),  # on both
+        ((("40/160"), ("80/220")), (20, 30), 1.8),  # on J1 alone
+        ((("55/100"), ("42/200")), (0, 30), 1.3),  # lopsided, no cohesion
+        ((("45/125"), ("50/235")), (5, 25), 6.0),  # so much that the mode changes on the way
+    ],
+)
+def test_no_direction_of_the_sphere_needs_less(dips, strength, target) -> None:
+    """Brute force: at every smaller force no direction gives the target; at a little more those near the best do."""
+    given = {"dips": dips, "face": "65/180", "upper": "0/180", "height": 10, "c": strength[0], "phi": strength[1],
+             "unit_weight": 26}  # fmt: skip
+    best = sk.support(wedge_design(given), target, acts="active").cases[0]
+    force, toward = best.closed_form.force, best.toward.vector()
+    rng = np.random.default_rng(3)
+    anywhere = rng.normal(size=(500, 3))
+    anywhere /= np.sqrt((anywhere**2).sum(axis=1))[:, None]
+    near = toward + 0.02 * rng.normal(size=(120, 3))
+    near /= np.sqrt((near**2).sum(axis=1))[:, None]
+    less = _brute(given, np.concatenate([anywhere, near]), force * np.array([0.2, 0.6, 0.9, 0.9999]))
+    assert less.max() < target
+    assert _brute(given, toward[None, :], np.array([force]))[0, 0] == pytest.approx(target, abs=1e-6)
+    assert (_brute(given, near, np.array([1.01 * force])) >= target).mean() > 0.9
+    assert best.optimum.is_minimum
+    assert best.optimum.around[0] == pytest.approx(force / math.cos(math.radians(1.0)), rel=2e-3)
+
+
+@pytest.mark.parametrize("phi", [15.0, 30.0, 40.0])
+@pytest.mark.parametrize("cohesion", [0.0, 10.0])
+def test_the_best_direction_on_a_plane_is_hoek_and_brays(phi, cohesion) -> None:
+    """Wyllie & Mah (2004), eq. 6.24: F (W sin ψ - T cos θ) = c L + (W cos ψ + T sin θ) tan φ.
+
+    The least T has tan θ = tan φ / F; θ is the angle of the bolt above the plane. A passive bolt pulls with T / F, so
+    that it needs F times as much.
+    """
+    face, psi, height, target = 60.0, 35.0, 12.0, 1.9
+    design = loaded(PLANE, strength={"s": {"c": cohesion, "phi": phi}})
+    dip, slope = math.radians(psi), math.tan(math.radians(phi))
+    corner = height * (1.0 / math.tan(dip) - 1.0 / math.tan(math.radians(face)))  # of the level top
+    weight, length = 26.0 * 0.5 * height * corner, height / math.sin(dip)
+    theta = math.atan(slope / target)
+    lacking = target * weight * math.sin(dip) - cohesion * length - weight * math.cos(dip) * slope
+    force = lacking / (target * math.cos(theta) + slope * math.sin(theta))
+    active, passive = sk.support(design, target).cases
+    assert active.closed_form.force == pytest.approx(force, rel=1e-7)
+    assert active.toward.plunge_deg == pytest.approx(math.degrees(theta) - psi, abs=1e-3)
+    assert active.toward.trend_deg == pytest.approx(0.0, abs=1e-3)
+    assert passive.closed_form.force == pytest.approx(target * force, rel=1e-7)
+    assert passive.toward.plunge_deg == pytest.approx(active.toward.plunge_deg, abs=1e-3)
+    for case in (active, passive):
+        assert case.optimum.around == pytest.approx(
+            [case.closed_form.force / math.cos(math.radians(1.0))] * 2, rel=1e-6
+        )
+
+
+def test_limits_of_plunge_hold_and_their_best_is_the_best_within() -> None:
+    """Against every direction within the limits on a grid of 2° and 1°, each solved by bisection on the closed form."""
+    design = loaded(WEDGE)
+    case = sk.support(design, 1.6, acts="active", plunge="10,30").cases[0]
+    assert case.which == "practical"
+    assert 10.0 <= case.toward.plunge_deg <= 30.0
+    given = {"dips": ("45/125", "50/235"), "face": "65/180", "upper": "0/180", "height": 10, "c": 5, "phi": 25,
+             "unit_weight": 26}  # fmt: skip
+    grid = [Line(t, p).vector() for t in np.arange(300.0, 420.0, 4.0) for p in (10.0, 11.0, 14.0, 20.0, 30.0)]
+    assert _brute(given, np.array(grid), case.closed_form.force * np.array([0.7, 0.999])).max() < 1.6
+    best = sk.support(design, 1.6, acts="active").cases[0]
+    assert not 10.0 <= best.toward.plunge_deg <= 30.0
+    assert best.closed_form.force < case.closed_form.force
+
+
+def test_the_sets_of_a_mode_against_trial_and_error() -> None:
+    """`least_along`: nothing smaller stands, that itself does; `nearest`: no direction has less."""
+    rng = np.random.default_rng(4)
+    for trial in range(25):
+        normals = rng.normal(size=(1 + trial % 2, 3))
+        normals /= np.sqrt((normals**2).sum(axis=1))[:, None]
+        held = Held(
+            100.0 * rng.normal(size=3), normals, rng.uniform(0.0, 40.0, len(normals)),
+            rng.uniform(0.1, 1.0, len(normals)), np.zeros((0, 3)), 1.5, 200.0,
+        )  # fmt: skip
+        if _stands(held, held.load[None, :])[0]:
+            continue
+        directions = sphere(400)
+        least = least_along(held, directions)
+        reach = np.isfinite(least)
+        at = np.linspace(0.0, 0.99999, 60)[:, None, None] * np.minimum(least, 2000.0)[:, None] * directions
+        assert not _stands(held, (held.load + at).reshape(-1, 3)).any()
+        assert _stands(held, held.load + (1.0 + 1e-7) * least[reach, None] * directions[reach]).all()
+        way = nearest(held)[0]
+        size = math.sqrt(float(way @ way))
+        assert size <= least.min() * (1.0 + 1e-9)
+        beside = least_along(held, around(way / size, 0.01))  # where two edges meet the way itself only touches
+        assert beside.min() == pytest.approx(size, rel=1e-3)
+
+
+def _stands(held: Held, loads: np.ndarray) -> np.ndarray:
+    moved = slides(held, loads)
+    return moved.touches.any(axis=1) & (moved.driving <= moved.resisting / held.factor * (1.0 + 1e-12))
+
+
+# -- bolts that are there, and what is enough already ------------------------------------------------------------------
+
+
+def test_bolts_of_the_design_stay_and_count() -> None:
+    bare = sk.support(loaded(WEDGE), 1.6).cases
+    for acts, case in zip(("active", "passive"), bare, strict=True):
+        half = as_bolt(case.closed_form.force / 2.0, case.toward, acts)
+        design = loaded(WEDGE | {"support": {"bolts": [half]}})
+        other = next(c for c in sk.support(design, 1.6).cases if c.acts == acts)
+        assert other.closed_form.force == pytest.approx(case.closed_form.force / 2.0, rel=1e-6)
+        assert other.to_dict(design.bolts, "kN")["yaml"].count("acts:") == 1 + len(other.bolts)
+
+
+def test_a_slope_that_is_stable_enough_needs_nothing() -> None:
+    found = sk.support(loaded(PLANE), 1.2)
+    assert found.stands
+    assert found.exit_code == 0
+    assert found.cases == ()
+    assert found.to_dict()["needed"] is False
+    assert "no more support is needed" in support_sheet(found)
+    assert support_line(found).startswith("reached  nothing needed")
+
+
+def test_what_only_moments_ask_for_is_found_by_pre_ie_alone() -> None:
+    """ONE_PLANE: 1.4895 with moments, 1.5378 without; the target lies between."""
+    case = sk.support(loaded(ONE_PLANE), 1.5, acts="active").cases[0]
+    assert case.closed_form.force == 0.0
+    assert case.pre_ie.force > 0.0
+    assert case.reached
+    limit = put_back(loaded(ONE_PLANE), as_bolt(case.pre_ie.force, case.toward, "active"))[1]
+    assert limit == pytest.approx(1.5, abs=1e-6)
+
+
+def test_joints_that_dilate_need_what_pre_ie_says() -> None:
+    """The closed form knows no dilation: its force is shown, PRE-IE's smaller one is the one to use."""
+    design = loaded(WEDGE, **{"strength.s.dilation": 6})
+    case = sk.support(design, 1.6, acts="active").cases[0]
+    assert case.pre_ie.force < 0.99 * case.closed_form.force
+    assert case.force == case.pattern.force < case.closed_form.force
+    limit = put_back(design, as_bolt(case.pre_ie.force, case.toward, "active"))[1]
+    assert limit == pytest.approx(1.6, abs=1e-6)
+
+
+# -- heads on the face -------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def turning():
+    return sk.support(loaded(ONE_PLANE), 1.8, bolt_capacity=150.0, bond=2.5)
+
+
+def test_moments_govern_and_the_larger_number_is_the_one_to_use(turning) -> None:
+    for case in turning.cases:
+        assert case.pre_ie.force > 1.05 * case.closed_form.force
+        assert case.force == case.pattern.force
+        assert case.pattern.need.moments_govern
+        assert case.pattern.need.fos == pytest.approx(1.8, abs=1e-6)
+    sheet = support_sheet(turning)
+    assert "moments govern: the closed form's" in sheet
+    assert max(map(len, sheet.splitlines())) <= 100
+
+
+def test_heads_lie_on_the_face_and_bolts_reach_behind_the_joint(turning) -> None:
+    """Measured against planes through the toe: the face, and the first joint that each bolt meets."""
+    case = turning.cases[0]
+    pattern, laid = case.pattern, case.pattern.layout
+    geometry = sk.run(ONE_PLANE).geometry
+    toe, crest1, crest2 = (geometry.corners_m[name] for name in ("toe", "crest_J1", "crest_J2"))
+    shares = np.linalg.solve(np.array([toe, crest1, crest2]).T + 1.0, laid.heads_m.T + 1.0).T  # barycentric
+    assert np.abs(laid.heads_m @ upward_normal((65.0, 180.0))).max() < 1e-9
+    assert shares.min() > 0.0
+    assert np.abs(shares.sum(axis=1) - 1.0).max() < 1e-9
+    joints = np.array([upward_normal((40.0, 160.0)), upward_normal((80.0, 220.0))])
+    reach = -(laid.heads_m @ joints.T) / (case.toward.vector() @ joints.T)
+    deepest = np.where(reach > 1e-9, reach, np.inf).min(axis=1)
+    assert pattern.lengths == pytest.approx(deepest + 2.5, abs=1e-9)
+    apart = laid.heads_m[:, None, :] - laid.heads_m[None, :, :]
+    away = np.sqrt((apart**2).sum(axis=2))
+    assert away[away > 0.0].min() == pytest.approx(laid.across_m, rel=1e-9)
+    assert len(laid) >= laid.needed >= pattern.force / 150.0
+    assert pattern.each == pytest.approx(pattern.force / len(laid))
+    assert pattern.per_m2 == pytest.approx(pattern.force / turning.face_area)
+    assert len(np.unique(laid.heads_m[:, 2].round(6))) == laid.rows
+
+
+def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning) -> None:
+    """The check that `run` makes of each bolt: E212 where it ends before the joint."""
+    rock = wedge_rock_mass(
+        np.array([upward_normal((40.0, 160.0)), upward_normal((80.0, 220.0))]), upward_normal((65.0, 180.0)),
+        upward_normal((0.0, 180.0)), 10.0,
+    )  # fmt: skip
+    block = cut_wedge(rock)
+    case = turning.cases[0]
+    for head, length in zip(case.pattern.layout.heads_m, case.pattern.lengths, strict=True):
+        check_bolt(block, "bolt", head, case.toward.vector(), length, (J1, J2))
+        with pytest.raises(sk.GeometryError) as caught:
+            check_bolt(block, "bolt", head, case.toward.vector(), length - 2.5001, (J1, J2))
+        assert caught.value.codes == ("E212",)
+
+
+@pytest.mark.parametrize("acts", ["active", "passive"])
+@pytest.mark.parametrize("design", [PLANE, WEDGE], ids=["plane", "wedge"])
+def test_the_yaml_pasted_into_the_design_gives_the_target(design, acts, tmp_path) -> None:
+    """Every digit comes from the text alone: design file + snippet -> `run`."""
+    found = sk.support(loaded(design), 1.9, acts=acts, bolt_capacity={"plane": 400.0, "wedge": 300.0}[design["kind"]])
+    assert found.reached
+    assert _pasted(design, found, acts, tmp_path).fos.limit == pytest.approx(1.9, abs=1e-6)
+
+
+@pytest.mark.parametrize("acts", ["active", "passive"])
+def test_the_yaml_of_bolts_whose_moments_govern_gives_the_target(turning, acts, tmp_path) -> None:
+    assert _pasted(ONE_PLANE, turning, acts, tmp_path).fos.limit == pytest.approx(1.8, abs=1e-6)
+
+
+def _pasted(design: dict, found, acts: str, folder: Path):
+    text = found.snippets()[f"support-{acts}.yaml"]
+    assert max(map(len, text.splitlines())) <= 100
+    body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in design.items())
+    (folder / "design.yaml").write_text(f"{body}\n{text}", encoding="utf-8")
+    result = sk.run(folder / "design.yaml")
+    case = next(case for case in found.cases if case.acts == acts)
+    assert len(result.design.bolts) == len(case.pattern.layout)
+    assert "W311" not in {notice.code for notice in result.warnings}  # every bolt has its head
+    return result
+
+
+def test_map_coordinates_move_the_heads_with_the_toe() -> None:
+    at = [500_000.0, 4_000_000.0, 1000.0]
+    near = sk.support(loaded(WEDGE), 1.9, acts="active").cases[0]
+    far = sk.support(loaded(WEDGE, **{"slope.origin": at}), 1.9, acts="active").cases[0]
+    assert far.pattern.layout.heads_m - at == pytest.approx(near.pattern.layout.heads_m, abs=1e-6)
+    assert far.closed_form.force == pytest.approx(near.closed_form.force, rel=1e-9)
+
+
+def test_a_tension_crack_leaves_places_out() -> None:
+    """Bolts from the top of the face run into the crack: they are anchored in nothing."""
+    design = loaded(PLANE, crack={"depth": 4.35, "water": 3.0})
+    found = sk.support(design, 1.5, acts="active")
+    laid = found.cases[0].pattern.layout
+    assert laid.left_out > 0
+    reach = -(laid.heads_m @ upward_normal((35.0, 180.0))) / (
+        found.cases[0].toward.vector() @ upward_normal((35.0, 180.0))
+    )
+    ends = laid.heads_m + reach[:, None] * found.cases[0].toward.vector()
+    crack = sk.run(design.source.root.plain()).geometry.crack_distance_m + 12.0 / math.tan(math.radians(60.0))
+    assert ends[:, 1].max() < crack
+
+
+# -- where there is no answer ------------------------------------------------------------------------------------------
+
+
+def test_other_kinds_are_refused() -> None:
+    with pytest.raises(DesignError) as caught:
+        sk.support(sk.load(path_of("footing")))
+    assert caught.value.codes == ("E320",)
+    assert "a footing" in caught.value.faults[0].message
+
+
+def test_every_option_that_is_not_understood_is_named_at_once() -> None:
+    with pytest.raises(DesignError) as caught:
+        sk.support(
+            loaded(PLANE), -1, acts="both ways", toward="up", plunge="20,10", bolt_capacity="5 m", spacing=0, bond="x",
+            length=-3,
+        )  # fmt: skip
+    assert sorted(caught.value.codes) == ["E106", "E107", "E321", "E321", "E321", "E321", "E321", "E321"]
+    for plunge in ("5", (1, 2, 3), "-100,5"):
+        with pytest.raises(DesignError, match="E321 limits of plunge"):
+            sk.support(loaded(PLANE), plunge=plunge)
+
+
+OUT_OF_REACH = [
+    ("E322", PLANE, {"toward": "180/10", "acts": "active"}, "force that way drives the block"),
+    ("E322", PLANE, {"toward": "000/75", "acts": "active", "fos": 2.5}, "FoS tends to 2.0"),
+    ("E322", WEDGE, {"toward": "270/-30", "acts": "active", "fos": 2}, "more force lowers it again"),
+    ("E322", WEDGE, {"plunge": "80,85", "acts": "active"}, "no direction into the face that plunges 80 to 85"),
+    ("E323", PLANE, {"toward": "000/80", "acts": "passive"}, "the movement does not draw them out"),
+    ("E323", WEDGE, {"toward": "275/0", "acts": "passive", "fos": 1.8}, "at best FoS"),
+    ("E324", PLANE | {"strength": {"s": {"c": 0, "phi": 0}}}, {}, "the joints have no strength"),
+    ("E326", PLANE, {"toward": "000/-60", "acts": "active", "fos": 1.7}, "the force points out of the face"),
+    ("E327", PLANE, {"length": "5 m", "acts": "active", "fos": 2}, "bolts are too short at 5 m: the longest needs"),
+    ("E328", WEDGE, {"spacing": "8 m", "acts": "active", "bolt_capacity": 1}, "at a spacing of 8 m the face holds 1 "),
+    ("E328", WEDGE, {"acts": "active", "bolt_capacity": "1 N"}, "no pattern is laid"),
+    ("E328", PLANE, {"acts": "active", "bolt_capacity": "1 N"}, "no pattern is laid"),
+    ("E329", SLAB, {"acts": "active", "fos": 2.5}, "moments turn the block"),
+]
+
+
+@pytest.mark.parametrize(("code", "design", "options", "says"), OUT_OF_REACH, ids=lambda value: str(value)[:12])
+def test_what_cannot_be_reached_says_why(code, design, options, says) -> None:
+    options = {"fos": 1.9} | options
+    fos = options.pop("fos")
+    found = sk.support(loaded(design), fos, **options)
+    said = notices_of(found)
+    assert says in said[code]
+    assert f"{code} " in support_sheet(found).replace("\n", " ")
+    if code != "E329":  # the slab stands once its bolts have their heads on the face
+        assert not found.reached
+        assert found.exit_code == 1
+        assert code in support_line(found)
+
+
+def test_a_slab_that_turns_over_is_held_by_heads_on_the_face() -> None:
+    """Through the centroid no force reaches the target, high on the face one does: PRE-IE with its moments says so."""
+    found = sk.support(loaded(SLAB), 2.5, acts="active")
+    case = found.cases[0]
+    assert case.pre_ie.force is None
+    assert case.reached
+    document = found.to_dict()["bolts"][0]
+    limit = sk.run(SLAB | {"support": document["support"]}).fos.limit
+    assert limit == pytest.approx(2.5, abs=1e-6)
+
+
+def test_a_factor_that_jumps_over_the_target_is_said_to_jump() -> None:
+    """Water that lifts the block takes its cohesion; the force that closes the plane again brings all of it back."""
+    design = loaded(PLANE, water={"pressures": {"J1": 80}}, strength={"s": {"c": 200, "phi": 37}})
+    assert factors_of(design, pre_ie=False).closed_status == "lifted"
+    case = sk.support(design, 1.5, acts="active").cases[0]
+    assert case.closed_form.notice.code == "E325"
+    assert case.closed_form.below == 0.0
+    bolt = as_bolt(case.closed_form.force, case.toward, "active")
+    assert put_back(design, bolt)[0] > 1.5
+    assert put_back(design, bolt | {"force": 0.999 * case.closed_form.force})[0] is None
+
+
+def test_a_search_brackets_smooth_kinked_and_jumping_levels() -> None:
+    """`least_force` on functions whose roots are known."""
+
+    def answers(level):
+        return lambda force: Answer(level(force), "slides")
+
+    smooth = least_force(answers(lambda force: 1.0 + force / (1.0 + force)), 1.5, 1e-9, 0.1, 1.0, math.inf)
+    assert smooth.force == pytest.approx(1.0, rel=1e-7)
+    assert smooth.answer.level >= 1.5
+    assert smooth.below is None
+    down = least_force(answers(lambda force: 1.0 + force), 1.5, 1e-9, 40.0, 1.0, math.inf)
+    assert down.force == pytest.approx(0.5, rel=1e-7)
+    jump = least_force(answers(lambda force: 1.0 if force < 7.0 else 2.0), 1.5, 1e-9, 1.0, 1.0, math.inf)
+    assert jump.force == pytest.approx(7.0, rel=2e-3)
+    assert jump.force >= 7.0
+    assert jump.below == 1.0
+    never = least_force(answers(lambda force: 1.4 - 1.0 / (1.0 + force)), 1.5, 1e-9, 1.0, 0.4, math.inf)
+    assert never.force is None
+    assert never.answer.level < 1.4
+    window = least_force(answers(lambda force: 2.0 if 3.0 < force < 4.0 else 1.0), 1.5, 1e-9, 2.9, 1.0, 4.0)
+    assert 3.0 < window.force < 4.0
+
+
+def test_a_force_without_convergence_is_no_answer() -> None:
+    """A level that is not a number counts as not reached."""
+    assert math.isnan(Answer(None, "not_converged").level)
+    assert Answer(None, "no_driving_force").level == math.inf
+    assert Answer(None, "lifted").level == 0.0
+    lost = least_force(lambda force: Answer(None, "not_converged"), 1.5, 1e-9, 1.0, 1.0, math.inf)
+    assert lost.force is None
+
+
+def test_section_and_space_have_the_same_sense_of_into_the_rock() -> None:
+    """The inward normal of a face that dips 60° toward 180 plunges 30° toward 000."""
+    for design in (loaded(PLANE), loaded(WEDGE, **{"slope.face": "60/180"})):
+        site = site_of(design)
+        line = site.line(site.inward)
+        assert (line.trend_deg % 360.0, line.plunge_deg) == pytest.approx((0.0, 30.0), abs=1e-9)
+
+
+# -- the command -------------------------------------------------------------------------------------------------------
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", "support", *arguments], capture_output=True, text=True, timeout=120
+    )
+
+
+def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> None:
+    plane = str(path_of("plane"))
+    run = command(plane, "--fos", "1.5", "--json", "-o", str(tmp_path / "out"))
+    assert run.returncode == 0
+    assert run.stderr == ""
+    document = json.loads(run.stdout)
+    assert document.keys() == {
+        "slopekit", "kind", "title", "input_sha256", "target_fos", "unit", "reached", "needed", "without", "weight_kn",
+        "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure", "warnings", "timing_s",
+    }  # fmt: skip
+    assert document["bolts"][0].keys() == {
+        "acts", "direction", "toward", "reached", "use_kn", "closed_form", "pre_ie", "most_kn", "optimum", "pattern",
+        "support", "yaml",
+    }  # fmt: skip
+    assert document["unit"] == "kN/m"
+    assert [bolt["acts"] for bolt in document["bolts"]] == ["active", "passive"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "support-active.yaml", "support-passive.yaml", "support.json", "support.txt",
+    ]  # fmt: skip
+    sheet = (tmp_path / "out" / "support.txt").read_text(encoding="utf-8")
+    assert [line.split()[0] for line in sheet.splitlines() if line[:1].isupper()] == [
+        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "USE", "PASTE",
+    ]  # fmt: skip
+
+
+def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
+    plane = str(path_of("plane"))
+    short = command(plane, "--quiet", "--toward", "180/10", "--acts", "active", "--set", "crack.water=1 m")
+    assert (short.returncode, short.stdout) == (1, "active  not reached  toward 180/10.0  E322\n")
+    wrong = command(plane, "--plunge", "-5", "--json")
+    assert wrong.returncode == 2
+    assert json.loads(wrong.stdout)["errors"][0]["code"] == "E321"
+    other = command(str(path_of("topple")))
+    assert other.returncode == 2
+    assert other.stderr.startswith("E320 support is for a wedge or a plane, this design is a topple")
+
+
+def test_distributions_are_named_in_the_sheet() -> None:
+    design = loaded(PLANE, **{"strength.s.phi": {"dist": "normal", "mean": 37, "sd": 2}})
+    found = sk.support(design, 1.9, acts="active")
+    assert isinstance(found.warnings[0], Notice)
+    assert "W320 strength.s.phi is a distribution" in support_sheet(found)
