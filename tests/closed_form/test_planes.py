@@ -194,6 +194,18 @@ def test_each_code_and_status_by_hand(changes, outcome) -> None:
     assert compare(book(**changes)) == {outcome: 1}
 
 
+def test_a_force_that_leaves_nothing_to_drive() -> None:
+    """What drives is taken away along the plane, but for 1e-12 of all loads: the force counts among them."""
+    bare = scalar(book(), 0)[2]
+    assert bare is not None
+    dip = math.radians(35.0)
+    left = 1e-12 * (bare.weight_kn + bare.driving_kn * np.array([0.0, 0.7, 1.3, -0.7, -1.3]))
+    force = left - bare.driving_kn
+    found = compare(book(force_kn=(force * math.cos(dip), -force * math.sin(dip))))
+    assert found == {"no_driving_force": 3, "slides": 1, "slides_up": 1}
+    assert compare(book(force_kn=(-force[0] * 1e3, force[0] * 1e3))).keys() == {"lifted"}
+
+
 def test_the_designs_of_the_analysis() -> None:
     """Files read, cut and analysed as a user's: the closed form of their results."""
     file: dict[str, Any] = {

@@ -128,22 +128,25 @@ class Search(Generic[T]):
                 return
             a, b = (middle, b) if side(middle) == of_a else (a, middle)
 
-    def find_extremes(self, steps: int) -> None:
+    def find_extremes(self, steps: int, within: float = math.inf, ends: bool = True) -> None:
         """Where the level turns around short of zero, look whether it does reach it: golden sections.
 
-        And at the highest and lowest of all, so that the range of the function is known.
+        Parameters
+        ----------
+        within : levels that are further from zero are let be
+        ends : also at the highest and lowest of all, so that the range of the function is known
         """
         defined = self.defined
         if len(defined) < 3:
             return
-        ends = {min(defined, key=_level).at, max(defined, key=_level).at}
+        outermost = {min(defined, key=_level).at, max(defined, key=_level).at} if ends else set()
         for a, b, c in list(zip(defined, defined[1:], defined[2:], strict=False)):
             low, middle, high = _level(a), _level(b), _level(c)
             if max(low, middle, high) - min(low, middle, high) < _ROUNDING:
                 continue
             turns = (middle - low) * (high - middle) < 0.0
             towards = abs(middle) < min(abs(low), abs(high)) and middle * low > 0.0 and middle * high > 0.0
-            if turns and (towards or b.at in ends):
+            if turns and ((towards and abs(middle) < within) or b.at in outermost):
                 self._section(a, b, c, 1.0 if middle < low else -1.0, steps)
 
     def _section(self, a: Sample[T], b: Sample[T], c: Sample[T], sign: float, steps: int) -> None:

@@ -36,6 +36,9 @@ _MOST_SHARED = 12  # places of the grid at which PRE-IE is asked too
 _PARTS = (0.25, 0.5, 0.75)  # of a stretch that has no place of the grid
 _BRACKET = 1e-7  # of a value, to both sides: where PRE-IE looks for its own root beside that of the closed form
 _PRE_IE_RESOLUTION, _PRE_IE_NEAR = 1e-10, 1e-11
+_MOST_JUMPS = 4  # of the closed form that PRE-IE looks at from both sides
+_BESIDE = 1e-3  # a level of PRE-IE at the closed form's root within this: its own root is beside it
+_TURNS_WITHIN = 0.1  # of the target: where PRE-IE turns around further off it is let be
 _JUMP = 1e-5, 0.02  # so near to each other, levels that far apart are a jump: PRE-IE takes long beside one
 _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
 _SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
@@ -209,10 +212,13 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
     taken = set[float]()
     if asked.key.value is not None and asked.low <= asked.key.value <= asked.high:
         taken.add(asked.key.value)
-    for crossing in crossings:
-        best, width = crossing.best.at, _BRACKET * max(abs(crossing.best.at), 1e-6 * search.span)
-        taken |= {crossing.before.at, crossing.after.at} if crossing.how != "root" else set()
-        taken |= {place for place in (best - width, best, best + width) if asked.low <= place <= asked.high}
+    jumps = [crossing for crossing in crossings if crossing.how != "root"][:_MOST_JUMPS]
+    taken |= {end.at for crossing in jumps for end in (crossing.before, crossing.after)}
+    roots = [crossing.best.at for crossing in crossings if crossing.how == "root"]
+    for root, sample in zip(roots, search.add(roots), strict=True):
+        width = _BRACKET * max(abs(root), 1e-6 * search.span)
+        if abs(_level(sample)) < _BESIDE:
+            taken |= {place for place in (root - width, root + width) if asked.low <= place <= asked.high}
     everywhere = _dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
     stretches = list(_stretches(quick.samples, everywhere))
     if not crossings and stretches:
@@ -224,9 +230,9 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
         taken |= {inside[round(k * (len(inside) - 1) / _MOST_SHARED)] for k in range(_MOST_SHARED + 1)}
     search.add(sorted(taken) or [sample.at for sample in quick.samples[:: max(1, len(quick.samples) // 3)]])
     for a, b in stretches:
-        _towards_ends(search, a, b)
+        _towards_ends(search, quick, a, b)
     if any(_moments(sample) for sample in search.samples):
-        search.find_extremes(_SECTIONS // 3)
+        search.find_extremes(_SECTIONS // 3, within=_TURNS_WITHIN, ends=False)
 
 
 def _stretches(samples: _Samples, everywhere: bool) -> Iterator[tuple[float, float]]:
@@ -243,14 +249,13 @@ def _stretches(samples: _Samples, everywhere: bool) -> Iterator[tuple[float, flo
         yield inside[0], inside[-1]
 
 
-def _towards_ends(search: Search[Point], a: float, b: float) -> None:
-    """Where the factor has not got above the target inside a stretch it may do so near its ends."""
-    if any((sample.level or 0.0) > 0.0 for sample in search.defined if a <= sample.at <= b):
+def _towards_ends(search: Search[Point], quick: Search[Point], a: float, b: float) -> None:
+    """Where the factor has not got above the target inside a stretch it may do so near an end that is high."""
+    if any(_level(sample) > 0.0 for sample in search.defined if a <= sample.at <= b):
         return
-    for part in (1e-2, 1e-4, 1e-6, 1e-8):
-        for place in (a + part * (b - a), b - part * (b - a)):
-            if a < place < b and _level(search.at(place)) > 0.0:
-                return
+    for end, other in ((a, b), (b, a)):
+        if _level(quick.at(end)) > _TURNS_WITHIN:
+            search.add(end + part * (other - end) for part in (1e-2, 1e-4))
 
 
 def _level(sample: Sample[Point]) -> float:
