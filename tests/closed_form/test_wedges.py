@@ -26,7 +26,7 @@ from slopekit.orientation import Plane, line_of, normals
 
 PLANES = ("joint1", "joint2", "face", "upper")
 REL = 1e-12
-COUNT = 400
+COUNT = 300
 
 
 def scalar(wedges: WedgeArrays, at: int) -> tuple[str, float, ClosedFormWedge | None, RockMass | None]:

@@ -169,7 +169,7 @@ def test_solids(change) -> None:
     @few
     @given(design=bricks())
     def check(design) -> None:
-        holds(design, change)
+        holds(design, change, 5e-6)  # Newton ends at 1e-6 of the factor from either side: 1.8e-6 was met
 
     check()
 

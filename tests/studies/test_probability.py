@@ -202,11 +202,11 @@ def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
 
 def test_the_same_numbers_whoever_works() -> None:
     design = load(WILD)
-    alone = probability(design, 16, seed=7, by="pre-ie")
-    pool = probability(design, 16, seed=7, by="pre-ie", crew=checked_crew(2))
+    alone = probability(design, 20, seed=7, by="pre-ie")
+    pool = probability(design, 20, seed=7, by="pre-ie", crew=checked_crew(2))
     assert alone.factor.tobytes() == pool.factor.tobytes()
     assert alone.counts == pool.counts
-    other = probability(design, 16, seed=8, by="pre-ie")
+    other = probability(design, 20, seed=8, by="pre-ie")
     assert other.factor.tobytes() != alone.factor.tobytes()
 
 
@@ -256,6 +256,38 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
     by_pre_ie = probability(design, 5, by="pre-ie")
     assert by_pre_ie.counts == {"slides_on_both": 5}
     assert probability(design, 5, confirm_count=0, near=0.0).factor == pytest.approx(by_pre_ie.factor, rel=1e-9)
+
+
+def test_nothing_that_speaks_against_it_is_accepted() -> None:
+    design = load(default_wedge() | {"support": {"bolts": [
+        {"force": 1e5, "toward": "000/10", "head": [0, -40, 20], "length": 1}]}})  # fmt: skip
+    by_pre_ie = probability(design, 6, by="pre-ie", target=1.7, accept=0.99)
+    assert by_pre_ie.counts == {"E212": 6} or by_pre_ie.counts == {"E211": 6}
+    assert (by_pre_ie.unjudged, by_pre_ie.all_samples.of, by_pre_ie.accepted) == (6, 0, False)
+    study = probability(design, 300, target=1.7, accept=0.99, confirm_count=5)
+    assert study.confirmation.settled == 0
+    assert study.accepted is False
+    assert "W351" in {notice.code for notice in study.warnings}
+    away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
+                                         "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip
+    assert probability(load(away), 50).exit_code == 3
+
+
+def test_pre_ies_estimate_has_the_same_denominator_and_its_limits_hold() -> None:
+    joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
+    strength = {"s": {"c": {"dist": "normal", "mean": 50, "sd": 20.5}, "phi": {"dist": "normal", "mean": 12, "sd": 2}}}
+    study = probability(load(default_wedge() | {"joints": joints, "strength": strength}), 4_000, confirm_count=10)
+    assert study.counts["impossible"] > 5
+    assert study.confirmation.probability == study.all_samples.share
+    assert study.confirmation.change_low < 0.0 < study.confirmation.change_high
+
+
+def test_what_scatters_without_changing_the_factor(capsys) -> None:
+    stiff = {"c": 50, "phi": 20, "stiffness": {"normal": {"dist": "uniform", "min": 1e6, "max": 1e7}}}
+    joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
+    study = probability(load(default_wedge() | {"joints": joints, "strength": {"s": stiff}}), 30, confirm_count=2)
+    assert study.factor == pytest.approx(1.5574, abs=1e-4)
+    assert len(study.factor) == 30
 
 
 def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) -> None:

@@ -133,3 +133,20 @@ def test_places_are_fine_near_the_present_value() -> None:
     assert near_by([0.0, 1.0], 0.0, 1.0, None) == []
     assert near_by(decades, 0.0, 1e5, 50.0)[0] == 10.0
     assert near_by(decades, 0.0, 1e5, 50.0)[-1] == 250.0
+
+
+def test_rounding_beside_an_edge_is_not_looked_at_for_ever() -> None:
+    """Within 1e-7 of the edge the sign is a matter of chance, as where a wedge has no end: few places are asked."""
+
+    def function(x):
+        if x < 1.0:
+            return None
+        return math.copysign(0.5, math.sin(1e12 * x)) if x < 1.0 + 1e-7 else 1.5 - x
+
+    found, calls = search(function, 0.0, 2.0, labels=lambda x: f"{math.sin(1e12 * x) > 0}" if x < 1.0 + 1e-7 else "")
+    found.find_edges(1e-10)
+    found.find_changes(1e-10)
+    found.find_extremes(24)
+    roots = [crossing.best.at for crossing in found.crossings() if crossing.how == "root"]
+    assert roots == pytest.approx([1.5], abs=1e-14)
+    assert len(calls) < 1000

@@ -14,7 +14,7 @@ import pytest
 from slopekit.errors import DesignError, SolverError
 from slopekit.studies.journal import Journal
 from slopekit.studies.running import Crew, Interrupted, checked_crew, run_all
-from tests.studies.workers import DiesOnce, InterruptedAt, dies, slow_square, square
+from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
 SQUARES = [number * number for number in range(60)]
 
@@ -34,10 +34,19 @@ def test_a_worker_that_dies_loses_no_task(tmp_path) -> None:
     assert sum(told) == 60
 
 
-def test_workers_that_always_die_are_an_error_with_the_number_of_parcels() -> None:
+def test_workers_that_always_die_are_an_error_or_cost_their_task_alone(tmp_path) -> None:
     with pytest.raises(SolverError) as caught:
         run_all(dies, range(3), Crew(2), at_once=3)
     assert caught.value.codes == ("E303",)
+    found = run_all(DiesAlways(4), range(9), Crew(2), at_once=3, given_up="lost")
+    assert found == ["lost" if number == 4 else number * number for number in range(9)]
+
+
+def test_what_goes_wrong_does_not_take_along_what_is_done(tmp_path) -> None:
+    journal = Journal.of(tmp_path, "prob", 3, streamed=False)
+    with pytest.raises(ZeroDivisionError):
+        run_all(one_over, [3, 2, 1, 0, 5], journal=journal)
+    assert len(dict(Journal.of(tmp_path, "prob", 3).records(5))) == 3
 
 
 def test_an_interrupted_run_goes_on_where_it_stopped(tmp_path) -> None:

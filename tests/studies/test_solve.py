@@ -142,9 +142,8 @@ def test_a_plane_against_exact_expressions(target) -> None:
         within = (10, 1000) if path != key else (0, 0.5) if path == "loads.seismic.k" else (5, 80)
         found = solve(sk.load(design), path, fos=target, within=within)
         put_back(design, path, found, target)
-        tolerance = 1e-8 if key == "loads.seismic.k" else 1e-11  # a seismic coefficient is read in ten digits
-        assert found.answer.value == pytest.approx(value, rel=tolerance)
-        assert found.closed_form.roots[0].value == pytest.approx(value, rel=tolerance)
+        assert found.answer.value == pytest.approx(value, rel=1e-11)
+        assert found.closed_form.roots[0].value == pytest.approx(value, rel=1e-11)
 
 
 @pytest.mark.parametrize(

@@ -24,9 +24,11 @@ from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
-from slopekit.studies.support_forces import Held, around, least_along, nearest, slides, sphere
+from slopekit.studies.support_directions import Ways
+from slopekit.studies.support_forces import Held, least_along, nearest, slides
 from slopekit.studies.support_search import least_force
 from slopekit.studies.support_site import Answer, site_of
+from slopekit.studies.support_sphere import around, sphere
 from slopekit.views.support_sheet import support_line, support_sheet
 from tests.support import random_wedge, upward_normal
 
@@ -182,6 +184,33 @@ def test_no_direction_of_the_sphere_needs_less(dips, strength, target) -> None:
     assert (_brute(given, near, np.array([1.01 * force])) >= target).mean() > 0.9
     assert best.optimum.is_minimum
     assert best.optimum.around[0] == pytest.approx(force / math.cos(math.radians(1.0)), rel=2e-3)
+
+
+def test_a_passive_bolt_may_not_open_a_joint_at_a_lower_factor() -> None:
+    """At lower factors it pulls with more: where that opens J1 the block is lost before the target.
+
+    The direction of the least pull at the target alone has that fault (1.4419 by the closed form instead of 1.48); the
+    best one keeps J1 closed long enough. Brute force: around it no direction gives the target with less.
+    """
+    given = {
+        "dips": ((61.171106663647464, 130.9927206026947), (23.286057335525125, 34.08194846135574)),
+        "face": (45.521517574490105, 61.49370794791035), "upper": (14.43106464284902, 61.49370794791035),
+        "height": 55.2307584329023, "c": (20.323424672335968, 3.5827202395637525),
+        "phi": (8.042761199938147, 24.61056600681003), "unit_weight": 27.1645068526595,
+        "water": (186.6217245406192, 22.940673173362555),
+    }  # fmt: skip
+    design = wedge_design(given)
+    site = site_of(design)
+    ways = Ways(site, 1.48, passive=True)
+    at_once = nearest(ways.held, passive=True)[0]
+    size = math.sqrt(float(at_once @ at_once))
+    assert ways.ask(at_once / size, 1.48 * size).factor == pytest.approx(1.4419, abs=1e-4)
+    best, optimum = ways.best(1.48 * (1.0 - 2e-8), site.closed_form(design))
+    assert best.answer.factor == pytest.approx(1.48, abs=1e-6)
+    assert 1.48 * size < best.force < 1.48 * size * (1.0 + 1e-4)
+    assert optimum.is_minimum
+    for direction in around(best.direction, 0.3, 8):
+        assert ways.ask(direction, 0.99999 * best.force).level < 1.48
 
 
 @pytest.mark.parametrize("phi", [15.0, 30.0, 40.0])

@@ -34,6 +34,20 @@ def dies(number: int) -> int:
     return number
 
 
+@dataclass(frozen=True)
+class DiesAlways:
+    """Kills its process at one task, every time."""
+
+    at: int
+
+    def __call__(self, number: int) -> int:
+        return dies(number) if number == self.at else number * number
+
+
+def one_over(number: int) -> float:
+    return 1 / number
+
+
 @dataclass
 class InterruptedAt:
     """Ctrl-C comes while this task is done."""

@@ -74,6 +74,21 @@ def folder_of(folder: Path) -> Path:
     return folder
 
 
+def write(path: Path, text: str) -> None:
+    """Write a text to a file of the folder asked for.
+
+    Raises
+    ------
+    DesignError
+        E129 where it cannot be written.
+    """
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+
+
 def image_of(path: Path) -> Path:
     """The path of a picture, refused before any work is done where it cannot be written."""
     if path.suffix.lower() != ".png":

@@ -17,6 +17,7 @@ from slopekit.cli.common import (
     json_text,
     load_design,
     print_faults,
+    write,
 )
 from slopekit.errors import DesignError, Fault
 
@@ -127,8 +128,8 @@ def check(
     document = json_text(checked.to_dict())
     sheet = check_sheet(checked)
     if folder is not None:
-        (folder / "check.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "check.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / "check.json", document + "\n")
+        write(folder / "check.txt", sheet + "\n")
     typer.echo(document if as_json else check_line(checked) if quiet else sheet)
     for path in (image, folder / "speed-error.png" if folder else None):
         try:
@@ -184,8 +185,8 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: 
 
         wedge_picture(result, image)
     if folder is not None:
-        (folder / "result.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "sheet.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / "result.json", document + "\n")
+        write(folder / "sheet.txt", sheet + "\n")
     typer.echo(document if as_json else _one_line(result) if quiet else sheet)
     raise typer.Exit(result.exit_code)
 

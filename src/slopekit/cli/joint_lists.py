@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from slopekit.cli.common import JOBS, JSON, SCHEDULER, folder_of, json_text
+from slopekit.cli.common import JOBS, JSON, SCHEDULER, folder_of, json_text, write
 from slopekit.cli.progress import progress
 
 LIST = typer.Argument(help="A joint list (CSV): dip and dip direction, or strike by a convention.", metavar="JOINTS")
@@ -77,7 +77,7 @@ def combos(
         for name, text in (
             ("combos.json", document + "\n"), ("combos.txt", sheet + "\n"), ("pairs.csv", pairs_csv(found)),
         ):  # fmt: skip
-            (folder / name).write_text(text, encoding="utf-8")
+            write(folder / name, text)
     typer.echo(document if as_json else combos_line(found) if quiet else sheet)
     raise typer.Exit(found.exit_code)
 
@@ -109,7 +109,7 @@ def kinematic(
             ("kinematic.json", document + "\n"), ("kinematic.txt", sheet + "\n"), ("joints.csv", joints_csv(found)),
             ("intersections.csv", intersections_csv(found)),
         ):  # fmt: skip
-            (folder / name).write_text(text, encoding="utf-8")
+            write(folder / name, text)
     typer.echo(document if as_json else kinematic_line(found) if quiet else sheet)
 
 

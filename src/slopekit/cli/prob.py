@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from slopekit.cli.common import FILE, JOBS, JSON, SCHEDULER, SEED, SET, folder_of, json_text, load_design
+from slopekit.cli.common import FILE, JOBS, JSON, SCHEDULER, SEED, SET, folder_of, json_text, load_design, write
 from slopekit.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -59,8 +59,9 @@ def prob(
     )  # fmt: skip
     document, sheet = json_text(study.to_dict()), probability_sheet(study)
     if folder is not None:
-        (folder / "prob.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "prob.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / "prob.json", document + "\n")
+        write(folder / "prob.txt", sheet + "\n")
         write_samples(study, folder / "samples.csv")
+        study.discard_journals()
     typer.echo(document if as_json else probability_line(study) if quiet else sheet)
     raise typer.Exit(study.exit_code)

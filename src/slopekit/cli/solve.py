@@ -17,6 +17,7 @@ from slopekit.cli.common import (
     load_design,
     number_of,
     whole_number,
+    write,
 )
 from slopekit.cli.progress import progress
 
@@ -74,8 +75,8 @@ def solve(
         document, code = json_text(solution.to_dict()), solution.exit_code
         sheet, line = solve_sheet(solution), solve_line(solution)
     if folder is not None:
-        (folder / "solve.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "solve.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / "solve.json", document + "\n")
+        write(folder / "solve.txt", sheet + "\n")
     typer.echo(document if as_json else line if quiet else sheet)
     raise typer.Exit(code)
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from slopekit.cli.common import FILE, JSON, SET, folder_of, json_text, load_design
+from slopekit.cli.common import FILE, JSON, SET, folder_of, json_text, load_design, write
 
 
 def add_to(app: typer.Typer) -> None:
@@ -52,9 +52,9 @@ def support(
     document = json_text(found.to_dict())
     sheet = support_sheet(found)
     if folder is not None:
-        (folder / "support.json").write_text(document + "\n", encoding="utf-8")
-        (folder / "support.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / "support.json", document + "\n")
+        write(folder / "support.txt", sheet + "\n")
         for name, text in found.snippets().items():
-            (folder / name).write_text(text, encoding="utf-8")
+            write(folder / name, text)
     typer.echo(document if as_json else support_line(found) if quiet else sheet)
     raise typer.Exit(found.exit_code)

@@ -17,6 +17,7 @@ from slopekit.cli.common import (
     load_design,
     number_of,
     print_faults,
+    write,
 )
 from slopekit.cli.progress import progress
 from slopekit.errors import DesignError, Fault
@@ -126,10 +127,10 @@ def _finish(study: "Sweep | Tornado", folder: Path | None, image: Path | None, a
     else:
         sheet, line, name_of_picture = tornado_sheet(study), tornado_line(study), "tornado.png"
     if folder is not None:
-        (folder / f"{name}.json").write_text(document + "\n", encoding="utf-8")
-        (folder / f"{name}.txt").write_text(sheet + "\n", encoding="utf-8")
+        write(folder / f"{name}.json", document + "\n")
+        write(folder / f"{name}.txt", sheet + "\n")
         if isinstance(study, Sweep):
-            (folder / "sweep.csv").write_text(sweep_csv(study), encoding="utf-8")
+            write(folder / "sweep.csv", sweep_csv(study))
     typer.echo(document if as_json else line if quiet else sheet)
     for path in (image, folder / name_of_picture if folder else None):
         try:

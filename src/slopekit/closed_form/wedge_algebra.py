@@ -160,7 +160,7 @@ def forces_of(given: Mapping[str, Value], cut: Cut) -> Forces:
     if pressures is not None:
         normal1, normal2 = normal1 - pressures[0] * area1, normal2 - pressures[1] * area2
         if pressures[0] is pressures[1]:
-            water = np.abs(pressures[0]) * (size1 + size2)
+            water = pressures[0] * (size1 + size2)
         else:
             water = np.abs(pressures[0]) * size1 + np.abs(pressures[1]) * size2
         balance = water if _is_none(effort) else effort + water
@@ -286,7 +286,7 @@ def slides_on_one(joint: int, alone: Alone) -> Pair:
     # z of the resultant along the joint: up where water under the other joint pushes it there
     push = other * (alone.other_up - alone.up * alone.between)
     climb = (push if joint == 1 else -push) - alone.driving * alone.rise / alone.square
-    size = np.abs(alone.normal) + np.abs(other) + 2.0 * alone.balance
+    size = np.abs(alone.normal) + np.abs(other) + 2.0 * np.abs(alone.balance)
     least = _CONTACT * (1.0 + size)
 
     sure = (other * alone.other_area < 0.0) & (np.abs(other) > least) & (carried > least)

@@ -29,6 +29,7 @@ class Confirmation:
         confidence limit of their share among all samples
     probability : of failure, PRE-IE's judgement in place of the closed form's: where it was asked, and for the rest
         what the random part says of it; None where nothing was settled
+    change_low, change_high : confidence limits of what PRE-IE changes of the closed form's share
     """
 
     index: np.ndarray
@@ -47,6 +48,13 @@ class Confirmation:
     other_at_random: int
     other_at_most: float
     probability: float | None
+    change_low: float
+    change_high: float
+
+    @property
+    def unsettled(self) -> tuple[Point, ...]:
+        """What PRE-IE gave no answer for."""
+        return tuple(point for point in self.points if not _settled(point))
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
@@ -56,7 +64,8 @@ class Confirmation:
             "largest_difference": self.largest, "moments_govern_at_random": self.governed,
             "fails_by_pre_ie_only": self.unsafe, "fails_by_closed_form_only": self.safe,
             "judged_otherwise_at_random": self.other_at_random, "judged_otherwise_at_most": self.other_at_most,
-            "probability": self.probability,
+            "settled": self.settled, "probability": self.probability, "change_low": self.change_low,
+            "change_high": self.change_high,
         }  # fmt: skip
 
 
@@ -87,14 +96,14 @@ def chosen(forms: Bools, factor: Floats, target: float, count: int, within: floa
 
 
 def confirmation_of(
-    asked: Chosen, points: tuple[Point, ...], forms: Bools, fails: Bools, target: float, within: float,
-    confidence: float,
+    asked: Chosen, points: tuple[Point, ...], forms: Bools, possible: Bools, fails: Bools, target: float,
+    within: float, confidence: float,
 ) -> Confirmation:  # fmt: skip
     """What PRE-IE's points of the samples chosen say of the closed form's judgement of all samples.
 
     Parameters
     ----------
-    forms, fails : (n,) of the closed form
+    forms, possible, fails : (n,) of the closed form
     """
     judged = np.array([_settled(point) for point in points])
     fails_too = np.array([_fails(point, target) for point in points])
@@ -112,7 +121,8 @@ def confirmation_of(
         sum(found.agree is True for found in factors), sum(found.agree is False for found in factors),
         len(points) - sum(found.agree is not None for found in factors), max(differences, default=None),
         int((governed & asked.at_random).sum()), int((other & fails_too).sum()), int((other & before).sum()),
-        int(judged.sum()), other_at_random, at_most, _probability(asked, forms, fails, judged, fails_too),
+        int(judged.sum()), other_at_random, at_most,
+        *_probability(asked, forms, fails, judged, fails_too, int(possible.sum()), confidence),
     )  # fmt: skip
 
 
@@ -125,18 +135,26 @@ def _fails(point: Point, target: float) -> bool:
     return found is not None and _settled(point) and falls_short(found.status, found.limit, target)
 
 
-def _probability(asked: Chosen, forms: Bools, fails: Bools, judged: Bools, fails_too: Bools) -> float | None:
-    """The share of failures with PRE-IE's judgement: a difference estimate in two strata, near the target and not.
+def _probability(
+    asked: Chosen, forms: Bools, fails: Bools, judged: Bools, fails_too: Bools, possible: int, confidence: float
+) -> tuple[float | None, float, float]:
+    """The share of failures with PRE-IE's judgement, and limits of what it changes: two strata, their differences.
 
     Near the target all are asked, so that what changes there is counted; elsewhere the random part stands for the
-    rest, in proportion (Cochran 1977, ch. 5 and 7).
+    rest, in proportion (Cochran 1977, ch. 5 and 7). The limits take each kind of change at its own (Bonferroni).
     """
     change = fails_too.astype(float) - fails[asked.all]
     elsewhere = judged & asked.at_random & ~asked.near
     rest = int(forms.sum()) - int(asked.near.sum())
-    if not judged.any() or (rest and not elsewhere.any()):
-        return None
-    changed = float(change[judged & asked.near].sum())
+    if not judged.any() or (rest and not elsewhere.any()) or possible == 0:
+        return None, -1.0, 1.0
+    changed = low = high = float(change[judged & asked.near].sum())
     if rest:
+        worse, better = (
+            clopper_pearson(int((change[elsewhere] == sign).sum()), int(elsewhere.sum()), (1.0 + confidence) / 2.0)
+            for sign in (1.0, -1.0)
+        )
         changed += float(change[elsewhere].mean()) * rest
-    return min(1.0, max(0.0, (float(fails.sum()) + changed) / len(fails)))
+        low, high = low + (worse[0] - better[1]) * rest, high + (worse[1] - better[0]) * rest
+    share = min(1.0, max(0.0, (float(fails.sum()) + changed) / possible))
+    return share, low / possible, high / possible

@@ -12,6 +12,9 @@ from slopekit.errors import SlopekitError
 from slopekit.studies.running import Record
 
 _BUG = "E599"
+_BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
+#: The record of a task that kills every worker that takes it.
+GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +67,7 @@ def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) 
     except SlopekitError as error:
         fault = error.faults[0]
         return Point(None, fault.code, fault.message)
-    except (ArithmeticError, np.linalg.LinAlgError) as error:  # one sample of many: it is counted, the others go on
+    except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 

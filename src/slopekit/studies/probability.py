@@ -4,26 +4,27 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from slopekit.analysis.factors import closed_form_of, has_closed_form
+from slopekit.analysis.factors import has_closed_form
 from slopekit.analysis.stages import Clock
 from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Design
 from slopekit.design.quantities import quantity_of
-from slopekit.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.errors import DesignError, Fault, Notice
 from slopekit.orientation import number
 from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
-from slopekit.studies.estimates import Share, Summary, rank_correlation, share_of, summary_of
+from slopekit.studies.estimates import Share, Summary, share_of, summary_of
 from slopekit.studies.journal import Journal
+from slopekit.studies.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
 from slopekit.studies.limits import checked_limits
-from slopekit.studies.points import Evaluation, Point, point_of
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
 from slopekit.studies.running import ALONE, Advance, Crew, crew_in_words, run_all
 from slopekit.studies.sampling import METHODS, Samples
 from slopekit.studies.sampling import samples as drawn
@@ -36,8 +37,6 @@ Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
 MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
 _CONFIRMED = 200
-_IMPOSSIBLE = "impossible"
-_RARE = 10  # failures: with fewer the estimate says little
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +79,9 @@ class Probability:
     sensitivities : column and Spearman's coefficient with the factor, the strongest first
     confirmation : what PRE-IE says, None where it was not asked apart
     evaluator : how the factors were found, in words
+    unjudged : samples that form a block and were not judged; disagree : those on which the methods disagree, or PRE-IE
+        did not converge, where it was asked of all
+    journals : of a run with a folder, kept until its results are written
     """
 
     design: Design
@@ -99,6 +101,14 @@ class Probability:
     crew: str
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float]
+    unjudged: int = 0
+    disagree: int = 0
+    journals: tuple[Journal, ...] = field(default=(), compare=False, repr=False)
+
+    def discard_journals(self) -> None:
+        """Remove what was kept for an interruption: the results are written."""
+        for journal in self.journals:
+            journal.remove()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -109,14 +119,23 @@ class Probability:
 
     @property
     def accepted(self) -> bool | None:
-        """Whether the upper confidence limit lies below the largest probability accepted."""
-        return None if self.asked.accept is None else self.all_samples.high <= self.asked.accept
+        """Whether the upper confidence limit is not above the probability accepted, and nothing speaks against it.
+
+        Samples that fail by PRE-IE only, or that were not judged, do.
+        """
+        if self.asked.accept is None:
+            return None
+        checked = self.confirmation
+        doubted = self.unjudged or (checked is not None and (checked.unsafe or checked.settled < len(checked.index)))
+        return not doubted and self.all_samples.high <= self.asked.accept
 
     @property
     def exit_code(self) -> int:
-        """0 done, 1 not accepted, 4 the methods disagree on samples that both answer."""
-        if self.confirmation is not None and self.confirmation.disagree:
+        """0 done, 1 not accepted, 3 no sample forms a block, 4 the methods disagree, or no convergence."""
+        if self.disagree or (self.confirmation is not None and self.confirmation.disagree):
             return 4
+        if self.forming.of == 0 and not self.unjudged:
+            return 3
         return 1 if self.accepted is False else 0
 
     def to_dict(self) -> dict[str, Any]:
@@ -171,42 +190,22 @@ def probability(
     if asked.by == "closed-form":
         with clock("confirm"):
             confirmation = _confirmed(design, asked, samples, judged, crew, journals, bar)
-    journals.remove()
-    certain = judged.among("E5", "not_converged")
-    all_samples = share_of(judged.fails, ~judged.among("E1", _IMPOSSIBLE) & ~certain, samples.replicate, confidence)
-    forming = share_of(judged.fails, judged.forms & ~certain, samples.replicate, confidence)
+    all_samples = share_of(judged.fails, judged.possible, samples.replicate, confidence)
+    forming = share_of(judged.fails, judged.possible & judged.forms, samples.replicate, confidence)
     means = point_of(design, {}) if design.source is not None else Point(None)
-    return Probability(
+    study = Probability(
         design, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
-        summary_of(judged.factor), means, _sensitivities(samples, judged.factor), confirmation, judged.evaluator,
-        crew_in_words(crew), tuple(_notices(asked, judged, samples, all_samples, confirmation)), clock.done(),
+        summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation, judged.evaluator,
+        crew_in_words(crew), tuple(notices_of(asked.target, judged, samples, all_samples, confirmation)), clock.done(),
+        int(judged.among(*UNJUDGED).sum()), judged.disagree, tuple(journals.kept),
     )  # fmt: skip
+    if folder is None:
+        study.discard_journals()
+    return study
 
 
 def _silent(_done: int) -> None:
     """Progress that nobody looks at."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Judged:
-    """What the method that counts says of the samples."""
-
-    names: tuple[str, ...]
-    outcome: np.ndarray
-    factor: Floats
-    fails: Bools
-    evaluator: str
-    points: tuple[Point, ...] = ()
-
-    def among(self, *beginnings: str) -> Bools:
-        """Samples whose outcome begins with one of these."""
-        found: Bools = np.array([name.startswith(beginnings) for name in self.names])[self.outcome]
-        return found
-
-    @property
-    def forms(self) -> Bools:
-        """Samples that form a block."""
-        return ~self.among("E", _IMPOSSIBLE)
 
 
 class _Settings(Sequence[Mapping[str, object]]):
@@ -227,17 +226,14 @@ class _Journals:
 
     def __init__(self, design: Design, asked: Asked, folder: Path | None) -> None:
         plain = design.source.root.plain() if design.source is not None else None
-        self.run = [plain, asked.n, asked.seed, asked.method, asked.by]
+        drawn_from = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+        self.run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by]
         self.folder, self.streamed = (Path.cwd(), False) if folder is None else (folder, True)
         self.kept: list[Journal] = []
 
     def of(self, *part: Any) -> Journal:
         self.kept.append(Journal.of(self.folder, "prob", [*self.run, *part], self.streamed))
         return self.kept[-1]
-
-    def remove(self) -> None:
-        for journal in self.kept:
-            journal.remove()
 
 
 def _asked(
@@ -267,7 +263,8 @@ def _asked(
     ):  # fmt: skip
         if not low <= value <= high:
             message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
-            faults.append(Fault("E307", message))
+            advice = "A part of all is written 0.95 or 95%." if name in ("confidence", "accept", "near") else ""
+            faults.append(Fault("E307", message, "", advice))
     if faults:
         raise DesignError(faults)
     checked_limits(design)
@@ -276,29 +273,33 @@ def _asked(
 
 def _dilates(design: Design) -> bool:
     """Whether the closed form leaves something out that the design has."""
-    try:
-        found = closed_form_of(design)
-    except GeometryError:
-        return False
-    return found is not None and bool(found.why_not)
+    strength = getattr(design, "strength", None)
+    angles = getattr(design, "dilation_deg", None) or (getattr(strength, "dilation_deg", 0.0),)
+    return any(angles) or any(variable.path.endswith(".dilation") for variable in design.variables)
 
 
 def _judge(
     design: Design, asked: Asked, samples: Samples, crew: Crew, journals: _Journals, bar: Bar
-) -> _Judged:  # fmt: skip
+) -> Judged:  # fmt: skip
     """Outcome and factor of every sample."""
     fast = vectorised(design, samples.values, samples.settings) if asked.by == "closed-form" else None
     if fast is not None:
         found = fast(samples.values)
-        names, outcome, factor = (*found.names, _IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
+        names, outcome, factor = (*found.names, IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
         impossible = _impossible(design, samples)
         outcome[impossible], factor[impossible] = len(names) - 1, np.nan
-        fails = _fails(names, outcome, factor, asked.target)
-        return _Judged(names, outcome, factor, fails, "closed form, all at once")
+        factor[factor == 0.0] = np.nan  # no strength at all: a status, no number (UX.md rule 2)
+        fails = failing(names, outcome, factor, asked.target)
+        return Judged(names, outcome, factor, fails, "closed form, all at once")
     by_pre_ie = asked.by == "pre-ie"
     with bar("samples", len(samples.values)) as advance:
         records = run_all(
-            Evaluation(design, by_pre_ie), _Settings(samples), crew, journal=journals.of("all"), advance=advance
+            Evaluation(design, by_pre_ie),
+            _Settings(samples),
+            crew,
+            journal=journals.of("all"),
+            advance=advance,
+            given_up=GIVEN_UP,
         )
     points = tuple(Point.from_record(record) for record in records)
     words = [point.code if point.factors is None else point.factors.status for point in points]
@@ -306,17 +307,9 @@ def _judge(
     outcome = np.array([names.index(word) for word in words], dtype=np.int16)
     factors = [None if p.factors is None else p.factors.limit if by_pre_ie else p.factors.closed_form for p in points]
     factor = np.array([np.nan if value is None else value for value in factors])
-    fails = _fails(names, outcome, factor, asked.target)
+    fails = failing(names, outcome, factor, asked.target)
     evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
-    return _Judged(names, outcome, factor, fails, evaluator, points)
-
-
-def _fails(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:
-    """Whether each sample falls short of the target: `falls_short` for arrays."""
-    stays = [name.startswith(("E", _IMPOSSIBLE)) or name in ("no_driving_force", "not_converged") for name in names]
-    with np.errstate(invalid="ignore"):
-        fails: Bools = ~np.array(stays)[outcome] & ~(factor >= target)
-    return fails
+    return Judged(names, outcome, factor, fails, evaluator, points)
 
 
 def _impossible(design: Design, samples: Samples) -> Bools:
@@ -330,7 +323,7 @@ def _impossible(design: Design, samples: Samples) -> Bools:
 
 
 def _confirmed(
-    design: Design, asked: Asked, samples: Samples, judged: _Judged, crew: Crew, journals: _Journals, bar: Bar
+    design: Design, asked: Asked, samples: Samples, judged: Judged, crew: Crew, journals: _Journals, bar: Bar
 ) -> Confirmation | None:
     index = chosen(judged.forms, judged.factor, asked.target, asked.confirm, asked.near, asked.seed)
     if not len(index.all):
@@ -338,53 +331,12 @@ def _confirmed(
     with bar("PRE-IE", len(index.all)) as advance:
         records = run_all(
             Evaluation(design), [samples.settings(int(row)) for row in index.all], crew,
-            journal=journals.of("confirm", asked.confirm, asked.near, asked.target), advance=advance,
+            journal=journals.of("confirm", asked.confirm, asked.near, asked.target), advance=advance, given_up=GIVEN_UP,
         )  # fmt: skip
     points = tuple(Point.from_record(record) for record in records)
-    return confirmation_of(index, points, judged.forms, judged.fails, asked.target, asked.near, asked.confidence)
-
-
-def _sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], ...]:
-    """Spearman's coefficient of each column with the factor, the strongest first."""
-    has_one = ~np.isnan(factor)
-    if has_one.sum() < 3:
-        return ()
-    found = [
-        (path, rank_correlation(samples.values[has_one, column], factor[has_one]))
-        for column, path in enumerate(samples.names)
-    ]
-    known = [(path, value) for path, value in found if value is not None]
-    return tuple(sorted(known, key=lambda entry: -abs(entry[1])))
-
-
-def _notices(
-    asked: Asked, judged: _Judged, samples: Samples, share: Share, confirmation: Confirmation | None
-) -> Iterator[Notice]:
-    impossible = int(judged.among("E1", _IMPOSSIBLE).sum())
-    if impossible:
-        yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
-                     "and count nowhere: bound the distribution with min or max")  # fmt: skip
-    unsolved = int(judged.among("E5", "not_converged").sum())
-    if unsolved:
-        yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged or an "
-                     "error): they are left out of the probability, which may be off by as much")  # fmt: skip
-    if share.count < _RARE and share.of:
-        yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
-    if confirmation is None:
-        governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
-        if asked.by == "pre-ie" and governed:
-            yield Notice(
-                "W353",
-                f"moments govern in {governed} of {len(samples.values)} samples: the closed form would be too high",
-            )
-        return
-    if confirmation.governed:
-        of = int(confirmation.at_random.sum())
-        yield Notice("W353", f"moments govern in {confirmation.governed} of {of} samples at random: there the closed "
-                     "form is too high; --by pre-ie asks PRE-IE of every sample")  # fmt: skip
-    if confirmation.unsafe:
-        yield Notice("W354", f"{confirmation.unsafe} of {len(confirmation.index)} samples fail by PRE-IE and stand by "
-                     "the closed form: judge by PRE-IE")  # fmt: skip
+    return confirmation_of(
+        index, points, judged.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
+    )
 
 
 __all__ = ["Asked", "Bar", "By", "Probability", "probability"]

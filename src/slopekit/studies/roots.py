@@ -14,6 +14,9 @@ from typing import Generic, Literal, TypeVar
 T = TypeVar("T")
 _MOST_STEPS = 200
 _GOLDEN = (3.0 - math.sqrt(5.0)) / 2.0
+_CROWD = 8  # changes of sign: where there are more, those in rounding beside an edge are not narrowed down,
+_NOISE = 3e-8  # that is where samples so near to each other (in parts of the place) lie far on both sides of zero
+_TURN = 1e-5  # of a place: between samples so near no turning point or change of label is looked for
 _ROUNDING = 1e-9  # levels that differ by less do not turn around
 _REACH, _TIMES = 0.25, 5.0  # of the range, or times the present value: what is near by
 _UNKNOWN = 1.0  # the size of a number that is nothing now
@@ -98,11 +101,14 @@ class Search(Generic[T]):
 
     def narrow(self, a: float, b: float) -> bool:
         """Whether two places are as near as is worth while."""
-        return abs(b - a) <= self.resolution * max(abs(a), abs(b), 1e-6 * self.span)
+        return abs(b - a) <= self.resolution * self._size(a, b)
+
+    def _size(self, a: float, b: float) -> float:
+        return max(abs(a), abs(b), 1e-6 * self.span)
 
     def _jumps(self, a: Sample[T], b: Sample[T]) -> bool:
         width, difference = self.jump
-        is_narrow = abs(b.at - a.at) <= width * max(abs(a.at), abs(b.at), 1e-6 * self.span)
+        is_narrow = abs(b.at - a.at) <= width * self._size(a.at, b.at)
         far = min(abs(_level(a)), abs(_level(b))) > _NOT_NEAR and abs(_level(b) - _level(a)) > difference
         return is_narrow and far
 
@@ -117,12 +123,13 @@ class Search(Generic[T]):
     def find_changes(self, width: float) -> None:
         """Halve every interval over which the label changes."""
         for a, b in list(pairwise(self.samples)):
-            if a.level is not None and b.level is not None and a.label != b.label:
+            wide = b.at - a.at > _TURN * self._size(a.at, b.at)
+            if wide and a.level is not None and b.level is not None and a.label != b.label:
                 self._halve(a, b, width, lambda sample, label=a.label: sample.label == label)  # type: ignore[misc]
 
     def _halve(self, a: Sample[T], b: Sample[T], width: float, side: Callable[[Sample[T]], bool]) -> None:
         of_a = side(a)
-        while b.at - a.at > width * max(abs(a.at), abs(b.at), 1e-6 * self.span):
+        while b.at - a.at > width * self._size(a.at, b.at):
             middle = self.at(0.5 * (a.at + b.at))
             if middle.at in (a.at, b.at):
                 return
@@ -142,7 +149,8 @@ class Search(Generic[T]):
         outermost = {min(defined, key=_level).at, max(defined, key=_level).at} if ends else set()
         for a, b, c in list(zip(defined, defined[1:], defined[2:], strict=False)):
             low, middle, high = _level(a), _level(b), _level(c)
-            if max(low, middle, high) - min(low, middle, high) < _ROUNDING:
+            narrow = c.at - a.at <= _TURN * self._size(a.at, c.at)
+            if narrow or max(low, middle, high) - min(low, middle, high) < _ROUNDING:
                 continue
             turns = (middle - low) * (high - middle) < 0.0
             towards = abs(middle) < min(abs(low), abs(high)) and middle * low > 0.0 and middle * high > 0.0
@@ -168,8 +176,12 @@ class Search(Generic[T]):
     def crossings(self) -> list[Crossing[T]]:
         """Every change of sign between neighbouring samples, narrowed down; a level of exactly zero counts as one."""
         found: list[Crossing[T]] = []
-        for a, b in list(pairwise(self.defined)):
-            if _level(a) * _level(b) < 0.0:
+        pairs = [(a, b) for a, b in pairwise(self.defined) if _level(a) * _level(b) < 0.0]
+        for a, b in pairs:
+            noise = len(pairs) > _CROWD and b.at - a.at <= _NOISE * self._size(a.at, b.at)
+            if noise and min(abs(_level(a)), abs(_level(b))) > _NOT_NEAR:
+                found.append(self._crossing(a, b))
+            else:
                 found += self._narrowed(a, b, _MOST_SPLITS)
         known = {crossing.best.at for crossing in found}
         defined = self.defined
@@ -233,7 +245,7 @@ class Search(Generic[T]):
             one = new
             if abs(_level(one)) <= self.near or self.narrow(one.at, two.at) or self._jumps(one, two):
                 break
-            least = self.resolution * max(abs(one.at), abs(two.at), 1e-6 * self.span) / abs(two.at - one.at)
+            least = self.resolution * self._size(one.at, two.at) / abs(two.at - one.at)
             part = _next_part(one, two, three, min(0.5, 0.5 * least))
         return (one, two) if one.at < two.at else (two, one)
 

@@ -6,7 +6,7 @@ stopped; a worker that dies loses no task.
 
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -78,7 +78,8 @@ def run_all(
     *,
     journal: Journal | None = None,
     advance: Advance = lambda _: None,
-    at_once: int = 16,
+    at_once: int = 8,
+    given_up: Record | None = None,
 ) -> list[Record]:
     """The record of every task, in the order of the tasks, whoever did them.
 
@@ -88,6 +89,7 @@ def run_all(
     journal : where records are kept as they come; those that it holds already are not asked for again
     advance : told how many tasks are done
     at_once : tasks that a worker takes at a time; results do not depend on it
+    given_up : the record of a task over which workers die again and again; without one that is an error
 
     Raises
     ------
@@ -111,9 +113,13 @@ def run_all(
                 keep([index], [work(tasks[index])])
         elif open_tasks:
             chunks = [open_tasks[at : at + at_once] for at in range(0, len(open_tasks), at_once)]
-            _on_workers(work, tasks, chunks, crew, keep)
+            _on_workers(work, tasks, chunks, crew, keep, given_up)
     except KeyboardInterrupt:
         raise Interrupted([_interrupted(len(done), len(tasks), journal)]) from None
+    except BaseException:
+        if journal is not None:
+            journal.save()  # what is done is not lost with what went wrong
+        raise
     if journal is not None and journal.streamed:
         journal.save()
     return [done[index] for index in range(len(tasks))]
@@ -136,14 +142,17 @@ class _Keeper:
 def _interrupted(done: int, total: int, journal: Journal | None) -> Fault:
     if journal is None:
         return Fault("E304", f"interrupted after {done} of {total}", "", "Nothing was asked to be kept.")
+    if not done:
+        return Fault("E304", f"interrupted before the first of {total} was done", "", "The same command starts anew.")
     journal.save()
     message = f"interrupted: {done} of {total} are done and kept"
     return Fault("E304", message, str(journal.path), "The same command goes on from there.")
 
 
 def _on_workers(
-    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew, keep: _Keeper
-) -> None:
+    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew, keep: _Keeper,
+    given_up: Record | None,
+) -> None:  # fmt: skip
     """Hand out the chunks; where workers die, hand out once more what they had not finished."""
     left, losses = chunks, 0
     while left:
@@ -159,6 +168,10 @@ def _on_workers(
                         keep(chunk, future.result())
                     except BrokenExecutor:
                         lost.append(chunk)
+                    except CancelledError:
+                        advice = "What is done is kept: the same command goes on."
+                        fault = Fault("E301", "the scheduler went away in the middle of the work", "", advice)
+                        raise DesignError([fault]) from None
                     except Exception as error:
                         if type(error).__name__ != "KilledWorker":  # Dask's, which need not be installed
                             raise
@@ -170,11 +183,16 @@ def _on_workers(
                     future.cancel()
                 raise
         losses = losses + 1 if len(lost) == len(left) else 0
+        # one by one: what kills its worker does not take others along
+        left = [[index] for chunk in lost for index in chunk if index not in keep.done]
         if losses == _MOST_LOSSES:
-            message = f"workers died {losses} times over the same {len(lost)} parcels of tasks"
-            advice = "Not enough memory? In a script of your own, call studies below if __name__ == '__main__'."
-            raise SolverError([Fault("E303", message, "", advice)])
-        left = lost
+            first = left.pop(0)
+            if given_up is None:
+                message = f"workers died {losses} times over the same tasks, the first of them number {first[0]}"
+                advice = "Not enough memory? In a script of your own, call studies below if __name__ == '__main__'."
+                raise SolverError([Fault("E303", message, "", advice)])
+            keep(first, [given_up])
+            losses = 0
 
 
 def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record]:

@@ -6,7 +6,7 @@
 >>> found = sk.support(sk.load(plane), 1.5, acts="active")
 >>> best = found.cases[0]
 >>> round(best.toward.plunge_deg, 2), round(best.closed_form.force, 1), round(best.closed_form.fos, 6)
-(-8.33, 201.5, 1.5)
+(-8.33, 230.6, 1.5)
 """
 
 import math

@@ -12,14 +12,16 @@ from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Bolt
 from slopekit.errors import Notice
 from slopekit.orientation import Line
-from slopekit.studies.support_forces import Held, around, least_along, most_along, nearest, polished, sphere
+from slopekit.studies.support_forces import Held, least_along, most_along, nearest
 from slopekit.studies.support_search import Found, least_force
 from slopekit.studies.support_site import Answer, Site
+from slopekit.studies.support_sphere import around, polished, sphere
 
 SCANNED = 20_000  # directions over the sphere, 1.4° apart
 _IN_SECTION = 3_600  # directions in a section, 0.1° apart
 _CANDIDATES = 6  # nearest points that are put back before the search goes another way
 _STARTS = 8
+_FIRST = 1000  # directions of passive bolts that are looked at closely, the most promising first
 _SAME = 1e-9
 _ROUNDING = 1e-12
 _FLAT = 1e-9  # what rounding a direction may add to the least force
@@ -113,18 +115,23 @@ class Ways:
         for way in nearest(self.held, self.passive)[:_CANDIDATES]:
             size = math.sqrt(float(way @ way))
             tried = self._put_back(*self._rounded(way / size, size * self.times), target, at_zero)
-            if tried.force is not None:
+            if tried.force is not None and (found is None or tried.force < (found.force or math.inf)):
                 found = tried
-                break
+            if found is not None and found.force is not None and found.force <= size * self.times * (1.0 + _SAME):
+                break  # the others are longer
         scan = self._scan()
         least = float(scan.min())
         if math.isfinite(least) and (found is None or found.force is None or least < found.force * (1.0 - _SAME)):
             angles = _angles(self._sphere[np.argsort(scan)[:_STARTS]])
             polish = polished(lambda some: self.forces(_vectors(some)), angles, (-1e9, -90.0), (1e9, 90.0))
-            if polish is not None:
-                other = self._put_back(*self._rounded(self._direction(polish[0]), polish[1]), target, at_zero)
+            ends = [] if polish is None else [(self._direction(polish[0]), polish[1])]
+            ends += [(self.site.axes @ self._sphere[k], float(scan[k])) for k in np.argsort(scan)[:_STARTS]]
+            for direction, force in ends:  # the second to the last only where the closed form refuses the first
+                other = self._put_back(*self._rounded(direction, force), target, at_zero)
                 if other.force is not None and (found is None or other.force < (found.force or math.inf)):
                     found = other
+                if found is not None and found.force is not None and found.force <= force * (1.0 + _SAME):
+                    break
         return found, None if found is None else self._evidence(found, np.ones(len(scan), dtype=bool))
 
     def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
@@ -165,9 +172,20 @@ class Ways:
         return not self.held.has_strength and len(self.held.pulls) == 0
 
     def _scan(self) -> Floats:
-        if self._forces is None:
-            self._forces = self.forces(self._sphere)
-        return self._forces
+        """The least forces over the sphere; of passive bolts the smallest are exact, the others bounds."""
+        if self._forces is not None:
+            return self._forces
+        local = self.site.local(self._sphere)
+        scan = least_along(self.held, local, self.passive, before=False) * self.times
+        order, known = np.argsort(scan), _FIRST if self.passive else 0
+        begin, least = 0, math.inf
+        while begin < known:
+            at = order[begin:known]
+            scan[at] = self.forces(self._sphere[at])
+            least = min(least, float(scan[at].min()))
+            begin, known = known, min(2 * known, len(scan)) if known < len(scan) and scan[order[known]] < least else 0
+        self._forces = scan
+        return scan
 
     def _direction(self, angles: Floats) -> Floats:
         """Local axes; in a section the direction keeps its length in space."""

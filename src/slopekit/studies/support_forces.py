@@ -16,7 +16,7 @@ pull instead of the force.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -27,6 +27,10 @@ from slopekit.arrays import Bools, Floats, Ints
 _KEEPS = 1e-9  # least normal force (in parts of the size of the loads) of a joint that counts as closed
 _SMALL = 1e-12
 _DRAWN = 1e-9  # cosine below which a movement square to a passive bolt does not draw it out
+_HALVINGS = 40
+_AFTER = 1e-7  # part of a pull past the one at which a joint opens
+#: of the factor: where a passive bolt has to hold the block as well, lowest first
+_LOWER = (1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.94, 0.97, 0.99, 0.999)
 _MOST_PULLS = 4  # directions of passive bolts whose pulls (all or nothing) are tried in every combination
 
 
@@ -125,12 +129,13 @@ def windows(held: Held, load: Floats, directions: Floats) -> Iterator[tuple[Floa
         yield ends
 
 
-def least_along(held: Held, directions: Floats, passive: bool = False) -> Floats:
+def least_along(held: Held, directions: Floats, passive: bool = False, before: bool = True) -> Floats:
     """The least force (m,) along each of (m, 3) directions that makes the block stand, inf where none does.
 
     Parameters
     ----------
     passive : the force is the pull of a passive bolt, which ends where the movement no longer draws it out
+    before : look at lower factors as well, where a passive bolt pulls with more; without that the pulls are bounds
     """
     least = np.full(len(directions), np.inf)
     for load, pulling in _pulled(held):
@@ -143,8 +148,59 @@ def least_along(held: Held, directions: Floats, passive: bool = False) -> Floats
             sound = _pulls_as_taken(held, moves, pulling)
             if passive:
                 sound &= (moves * directions[at]).sum(axis=1) < -_DRAWN
+                at, sound = at[sound], np.ones(int(sound.sum()), dtype=bool)
+                if before:
+                    sound &= _stands_before(held, load, directions[at], start[at])
             least[at[sound]] = start[at[sound]]
     return least
+
+
+def _stands_before(held: Held, load: Floats, directions: Floats, pulls: Floats) -> Bools:
+    """Whether passive bolts that pull (m,) at the factor hold the block at every lower factor as well.
+
+    At a lower factor they pull with more, up to what stops the movement along them, and may open a joint. At very low
+    ones they may lift the block off; they then pull no more than keeps it down, as the closed form has it.
+    """
+    stop = np.full(len(pulls), np.inf)
+    far = 1e3 * held.size + 1e3 * pulls
+    ends = _drawn(held, load, directions, far) >= 0.0
+    low, high = pulls[ends], far[ends]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        drawn = _drawn(held, load, directions[ends], middle) < 0.0
+        low, high = np.where(drawn, middle, low), np.where(drawn, high, middle)
+    stop[ends] = low
+    began, sound = np.zeros(len(pulls), dtype=bool), np.ones(len(pulls), dtype=bool)
+    for share in _LOWER:
+        moved = slides(held, load + np.minimum(pulls / share, stop)[:, None] * directions)
+        on = moved.touches.any(axis=1)
+        stands = on & (moved.driving * held.factor * share <= moved.resisting * (1.0 + 1e-9))
+        stands |= moved.driving <= _SMALL * held.size
+        sound &= stands | (~began & ~on)
+        began |= stands
+    for change in _mode_changes(held, load, directions):
+        after = change * (1.0 + _AFTER)
+        moved = slides(held, load + np.where(np.isfinite(after), after, 0.0)[:, None] * directions)
+        falls = moved.driving * held.factor * pulls > moved.resisting * after * (1.0 + 1e-9)
+        sound &= ~((pulls < change) & (after < stop) & moved.touches.any(axis=1) & falls)
+    return sound & began
+
+
+def _mode_changes(held: Held, load: Floats, directions: Floats) -> Iterator[Floats]:
+    """Pulls (m,) along directions (m, 3) at which a joint may open or close."""
+    on, turns = held.normals @ load, directions @ held.normals.T
+    between = float(held.normals[0] @ held.normals[1]) if len(on) == 2 else 0.0
+    for k in range(len(on)):
+        for share in (0.0, between) if len(on) == 2 else (0.0,):
+            a, b = on[k] - share * on[len(on) - 1 - k], turns[:, k] - share * turns[:, len(on) - 1 - k]
+            yield np.where(b != 0.0, -a / np.where(b == 0.0, 1.0, b), np.inf)
+
+
+def _drawn(held: Held, load: Floats, directions: Floats, pulls: Floats) -> Floats:
+    """Below 0 where the movement under pulls (m,) along directions (m, 3) draws the bolts out."""
+    moves = slides(held, load + pulls[:, None] * directions).direction
+    drawn: Floats = (moves * directions).sum(axis=1)
+    return drawn
 
 
 def most_along(held: Held, direction: Floats, least: float) -> float:
@@ -304,53 +360,3 @@ def _to_cone(held: Held, load: Floats, k: int) -> list[Floats]:
         other, between = held.normals[1 - k], float(held.normals[0] @ held.normals[1])
         ways = [way for way in ways if float((load + way) @ (other - between * n)) >= 0.0]
     return ways
-
-
-def sphere(count: int) -> Floats:
-    """Directions (count, 3) spread evenly over the sphere (Fibonacci's spiral)."""
-    k = np.arange(count) + 0.5
-    up = 1.0 - 2.0 * k / count
-    angle = math.pi * (1.0 + math.sqrt(5.0)) * k
-    flat = np.sqrt(1.0 - up * up)
-    return np.stack([flat * np.cos(angle), flat * np.sin(angle), up], axis=1)
-
-
-def around(direction: Floats, angle_deg: float, count: int = 8) -> Floats:
-    """Directions (count, 3) that lie a given angle off one."""
-    other = np.zeros(3)
-    other[int(np.argmin(np.abs(direction)))] = 1.0
-    first = np.cross(direction, other)
-    first /= math.sqrt(float(first @ first))
-    second = np.cross(direction, first)
-    turn = 2.0 * math.pi * np.arange(count) / count
-    aside = np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-    angle = math.radians(angle_deg)
-    return math.cos(angle) * direction + math.sin(angle) * aside
-
-
-def polished(
-    force: Callable[[Floats], Floats], starts: Floats, lowest: Sequence[float], highest: Sequence[float]
-) -> tuple[Floats, float] | None:
-    """The least of a function of two angles within a box, from several starts, by grids that close in on the least.
-
-    Parameters
-    ----------
-    force : (m, 2) angles to (m,) forces, inf where there is none
-    starts : (s, 2)
-
-    Returns
-    -------
-    angles (2,) and the force there, None where no start has one
-    """
-    bottom, top = np.array(lowest), np.array(highest)
-    steps = np.stack(np.meshgrid(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 9)), axis=-1).reshape(-1, 2)
-    best, reach = np.clip(starts, bottom, top), np.array([2.0, 2.0])
-    while reach[0] > 1e-9:
-        tried = np.clip(best[:, None, :] + steps * reach, bottom, top)
-        values = force(tried.reshape(-1, 2)).reshape(len(best), -1)
-        least = values.argmin(axis=1)
-        best = tried[np.arange(len(best)), least]
-        reach = reach * 0.5
-    values = force(best)
-    k = int(values.argmin())
-    return (best[k], float(values[k])) if math.isfinite(values[k]) else None

@@ -24,7 +24,7 @@ from slopekit.errors import DesignError, Fault, Notice
 from slopekit.orientation import number
 from slopekit.studies.journal import Journal
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import Evaluation, Point
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point
 from slopekit.studies.ranges import MOST, parse_values
 from slopekit.studies.running import ALONE, Advance, Crew, run_all
 from slopekit.studies.solutions import Method, point_record
@@ -289,12 +289,12 @@ def evaluated(
 ) -> list[Point]:  # fmt: skip
     """The points of a study, by whoever does the work; what is done is kept in a journal until all are."""
     plain = design.source.root.plain() if design.source is not None else None
-    journal = Journal.of(folder or Path.cwd(), study, [plain, methods, [list(task.items()) for task in tasks]],
-                         streamed=folder is not None)  # fmt: skip
+    run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
+    journal = Journal.of(folder or Path.cwd(), study, run, streamed=folder is not None)
     at_once = 64 if methods == "closed-form" else 1 if not has_closed_form(design) else 8
     with bar("points", len(tasks)) as advance:
         work = Evaluation(design, methods != "closed-form")
-        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once)
+        records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
     journal.remove()
     points = [Point.from_record(record) for record in records]
     return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]

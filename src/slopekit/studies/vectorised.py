@@ -60,7 +60,11 @@ class Vectorised:
 
     def __call__(self, values: Floats) -> Answers:
         """Outcome and factor of every sample."""
-        return self.closed_form(self.fixed | {name: line.at(values) for name, line in self.lines.items()})
+        found = self.closed_form(self.fixed | {name: line.at(values) for name, line in self.lines.items()})
+        if len(found.factor) == len(values):
+            return found
+        # nothing that scatters is an argument: all samples are alike
+        return Answers(found.names, np.repeat(found.outcome, len(values)), np.repeat(found.factor, len(values)))
 
 
 def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorised | None:

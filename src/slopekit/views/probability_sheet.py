@@ -61,7 +61,7 @@ def probability_line(study: Probability) -> str:
 
 def _inputs(study: Probability) -> list[str]:
     columns = study.samples.names
-    lines = [f"{'input':<38}{'mean':>12}{'sd':>12}{'from':>12}{'to':>12}   (as drawn)"]
+    lines = [f"{'as drawn':<38}{'mean':>12}{'sd':>12}{'from':>12}{'to':>12}"]
     for column in range(min(len(columns), _MOST_INPUTS)):
         drawn = variable(study, column)
         values = "".join(f"{drawn[key]:>12.5g}" for key in ("mean", "sd", "min", "max"))
@@ -156,6 +156,7 @@ def _asked(checked: Confirmation, target: float) -> str:
 def _agreement(checked: Confirmation) -> str:
     words = [f"{checked.agree} agree", f"{checked.disagree} DISAGREE" if checked.disagree else "0 disagree"]
     words += [f"{checked.not_compared} not compared"] if checked.not_compared else []
+    words += [f"{len(checked.index) - checked.settled} WITHOUT ANSWER"] if checked.unsettled else []
     largest = "" if checked.largest is None else f"; largest difference {checked.largest * 100:.2g} %"
     governed = int(checked.at_random.sum())
     return f"{', '.join(words)}{largest}; moments govern in {checked.governed} of {governed} at random"
@@ -169,8 +170,10 @@ def _judgement(checked: Confirmation, study: Probability) -> list[str]:
     )
     if checked.probability is None:
         return [told]
-    share = _percent(checked.probability)
-    return [told, f"P(F < {study.asked.target:g}) with PRE-IE's judgement: {share} of all samples"]
+    share, own = _percent(checked.probability), study.all_samples
+    low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
+    return [told, f"P(F < {study.asked.target:g}) with PRE-IE's judgement: {share} of all samples; limits "
+                  f"{_percent(low)} to {_percent(high)}, which more --confirm narrows"]  # fmt: skip
 
 
 def _accept(study: Probability) -> list[str]:
