@@ -87,7 +87,7 @@ def test_points_without_a_block_are_kept_and_counted(curve) -> None:
 
 
 def test_levels_that_are_passed_are_interpolated_and_said_to_be(curve) -> None:
-    """1, the acceptance rule (1.5) and the target; 1 / F straight between neighbours, by both methods."""
+    """1, the acceptance rule (1.5) and the target; F straight between neighbours, by both methods."""
     assert curve.levels == ((1.0, "FoS 1"), (1.5, "acceptance, fos >= 1.5"), (1.6, "target, FoS 1.6"))
     found = [one for one in curve.critical if one.level == 1.5]
     assert [one.method for one in found] == ["pre_ie", "closed_form"]
@@ -95,7 +95,7 @@ def test_levels_that_are_passed_are_interpolated_and_said_to_be(curve) -> None:
     assert found[0].how == "interpolated"
     low, high = (sk.run(WEDGE, set={"slope.face.dip": dip}).fos.limit for dip in found[0].between)
     share = (found[0].at - 71.0) / 17.0
-    assert pytest.approx((1.0 - share) / low + share / high, rel=1e-12) == 1.0 / 1.5
+    assert pytest.approx((1.0 - share) * low + share * high, rel=1e-12) == 1.5
     assert abs(found[0].at - 72.9958) < 1.0  # where solve finds it
     assert [one for one in curve.critical if one.level == 1.0] == []
     assert "interpolated between 71° and 88°" in sweep_sheet(curve)

@@ -219,8 +219,8 @@ def solve_for_probability(
         target = 1.0 if fos is None else fos
         found = probability(changed, n, seed=seed, target=target, confirm_count=0, near=0.0, crew=crew)
         share = found.all_samples
-        if share.share is None:
-            raise DesignError([Fault("E318", "no sample could be judged")])
+        if share.share is None or found.forming.share is None:  # no block is no safety
+            raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
         return Estimate(share.share, share.low, share.high)
 
     return solve_probability(design, key, pf, failure_probability, within=within, advance=advance)

@@ -44,7 +44,7 @@ class Critical:
     ----------
     level, what : 1, or what is wanted, in words
     method : closed_form or pre_ie; line : value of the second key, None without one
-    between : the neighbours; at : interpolated (1 / F straight between them), None where that says nothing
+    between : the neighbours; at : interpolated in a straight line, None where that says nothing
     how : interpolated, at a point, across a change of status, or to where there is no number
     """
 
@@ -147,7 +147,7 @@ class Sweep:
             if high == level:
                 at, how = b, "at a point"
             elif math.isfinite(low + high) and low > 0.0 and high > 0.0:
-                at = a + (b - a) * (1.0 / level - 1.0 / low) / (1.0 / high - 1.0 / low)
+                at = a + (b - a) * (level - low) / (high - low)
                 how = "interpolated" if self.status(one) == self.status(other) else "across a change of status"
             yield Critical(level, what, method, line, (a, b), at, how)
         at_first = points[0]

@@ -4,7 +4,7 @@ import textwrap
 
 from slopekit._version import __version__
 from slopekit.orientation import number
-from slopekit.result import STATUSES
+from slopekit.result import STATUSES, status_text
 from slopekit.studies.confirmation import Confirmation
 from slopekit.studies.estimates import QUANTILES, Share, Summary
 from slopekit.studies.probability import Probability
@@ -75,7 +75,7 @@ def _inputs(study: Probability) -> list[str]:
 def _outcomes(study: Probability) -> list[str]:
     lines = []
     for name, count in study.counts.items():
-        words = STATUSES.get(name, NO_BLOCK.get(name, ""))
+        words = status_text(study.design.kind, name) if name in STATUSES else NO_BLOCK.get(name, "")
         code = f"{name}: " if name.startswith("E") else ""
         lines.append(f"{count:>9}  {count / len(study.samples.values) * 100:6.2f} %  {code}{words or name}")
     return lines
@@ -107,7 +107,8 @@ def _at_means(study: Probability) -> str:
         return f"{study.means.code} {study.means.message}".strip() or "not asked"
     named = ((found.limit, "PRE-IE"), (found.closed_form, "closed form"))
     factors = [f"{value:.4f} {name}" for value, name in named if value is not None]
-    return f"{STATUSES.get(found.status, found.status)}: F {', '.join(factors)}" if factors else found.status
+    words = status_text(study.design.kind, found.status)
+    return f"{words}: F {', '.join(factors)}" if factors else words
 
 
 def _factors(summary: Summary, target: float) -> list[str]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -19,7 +18,6 @@ _BLUE, _RED, _GREY, _DARK = "#1f5a94", "#c0392b", "#888888", "#4d4d4d"
 _LOW, _HIGH = "#8fb8de", "#1f5a94"
 _BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
 _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
-_FINE = 20  # parts of a line between neighbours
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
 _BRIEF = {
@@ -63,7 +61,7 @@ def curve_chart(swept: Sweep, path: Path) -> None:
     for method in reversed(swept.asked):
         for stretch in _stretches(drawn[method]):
             axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
-            axes.plot(*zip(*_interpolated(stretch), strict=True), **styles[method] | {"marker": ""})
+            axes.plot(*zip(*stretch, strict=True), **styles[method] | {"marker": ""})
         axes.plot([], [], **styles[method], label=METHODS[method])
     _moments(axes, points)
     _levels(axes, swept)
@@ -214,15 +212,6 @@ def _logarithmic(axes: Any) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _interpolated(stretch: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """What lies between neighbours as the sweep interpolates it: 1 / F straight."""
-    found = [stretch[0]]
-    for (a, low), (b, high) in pairwise(stretch):
-        parts = [k / _FINE for k in range(1, _FINE + 1)]
-        found += [(a + (b - a) * part, 1.0 / ((1.0 - part) / low + part / high)) for part in parts]
-    return found
 
 
 def _stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
