@@ -27,7 +27,7 @@ from slopekit.studies.sampling import METHODS, draw, planned, samples
 from slopekit.studies.vectorised import vectorised
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
-_PRE_IE = 600  # samples by PRE-IE for each crew
+_PRE_IE = 400  # samples by PRE-IE for each crew
 
 
 def normal(mean: float, share: float) -> dict[str, Any]:
