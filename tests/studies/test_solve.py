@@ -394,6 +394,12 @@ def test_probabilities_with_no_or_many_values() -> None:
         assert (found.reason.code, found.exit_code) == (code, 1)
         assert probability_solution_sheet(found)
         assert probability_solution_line(found).startswith("none")
+
+    def partly_refused(changed):
+        return refused(changed) if changed.height_m < 50.0 else 0.2 + 1e-7 * changed.height_m
+
+    found = solve_probability(design, "slope.height", 0.1, partly_refused)
+    assert "values tried give no probability (E281): it may lie among them" in found.reason.message
     waves = solve_probability(
         design, "slope.face.dip", 0.5, lambda d: 0.5 + 0.4 * math.sin(math.radians(8 * d.face.dip_deg))
     )

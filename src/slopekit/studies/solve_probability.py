@@ -297,6 +297,10 @@ def _reason(
         f"no value of {key.path} {span} gives a probability of failure of {number(target)}: it is {side} "
         f"{end[1]:.6g}, at {key.shown(end[0], 7)}"
     )
+    refused = [sample.found for sample in samples if isinstance(sample.found, Fault)]
+    if refused:  # what was not computed is no proof
+        codes = ", ".join(dict.fromkeys(fault.code for fault in refused))
+        text += f"; {len(refused)} of {len(samples)} values tried give no probability ({codes}): it may lie among them"
     return Fault("E315", text, "", end_advice(key, end[0], within))
 
 
