@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+import numpy as np
+
 from slopekit.arrays import Bools, Floats, Ints
+from slopekit.block_scene import Shapes, Solids, closed, contacts_of, prism
 
 
 class Geometry(Protocol):
@@ -22,6 +25,10 @@ class Geometry(Protocol):
 
     def to_dict(self) -> dict[str, Any]:
         """The geometry as JSON values."""
+        ...
+
+    def shapes(self, block: str) -> Shapes:
+        """The blocks and interfaces as they are drawn; `block` is what the one block of a kind is called."""
         ...
 
 
@@ -54,10 +61,23 @@ class WedgeGeometry:
             "centroid_m": self.centroid_m.tolist(),
         }
 
+    def shapes(self, block: str) -> Shapes:
+        """The wedge, its faces by name; its joints are the interfaces."""
+        names = tuple(self.faces_m)
+        vertices, triangles, face = closed(list(self.faces_m.values()))
+        joints = tuple(name for name in self.areas_m2 if name in self.faces_m)
+        return _one_block(
+            block, self.centroid_m, vertices, triangles, face, names, joints, [self.faces_m[joint] for joint in joints]
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class SectionGeometry:
-    """A block in a vertical section one metre thick: its outline (k, 2) as x (out of the slope) and z, toe at 0, 0."""
+    """A block in a vertical section one metre thick: its outline (k, 2) as x (out of the slope) and z, toe at 0, 0.
+
+    `axes` (3, 3) are x, y, z of the section in the user's axes, one a row. The outline runs anticlockwise from the toe,
+    so that its last edge lies on the plane, and the one before it on the crack where there is one.
+    """
 
     volume_m3: float
     total_height_m: float
@@ -66,6 +86,7 @@ class SectionGeometry:
     centroid_m: Floats
     crack_depth_m: float | None = None
     crack_distance_m: float | None = None
+    axes: Floats = field(default_factory=lambda: np.eye(3), repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """The geometry as JSON values."""
@@ -80,6 +101,18 @@ class SectionGeometry:
                 "depth_m": self.crack_depth_m, "distance_m": self.crack_distance_m,
             },
         }  # fmt: skip
+
+    def shapes(self, block: str) -> Shapes:
+        """The block, one metre of the slope."""
+        vertices, triangles = prism(self.outline_m, 1.0)
+        ends = np.concatenate([self.outline_m, self.outline_m[:1]])
+        polygons = []
+        for k, _ in enumerate(self.areas_m2, 2):  # from the last edge back
+            (a, c), (b, d) = ends[-k], ends[-k + 1]
+            polygons.append(np.array([[a, -0.5, c], [a, 0.5, c], [b, 0.5, d], [b, -0.5, d]]) @ self.axes)
+        centroid = np.array([self.centroid_m[0], 0.0, self.centroid_m[1]]) @ self.axes
+        face = np.full(len(triangles), -1)
+        return _one_block(block, centroid, vertices @ self.axes, triangles, face, (), tuple(self.areas_m2), polygons)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,3 +145,24 @@ class SurfaceGeometry:
             "normals_turned_deg": self.misfit_deg,
             "other_pieces_m3": list(self.pieces_m3),
         }
+
+    def shapes(self, block: str) -> Shapes:
+        """The mass; every triangle of the slip surface is a piece of its interface."""
+        face = np.where(self.on_slip, 0, 1)
+        slip = self.vertices_m[self.triangles[self.on_slip]]
+        joints = tuple(self.areas_m2)
+        return _one_block(
+            block, self.centroid_m, self.vertices_m, self.triangles, face, (*joints, "ground"), joints, list(slip),
+        )  # fmt: skip
+
+
+def _one_block(
+    name: str, centroid: Floats, vertices: Floats, triangles: Ints, face: Ints, faces: tuple[str, ...],
+    joints: tuple[str, ...], polygons: list[Floats],
+) -> Shapes:  # fmt: skip
+    """The shapes of one block; `polygons` are its interfaces, one a joint or all of the first."""
+    of = range(len(polygons)) if len(polygons) == len(joints) else [0] * len(polygons)
+    return Shapes(
+        (name,), np.zeros(1, dtype=bool), centroid[None, :], joints,
+        Solids(vertices, triangles, np.zeros(len(triangles), dtype=np.int64), face, faces), contacts_of(polygons, of),
+    )  # fmt: skip

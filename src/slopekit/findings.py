@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from slopekit.arrays import Floats, Ints
+from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
 
 #: How a block can move, in words.
 MOTIONS: Mapping[str, str] = {
@@ -172,6 +175,7 @@ class AssemblyGeometry:
     outlines_m : (k, 2) x, z of each block by name, for sections; empty in space
     vertices_m, triangles, triangle_block : of the blocks' boundaries in space
     centroids_m : (n, 3); names : (n,); fixed : which of them are bedrock
+    contacts : between the blocks; in a section the polygons have two corners, their ends
     """
 
     volume_m3: float
@@ -185,6 +189,7 @@ class AssemblyGeometry:
     vertices_m: Floats = field(repr=False)
     triangles: Ints = field(repr=False)
     triangle_block: Ints = field(repr=False)
+    contacts: Contacts = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """The geometry as JSON values; shapes are left out (a bench has thousands)."""
@@ -196,3 +201,32 @@ class AssemblyGeometry:
             "blocks": len(self.names),
             "fixed_blocks": sum(self.fixed),
         }
+
+    def shapes(self, block: str) -> Shapes:
+        """The blocks; of a section's bedrock that is none of them one block more, at the end."""
+        fixed = np.array(self.fixed, dtype=bool)
+        if not self.outlines_m:
+            face = np.full(len(self.triangles), -1)
+            solids = Solids(self.vertices_m, self.triangles, self.triangle_block, face)
+            return Shapes(self.names, fixed, self.centroids_m, tuple(self.areas_m2), solids, self.contacts)
+        thickness = self.thickness_m or 1.0
+        own = [outline for name, outline in self.outlines_m.items() if name != "bedrock" or name in self.names]
+        rock = [] if len(own) == len(self.outlines_m) else [self.outlines_m["bedrock"]]
+        y = self.centroids_m[:, 1]  # with several rows of columns each has its own
+        bodies = [prism(own[k % len(own)], thickness, float(y[k])) for k in range(len(self.names))]
+        centroids = self.centroids_m
+        if rock:
+            bodies.append(prism(rock[0], float(np.ptp(y)) + thickness, float(y.min() + y.max()) / 2.0))
+            centroids = np.concatenate([centroids, bodies[-1][0].mean(axis=0)[None, :]])
+        vertices, triangles, of = joined(bodies)
+        ends = self.contacts.corners.reshape(-1, 2, 3)
+        half = np.array([0.0, thickness / 2.0, 0.0])
+        corners = np.stack([ends[:, 0] - half, ends[:, 1] - half, ends[:, 1] + half, ends[:, 0] + half], axis=1)
+        contacts = Contacts(
+            corners.reshape(-1, 3), 4 * np.arange(len(ends) + 1), self.contacts.joint, self.contacts.plus,
+            self.contacts.minus,
+        )  # fmt: skip
+        return Shapes(
+            (*self.names, *["bedrock"] * len(rock)), np.append(fixed, [True] * len(rock)).astype(bool), centroids,
+            tuple(self.areas_m2), Solids(vertices, triangles, of, np.full(len(triangles), -1)), contacts,
+        )  # fmt: skip

@@ -45,6 +45,7 @@ class Loads:
     force : (3,) kN; moment : (3,) kNm about the block's centroid
     parts : name -> (3,) kN, the forces that add up to `force`
     passive_forces : (b, 3) kN, full capacity along each passive bolt; passive_points : (b, 3) m
+    acting : name, force (3,) kN and the point (3,) m that it acts through, one by one
     """
 
     force: Floats
@@ -52,6 +53,7 @@ class Loads:
     parts: Mapping[str, Floats]
     passive_forces: Floats
     passive_points: Floats
+    acting: tuple[tuple[str, Floats, Floats], ...] = ()
 
 
 def block_loads(
@@ -77,26 +79,34 @@ def block_loads(
     weight = unit_weight * block.volume
     parts = {"weight": np.array([0.0, 0.0, -weight]), "seismic": weight * seismic}
     moment = np.zeros(3)
+    acting = [(name, force, block.centroid) for name, force in parts.items() if force.any()]
     for plane, pressure in water.items():
         force, at = _water(block.faces[plane], pressure)
         parts[f"water {plane}"] = force
+        acting.append((f"water {plane}", force, at))
         moment += cross(at - block.centroid, force)
     for name, push in (pushes or {}).items():
         parts[name] = push.force
+        acting.append((name, push.force, block.centroid if push.at is None else push.at))
         if push.at is not None:
             moment += cross(push.at - block.centroid, push.force)
         if push.couple is not None:
             moment += push.couple
-    for name, group in (("forces", forces), ("active bolts", active)):
+    for name, one, group in (("forces", "force", forces), ("active bolts", "active bolt", active)):
         parts[name] = np.zeros(3)
-        for load in group:
+        for k, load in enumerate(group, 1):
             parts[name] = parts[name] + load.force
+            acting.append((f"{one} {k}", load.force, block.centroid if load.at is None else load.at))
             if load.at is not None:
                 moment += cross(load.at - block.centroid, load.force)
     points = [block.centroid if load.at is None else load.at for load in passive]
+    acting += [
+        (f"passive bolt {k}", load.force, at) for k, (load, at) in enumerate(zip(passive, points, strict=True), 1)
+    ]
     return Loads(
         frozen(sum(parts.values())), frozen(moment), parts,
         frozen(np.reshape([load.force for load in passive], (-1, 3))), frozen(np.reshape(points, (-1, 3))),
+        tuple(acting),
     )  # fmt: skip
 
 

@@ -5,8 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from slopekit._version import __version__
-from slopekit.arrays import Floats, Ints
+from slopekit.arrays import Floats
+from slopekit.block_scene import Arrows, BlockScene, NodePairState
 from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
@@ -117,6 +120,10 @@ class Movement:
     displacement: Floats
     rotation: Floats
 
+    def vector(self) -> Floats:
+        """Displacement and rotation in one, (6,)."""
+        return np.concatenate([self.displacement, self.rotation])
+
 
 @dataclass(frozen=True, slots=True)
 class AtFactorOne:
@@ -150,16 +157,6 @@ class ReductionStep:
 
 
 @dataclass(frozen=True, slots=True)
-class NodePairState:
-    """The node pairs at the limit, for pictures: points (n, 3) m, joints (n,), normal forces (n,) kN."""
-
-    points_m: Floats
-    joint: Ints
-    control_area_m2: Floats
-    normal_kn: Floats
-
-
-@dataclass(frozen=True, slots=True)
 class Result:
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
@@ -184,6 +181,7 @@ class Result:
     governs: tuple[tuple[str, float | None, str], ...]
     warnings: tuple[Notice, ...]
     node_pairs: NodePairState = field(repr=False)
+    acting: Arrows = field(repr=False)
     methods: Mapping[str, float | None] = field(default_factory=dict)
     series: tuple[ReductionStep, ...] = ()
     findings: Findings | None = None
@@ -234,6 +232,30 @@ class Result:
         if self.status == "not_converged" or self.agree is False:
             return 4
         return 1 if self.accepted is False else 0
+
+    @property
+    def scene(self) -> BlockScene:
+        """The blocks, interfaces, node pairs and movements, for pictures and files of other programs."""
+        shapes = self.geometry.shapes(_BLOCKS.get(self.kind, self.kind))
+        count = len(shapes.names)
+        velocity, order, factor = np.zeros((count, 6)), np.zeros(count, dtype=np.int64), np.full(count, np.nan)
+        displacement = None
+        if self.findings is not None:
+            index = {name: k for k, name in enumerate(shapes.names)}
+            for number, mechanism in enumerate(self.findings.mechanisms, 1):
+                for block in mechanism.blocks:
+                    at = index[block.name]
+                    velocity[at], order[at] = np.concatenate([block.displacement, block.rotation]), number
+            for name, value in self.findings.factor_by_block.items():
+                factor[index[name]] = np.nan if value is None else value
+        else:
+            if self.mechanism is not None:
+                velocity[0], order[0] = self.mechanism.vector(), 1
+            if self.fos.limit is not None:
+                factor[0] = self.fos.limit
+            if self.at_factor_one is not None:
+                displacement = self.at_factor_one.movement.vector()[None, :]
+        return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement)
 
     def _mechanism(self) -> dict[str, Any] | None:
         if self.findings is not None:
@@ -318,6 +340,7 @@ class Result:
             "defaults": list(self.design.defaults),
             "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
             "timing_s": dict(self.timing_s),
+            "scene": self.scene.to_dict(),
         }  # fmt: skip
 
 

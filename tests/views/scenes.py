@@ -6,13 +6,14 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
+from slopekit.block_scene import Arrows, Contacts, NodePairState
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.design.templates import path_of
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
-from slopekit.result import FactorsOfSafety, Forces, ModelSize, NodePairState, Result
+from slopekit.result import FactorsOfSafety, Forces, ModelSize, Result
 
-NONE3 = np.zeros((0, 3))
+NONE, NONE3, WHOLE = np.zeros(0), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 CHECKS = {"volume_error": 3.1e-16, "area_error": 0.0, "largest_unbalanced_force": 4.2e-12}
 LEFT_OUT = ("bedrock (no unknowns)", "deformation of the rock")
 
@@ -54,7 +55,7 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
     )  # fmt: skip
     geometry = AssemblyGeometry(
         12.5 * moving, 10.0, more.pop("areas", {"joint": 123.4}), tuple(names), is_fixed, 1.0, NONE3, {}, NONE3,
-        np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64),
+        np.zeros((0, 3), dtype=np.int64), WHOLE, Contacts(NONE3, np.zeros(1, dtype=np.int64), WHOLE, WHOLE, WHOLE),
     )  # fmt: skip
     difference = abs(limit - closed) / closed if limit and closed else None
     settings: dict[str, Any] = {
@@ -63,7 +64,8 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
         "forces": Forces(312.5 * moving, {"joint": 900.0}, {}, None, None),
         "model": ModelSize(moving, 3 * moving, 60, 0, None, LEFT_OUT, 7, 1e-12), "mechanism": None,
         "at_factor_one": None, "all_pairs": None, "governs": (), "warnings": (),
-        "node_pairs": NodePairState(NONE3, np.zeros(0, dtype=np.int64), np.zeros(0), np.zeros(0)),
+        "node_pairs": NodePairState(NONE3, WHOLE, NONE, NONE3, WHOLE, WHOLE, NONE, NONE3, WHOLE),
+        "acting": Arrows((), WHOLE, WHOLE, NONE3, NONE3),
         "findings": findings, "timing_s": {"cut": 0.012, "contacts": 0.003, "solve": 12.5, "total": 12.6},
     }  # fmt: skip
     return Result(design, status, fos, **(settings | more))

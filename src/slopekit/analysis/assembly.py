@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene
+from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state
 from slopekit.analysis.motions import mechanism
 from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.arrays import frozen
+from slopekit.block_scene import Contacts
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
@@ -22,7 +24,7 @@ from slopekit.preie.parts import Part, at_other_strengths
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
-from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, NodePairState, Result
+from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
 
 _MOST_ASKED, _NOT_UNIQUE = 60, 1e-3  # blocks whose limit is found at other strengths too; what counts as another
 _UNBALANCED = 1e-6  # of a block's load: what settles balances to a tenth of that
@@ -104,7 +106,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         model=size, mechanism=None, at_factor_one=None, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
         warnings=tuple(_notices(design, scene, ravelling, found, closed, balance, others)),
-        node_pairs=_node_pairs(scene, parts),
+        node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads),
         findings=findings, balance=balance, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
@@ -227,6 +229,7 @@ def _geometry(scene: AssemblyScene) -> AssemblyGeometry:
         scene.thickness, frozen(assembly.centroids + scene.origin),
         {name: frozen(outline + offset) for name, outline in scene.outlines.items()},
         frozen(assembly.vertices + scene.origin), assembly.triangles, assembly.triangle_block,
+        Contacts(frozen(patches.corners + scene.origin), patches.first, patches.joint, patches.plus, patches.minus),
     )  # fmt: skip
 
 
@@ -248,20 +251,6 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
         dict(zip(scene.joints, water.tolist(), strict=True)), None, None,
     )  # fmt: skip
-
-
-def _node_pairs(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
-    joint = scene.assembly.patches.joint
-    sound = [part for part in parts if len(part.model.control_area)]
-    if not sound:
-        none = np.zeros(0)
-        return NodePairState(np.zeros((0, 3)), none.astype(np.int64), none, none)
-    return NodePairState(
-        frozen(np.concatenate([part.model.points for part in sound]) + scene.origin),
-        np.concatenate([joint[part.patch][part.model.pair_contact] for part in sound]),
-        frozen(np.concatenate([part.model.control_area * part.model.area_scale for part in sound])),
-        frozen(np.concatenate([part.limit.normal_force * part.model.force_scale for part in sound])),
-    )
 
 
 def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[ClosedForm, tuple[Column, ...]]:

@@ -58,7 +58,7 @@ def analyse_footing(design: FootingDesign) -> Result:
     return result(
         design, solved, status, ClosedForm(closed.factor, status_of.get(closed.status, closed.status), why_not),
         section_geometry(section, NAME), forces, [Interface(J1, NAME, design.strength)], left_out, clock,
-        governs=governs,
+        governs=governs, loads=loads,
     )  # fmt: skip
 
 

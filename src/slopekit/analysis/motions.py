@@ -3,16 +3,15 @@
 import numpy as np
 
 from slopekit.analysis.assembly_scene import AssemblyScene
-from slopekit.arrays import Bools, Floats
+from slopekit.analysis.assembly_states import states_of_part
+from slopekit.arrays import Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.preie.parts import Part
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, block_sizes
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
-_OPENS = 1e-5  # opening beyond this part of the fastest motion counts
-_CLOSED = 1e-9  # normal force below this part of the largest is none
-_SLIPS = 1e-4
+_OPENS = 1e-5  # an interface of which more than this part of the area opens
 _MOST_INTERFACES = 12
 
 
@@ -80,22 +79,10 @@ def _how(motion: Floats, size: float, outcome: Outcome) -> str:
     return "slides"
 
 
-def _states(part: Part) -> tuple[Bools, Bools, Floats]:
-    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,)."""
-    model, limit = part.model, part.limit
-    opening, slip = model.opening_and_slip(limit.velocity)
-    size = np.sqrt((slip * slip).sum(axis=1))
-    fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
-    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > _OPENS * fastest
-    opened |= limit.normal_force <= _CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
-    slips = (size > _SLIPS * fastest)[model.group_of_pair] & ~opened
-    return opened, slips, size
-
-
 def _modes(part: Part) -> dict[str, int]:
     if len(part.model.control_area) == 0:
         return {}
-    opened, slips, _ = _states(part)
+    opened, slips, _ = states_of_part(part)
     return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
 
 
@@ -104,7 +91,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     model, limit = part.model, part.limit
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
-    opened, _, size = _states(part)
+    opened, _, size = states_of_part(part)
     carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
     lost = carried * size
     work = np.bincount(model.group_contact, lost, len(model.plus))

@@ -70,9 +70,9 @@ def analyse_plane(design: PlaneDesign) -> Result:
     if design.strength.tension_kpa:
         left_out.append("tensile strength at the limit (it is lost where a joint opens)")
     return result(
-        design, solved, status, against, section_geometry(section, name), forces,
-        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), seismic=loads.parts["seismic"],
-        governs=governs, turn=_axes(design.face),
+        design, solved, status, against, section_geometry(section, name, _axes(design.face)), forces,
+        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), loads=loads,
+        governs=governs, turn=_axes(design.face), wet=faces,
     )  # fmt: skip
 
 
@@ -109,15 +109,15 @@ def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> 
     return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
 
 
-def section_geometry(section: Section, name: str) -> SectionGeometry:
-    """The geometry of a block in its section."""
+def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:
+    """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
     areas = {name: section.length}
     if section.crack_depth is not None:
         areas["crack"] = section.crack_depth
     height = float(np.ptp(section.outline[:, 1]))
     return SectionGeometry(
         section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
-        section.crack_depth, section.crack_distance,
+        section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
     )  # fmt: skip
 
 

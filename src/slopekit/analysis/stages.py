@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
-from slopekit.arrays import Floats, frozen
+from slopekit.analysis.states import arrows, opening_pairs, pair_state
+from slopekit.arrays import Floats
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
@@ -30,7 +31,6 @@ from slopekit.result import (
     FactorsOfSafety,
     Forces,
     ModelSize,
-    NodePairState,
     ReductionStep,
     Result,
 )  # fmt: skip
@@ -39,7 +39,6 @@ CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
-_TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 _NEARLY_NONE = 1e-6
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
 
@@ -206,17 +205,18 @@ def result(
     design: Design, solved: Solved, status: str, closed: ClosedForm, geometry: Geometry, forces: Forces,
     interfaces: Sequence[Interface], left_out: Sequence[str], clock: Clock, *,
     governs: tuple[tuple[str, float | None, str], ...] = (), methods: Mapping[str, float | None] | None = None,
-    extra: Sequence[Notice] = (), to_map: Floats | None = None,
-    seismic: Floats | None = None, turn: Floats | None = None,
+    loads: Loads, extra: Sequence[Notice] = (), to_map: Floats | None = None, turn: Floats | None = None,
+    wet: Mapping[int, str] | None = None,
 ) -> Result:  # fmt: skip
     """Put the evidence together.
 
     Parameters
     ----------
+    loads : on the block, local axes
     extra : notices of the kind, before the common ones
     to_map : (3,) what takes local coordinates back to the user's
-    seismic : (3,) the seismic load, local axes
     turn : (3, 3) rows are the local axes in those of the user, None where they are the same
+    wet : names of the faces that water can press on
     """
     analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
     alone = analysis.forces_only.factor
@@ -229,7 +229,7 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
-        seismic if seismic is not None and seismic.any() else None,
+        loads.parts["seismic"] if loads.parts["seismic"].any() else None,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
     size = ModelSize(
@@ -247,10 +247,8 @@ def result(
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
-        node_pairs=NodePairState(
-            frozen(solved.scene.pairs.points + origin), solved.scene.pairs.interface,
-            solved.scene.pairs.control_areas, frozen(limit.normal_force * model.force_scale),
-        ),
+        node_pairs=pair_state(solved.scene.pairs, model, limit, [part.key for part in interfaces], origin, turn),
+        acting=arrows(loads, {f"water {face}": f"water on {name}" for face, name in (wet or {}).items()}, origin, turn),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=block_balance(model, analysis), timing_s=clock.done(),
@@ -351,11 +349,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
-    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    if model.dilates and limit.factor:  # beyond what dilation opens
-        opening = opening - np.minimum(model.tan_dilation, model.tan_friction / limit.factor) * slip
-    opens = opening > _TURNS * max(float(slip.max()), float(opening.max()))
-    opens = opens | (limit.bond == 0.0)
+    opens = opening_pairs(limit, model, velocity)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
     moving, turning = velocity[: model.translations], velocity[model.translations :]

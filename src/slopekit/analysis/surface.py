@@ -104,7 +104,7 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     notes = [*told, *_columns_below(design, solved, methods), *extra]
     return result(
         design, solved, status, closed, geometry, forces, [Interface(SLIP, NAME, design.strength)], left_out, clock,
-        methods=methods, extra=notes, to_map=cut.origin, seismic=loads.parts["seismic"],
+        methods=methods, extra=notes, to_map=cut.origin, loads=loads,
     )  # fmt: skip
 
 

@@ -70,7 +70,7 @@ def analyse_wedge(design: WedgeDesign) -> Result:
     return result(
         design, solved, status, against, _geometry(design, rock, block), forces, interfaces,
         _left_out(design, block), clock, governs=governs, extra=tuple(wedge_notices(design)),
-        to_map=np.array(design.origin_m), seismic=loads.parts["seismic"],
+        to_map=np.array(design.origin_m), loads=loads, wet=faces,
     )  # fmt: skip
 
 

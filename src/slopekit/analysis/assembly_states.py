@@ -1,0 +1,105 @@
+"""The limit state of many blocks as pictures and files have it: node pairs by contact mode, loads as arrows."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from slopekit.analysis.assembly_scene import AssemblyScene
+from slopekit.analysis.states import CLOSED, SLIPS, TURNS
+from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
+from slopekit.loads import AssemblyLoads
+from slopekit.preie.parts import Part
+
+
+def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
+    """Which node pairs are open, which slip, and the slip of each friction force's contact (g,)."""
+    model, limit = part.model, part.limit
+    opening, slip = model.opening_and_slip(limit.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(size.max(initial=0.0)), float(np.abs(opening).max(initial=0.0)), 1e-300)
+    opened = opening - (model.tan_dilation * size)[model.group_of_pair] > TURNS * fastest
+    opened |= limit.normal_force <= CLOSED * max(float(limit.normal_force.max(initial=0.0)), 1e-300)
+    slips = (size > SLIPS * fastest)[model.group_of_pair] & ~opened
+    return opened, slips, size
+
+
+def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePairState:
+    """The node pairs of the parts that were solved, each at the limit of its part."""
+    found = [_of_part(scene, part) for part in parts if len(part.model.control_area)]
+    whole, none = np.zeros((0, 3)), np.zeros(0)
+    empty = NodePairState(whole, _whole(none), none, whole, _whole(none), _whole(none), none, whole, _whole(none))
+    every = [empty, *found]
+    return NodePairState(*(
+        np.concatenate([getattr(state, name) for state in every]) for name in NodePairState.__dataclass_fields__
+    ))  # fmt: skip
+
+
+def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
+    model, limit, patches = part.model, part.limit, scene.assembly.patches
+    contact = model.pair_contact
+    opened, slips, _ = states_of_part(part)
+    if scene.assembly.in_section:
+        normals, tangents = np.zeros((len(model.plus), 3)), np.zeros((len(model.plus), 1, 3))
+        normals[:, [0, 2]] = model.plus_motion[:, 0, :2]
+        tangents[:, 0, [0, 2]] = model.plus_motion[:, 1, :2]
+    else:
+        normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
+    # the pairs of a flat contact in a section share one friction force: each has its part of the strength
+    capacity = model.cohesion * limit.bond + model.tan_friction[model.group_of_pair] * limit.normal_force
+    whole = model.by_group(capacity)[model.group_of_pair]
+    share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
+    forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])
+    moving = np.append(model.moving, -1)
+    return NodePairState(
+        frozen(model.points + scene.origin), _whole(patches.joint[part.patch][contact]),
+        frozen(model.control_area * model.area_scale), frozen(normals[contact]), moving[model.plus][contact],
+        np.where(model.minus < 0, _rock(scene, part, model.plus), moving[model.minus])[contact],
+        frozen(limit.normal_force * model.force_scale),
+        frozen(forces[model.group_of_pair] * share[:, None] * model.force_scale),
+        np.where(opened, OPEN, np.where(slips, SLIP, STICK)),
+    )  # fmt: skip
+
+
+def _rock(scene: AssemblyScene, part: Part, plus: Ints) -> Ints:
+    """The held or fixed block on the other side of each contact, -1 for bedrock that is none of the blocks."""
+    patches = scene.assembly.patches
+    first, second = patches.plus[part.patch], patches.minus[part.patch]
+    own = part.model.moving[plus]
+    return np.where(first == own, second, first)
+
+
+def _whole(values: "Ints | Floats") -> Ints:
+    return np.asarray(values, dtype=np.int64)
+
+
+def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads) -> Arrows:
+    """The loads on the blocks that are not bedrock: weight, seismic load, water on each contact, forces and bolts."""
+    assembly = scene.assembly
+    free = np.flatnonzero(~assembly.fixed)
+    parts: list[tuple[str, Ints, Floats, Floats]] = []
+
+    def add(name: str, blocks: Ints, forces: Floats, at: Floats) -> None:
+        if len(blocks) and forces.any():
+            parts.append((name, blocks, forces, at))
+
+    middle, weights = assembly.centroids[free], loads.weights[free, None]
+    add("weight", free, weights * np.array([0.0, 0.0, -1.0]), middle)
+    add("seismic", free, weights * scene.seismic, middle)
+    patches = assembly.patches
+    for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
+        wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
+        wet = wet[~assembly.fixed[side[wet]]]
+        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], patches.centroids[wet])
+    for k, (block, push) in enumerate(scene.pushes, 1):
+        at = assembly.centroids[block] if push.at is None else push.at
+        add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
+    names = tuple(dict.fromkeys(name for name, *_ in parts))
+    return Arrows(
+        names, np.concatenate([np.zeros(0), *(np.full(len(own), names.index(name)) for name, own, *_ in parts)]).astype(
+            np.int64
+        ),
+        _whole(np.concatenate([np.zeros(0), *(own for _, own, *_ in parts)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(force for *_, force, _ in parts)])),
+        frozen(np.concatenate([np.zeros((0, 3)), *(at for *_, at in parts)]) + scene.origin),
+    )  # fmt: skip

@@ -1,0 +1,278 @@
+"""Blocks, interfaces and node pairs as they are drawn and exported, in the user's coordinates, and their JSON.
+
+The arrays stand in a result's JSON under `scene`, packed: `{"type": "float64", "shape": [24, 3], "zlib_base64": ...}`.
+"""
+
+import base64
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.errors import DesignError, Fault
+
+#: Contact modes of node pairs by their number.
+MODES = ("stick", "slip", "open")
+STICK, SLIP, OPEN = range(3)
+_TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
+_LEVEL = 4  # of zlib: beyond it costs more time than it saves room
+
+
+@dataclass(frozen=True, slots=True)
+class Solids:
+    """Closed surfaces of blocks.
+
+    Attributes
+    ----------
+    vertices : (v, 3) m; triangles : (t, 3) anticlockwise seen from outside; block : (t,) whose they are
+    face : (t,) index into `faces`, -1 where it is not known; faces : names
+    """
+
+    vertices: Floats
+    triangles: Ints
+    block: Ints
+    face: Ints
+    faces: tuple[str, ...] = ()
+
+    def of(self, block: int) -> tuple[Floats, Ints]:
+        """Vertices (k, 3) and triangles (m, 3) of one block, for itself."""
+        own = self.triangles[self.block == block]
+        used, index = np.unique(own, return_inverse=True)
+        return self.vertices[used], index.reshape(-1, 3)
+
+
+@dataclass(frozen=True, slots=True)
+class Contacts:
+    """Flat pieces of the interfaces: polygons between two blocks.
+
+    Attributes
+    ----------
+    corners : (c, 3) m; first : (k + 1,) polygon i has the corners first[i] to first[i + 1]
+    joint : (k,) index into the scene's joints; plus, minus : (k,) blocks, -1 for bedrock that is none of them
+    """
+
+    corners: Floats
+    first: Ints
+    joint: Ints
+    plus: Ints
+    minus: Ints
+
+    def __len__(self) -> int:
+        return len(self.joint)
+
+
+@dataclass(frozen=True, slots=True)
+class NodePairState:
+    """The node pairs (n) at the limit.
+
+    Attributes
+    ----------
+    points_m : (n, 3); joint : (n,) index into the joints; control_area_m2 : (n,); normals : (n, 3) unit, into the plus
+        block; plus, minus : (n,) blocks, -1 for bedrock
+    normal_kn : (n,) compression positive; shear_kn : (n, 3) friction and cohesion on the plus block
+    mode : (n,) index into `MODES`
+    """
+
+    points_m: Floats
+    joint: Ints
+    control_area_m2: Floats
+    normals: Floats
+    plus: Ints
+    minus: Ints
+    normal_kn: Floats
+    shear_kn: Floats
+    mode: Ints
+
+    def __len__(self) -> int:
+        return len(self.joint)
+
+
+@dataclass(frozen=True, slots=True)
+class Arrows:
+    """Loads (k) on blocks: `what` (k,) index into `names`, `block` (k,), `force_kn` (k, 3), `at_m` (k, 3)."""
+
+    names: tuple[str, ...]
+    what: Ints
+    block: Ints
+    force_kn: Floats
+    at_m: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Shapes:
+    """Blocks (n) with their interfaces: what geometry knows of a scene.
+
+    Attributes
+    ----------
+    names, fixed : (n,) blocks and which of them are bedrock; centroids : (n, 3) m
+    joints : names by joint index
+    """
+
+    names: tuple[str, ...]
+    fixed: Bools
+    centroids: Floats
+    joints: tuple[str, ...]
+    solids: Solids
+    contacts: Contacts
+
+
+@dataclass(frozen=True, slots=True)
+class BlockScene:
+    """Everything that pictures, reports and files of other programs need of a result.
+
+    Attributes
+    ----------
+    shapes : the blocks (n)
+    pairs : node pairs at the limit; loads : on the blocks, weight first
+    velocity : (n, 6) displacement of the centroids and rotation about them in the mechanism that each block moves in
+        (the fastest is 1; rotation per m), 0 where it moves in none
+    order : (n,) number of that mechanism, counted from 1 in the order in which they happen; 0 for none
+    factor : (n,) the factor of safety at which a block fails; nan where it has none
+    displacement : (n, 6) m and radians at full strength on the elastic bed, None where it was not found
+    """
+
+    shapes: Shapes
+    pairs: NodePairState
+    loads: Arrows
+    velocity: Floats
+    order: Ints
+    factor: Floats
+    displacement: Floats | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene as JSON values, arrays packed."""
+        found: dict[str, Any] = _packed(self)
+        return found
+
+    @classmethod
+    def from_dict(cls, document: Mapping[str, Any]) -> "BlockScene":
+        """The scene of a document.
+
+        Raises
+        ------
+        DesignError
+            E350 where the document holds no scene that can be read.
+        """
+        try:
+            shapes, moved = document["shapes"], document["displacement"]
+            return cls(
+                Shapes(
+                    tuple(shapes["names"]), unpacked(shapes["fixed"]).astype(bool), unpacked(shapes["centroids"]),
+                    tuple(shapes["joints"]), _read(Solids, shapes["solids"]), _read(Contacts, shapes["contacts"]),
+                ),
+                _read(NodePairState, document["pairs"]), _read(Arrows, document["loads"]),
+                unpacked(document["velocity"]), unpacked(document["order"]), unpacked(document["factor"]),
+                None if moved is None else unpacked(moved),
+            )  # fmt: skip
+        except (KeyError, TypeError, ValueError, AttributeError, zlib.error) as error:
+            message = f"the scene of the result cannot be read ({type(error).__name__}: {error})"
+            raise DesignError([Fault("E350", message, "", "Make the file again with slopekit run -o DIR.")]) from None
+
+
+def packed(values: Floats | Ints | Bools) -> dict[str, Any]:
+    """An array as JSON values: float64, int32 or uint8 (for bools), little-endian, C order, zlib, base64.
+
+    >>> unpacked(packed(np.array([[1.5, 2.0]]))).tolist()
+    [[1.5, 2.0]]
+    """
+    name = "float64" if values.dtype.kind == "f" else "uint8" if values.dtype.kind == "b" else "int32"
+    array = np.ascontiguousarray(values, dtype=np.dtype(_TYPES[name]).newbyteorder("<"))
+    data = base64.b64encode(zlib.compress(array.tobytes(), _LEVEL)).decode()
+    return {"type": name, "shape": list(array.shape), "zlib_base64": data}
+
+
+def unpacked(document: Mapping[str, Any]) -> Any:
+    """The array of a packed one: float64 or int64.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        For anything else.
+    """
+    kind, shape = document["type"], tuple(document["shape"])
+    raw = zlib.decompress(base64.b64decode(document["zlib_base64"], validate=True))
+    array = np.frombuffer(raw, np.dtype(_TYPES[kind]).newbyteorder("<")).reshape(shape)
+    return array.astype(np.float64 if kind == "float64" else np.int64)
+
+
+def _packed(value: Any) -> Any:
+    if is_dataclass(value):
+        return {part.name: _packed(getattr(value, part.name)) for part in fields(value)}
+    if isinstance(value, np.ndarray):
+        return packed(value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(kind: Any, document: Mapping[str, Any]) -> Any:
+    """A dataclass of arrays and tuples of names."""
+    found = {part.name: document[part.name] for part in fields(kind)}
+    return kind(**{name: tuple(value) if isinstance(value, list) else unpacked(value) for name, value in found.items()})
+
+
+# -- making shapes ----------------------------------------------------------------------------------------------------
+
+
+def closed(polygons: Sequence[Floats]) -> tuple[Floats, Ints, Ints]:
+    """The flat convex faces (k, 3) of one block as triangles: vertices, triangles, and the face of each.
+
+    Corners that faces share are one vertex where they are the same to the last digit, or nearly (1e-9 of the size).
+    """
+    corners = np.concatenate(polygons)
+    size = max(float(np.ptp(corners, axis=0).max()), 1e-300)
+    _, first, index = np.unique(
+        np.round((corners - corners.min(axis=0)) / size, 9), axis=0, return_index=True, return_inverse=True
+    )
+    index = index.ravel()
+    triangles, faces, begin = [], [], 0
+    for k, polygon in enumerate(polygons):
+        own = index[begin : begin + len(polygon)]
+        begin += len(polygon)
+        for i in range(1, len(own) - 1):
+            if len({own[0], own[i], own[i + 1]}) == 3:
+                triangles.append((own[0], own[i], own[i + 1]))
+                faces.append(k)
+    return corners[first], np.array(triangles, dtype=np.int64).reshape(-1, 3), np.array(faces, dtype=np.int64)
+
+
+def prism(outline: Floats, thickness: float, y: float = 0.0) -> tuple[Floats, Ints]:
+    """An outline (k, 2) in x and z, drawn out along y by half the thickness to both sides; convex or not.
+
+    Returns
+    -------
+    vertices (2k, 3): those at the smaller y first; triangles, anticlockwise seen from outside
+    """
+    from manifold3d import triangulate
+
+    x, z = outline.T
+    twice = float(x @ np.roll(z, -1) - z @ np.roll(x, -1))
+    line = outline if twice > 0.0 else outline[::-1]
+    count = len(line)
+    near = np.stack([line[:, 0], np.full(count, y - thickness / 2.0), line[:, 1]], axis=1)
+    far = near + np.array([0.0, thickness, 0.0])
+    cap = np.asarray(triangulate([line - line.mean(axis=0)]), dtype=np.int64)
+    here = np.arange(count)
+    next_ = np.roll(here, -1)
+    sides = [np.stack([here, here + count, next_ + count], axis=1), np.stack([here, next_ + count, next_], axis=1)]
+    return np.concatenate([near, far]), np.concatenate([cap, cap[:, ::-1] + count, *sides])
+
+
+def joined(bodies: Sequence[tuple[Floats, Ints]]) -> tuple[Floats, Ints, Ints]:
+    """Bodies as one set of vertices and triangles, with the body of each triangle."""
+    firsts = np.cumsum([0, *(len(vertices) for vertices, _ in bodies)])
+    return (
+        np.concatenate([vertices for vertices, _ in bodies]),
+        np.concatenate([triangles + first for (_, triangles), first in zip(bodies, firsts, strict=False)]),
+        np.repeat(np.arange(len(bodies)), [len(triangles) for _, triangles in bodies]),
+    )
+
+
+def contacts_of(polygons: Sequence[Floats], joint: Sequence[int]) -> Contacts:
+    """Polygons (k, 3) between one block, 0, and the bedrock."""
+    count = len(polygons)
+    return Contacts(
+        np.concatenate([np.zeros((0, 3)), *polygons]), np.cumsum([0, *map(len, polygons)]),
+        np.array(joint, dtype=np.int64), np.zeros(count, dtype=np.int64), np.full(count, -1),
+    )  # fmt: skip
