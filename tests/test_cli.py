@@ -121,7 +121,7 @@ def test_explain_and_version() -> None:
 
 def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
     """DESIGN.md: heavy imports sit inside the functions that need them."""
-    heavy = ["trimesh", "pyvista", "matplotlib", "scipy", "clarabel", "pydantic", "ruamel", "shapely", "yaml"]
+    heavy = ["trimesh", "pyvista", "matplotlib", "ezdxf", "scipy", "clarabel", "pydantic", "ruamel", "shapely", "yaml"]
     program = (
         "import sys; sys.argv = ['slopekit', 'wedge', '--dips', '45/115', '45/245', '--quiet']\n"
         "from slopekit.cli import main\n"

@@ -139,8 +139,7 @@ def test_bugs_of_ours_have_codes() -> None:
     [
         (("wedge", "--nonsense", "1"), "E100 "),
         (("wedge", "--dips", *DIPS, "--c", "5", "--c", "6"), "E133 --c is given twice"),
-        (("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"), "E141 the picture wedge.jpg is not a .png file"),
-        (("run", str(path_of("plane")), "--picture", "plane.png"), "E173 a plane is not drawn yet, a wedge is"),
+        (("wedge", "--dips", *DIPS, "--picture", "wedge.jpg"), "E141 the picture wedge.jpg is not a .png, .glb or"),
     ],
 )
 def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
@@ -153,14 +152,17 @@ def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
     assert json.loads(run.stdout)["errors"][0]["code"] == starts[:4]
 
 
-def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path) -> None:
-    from slopekit.views.scene import wedge_picture
+@pytest.mark.parametrize("missing", ["pyvista", "matplotlib"])
+def test_drawing_without_its_extra_says_which(monkeypatch, tmp_path, missing) -> None:
+    from slopekit.views import rendering
+    from slopekit.views.scenes import draw
 
-    monkeypatch.setitem(sys.modules, "pyvista", None)
+    found = rendering.find_spec
+    monkeypatch.setattr(rendering, "find_spec", lambda name: None if name == missing else found(name))
     with pytest.raises(sk.DesignError) as caught:
-        wedge_picture(sk.wedge(dips=DIPS), tmp_path / "wedge.png")
+        draw(sk.wedge(dips=DIPS).to_dict(), "scene", tmp_path / "wedge.png")
     assert caught.value.codes == ("E140",)
-    assert "plot" in caught.value.faults[0].message
+    assert f"plot ({missing})" in caught.value.faults[0].message
 
 
 def test_every_code_has_a_test() -> None:

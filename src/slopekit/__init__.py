@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
+from slopekit.exchange_calls import export
+from slopekit.picture_calls import plot
+from slopekit.report_calls import report
 from slopekit.study_calls import check, combos, kinematic, prob, solve, support, sweep, tornado
 
 if TYPE_CHECKING:
@@ -21,7 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check",
-    "combos", "kinematic", "load", "prob", "run", "solve", "support", "sweep", "tornado", "wedge",
+    "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "solve", "support", "sweep", "tornado",
+    "wedge",
 ]  # fmt: skip
 
 

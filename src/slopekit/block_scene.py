@@ -1,6 +1,8 @@
 """Blocks, interfaces and node pairs as they are drawn and exported, in the user's coordinates, and their JSON.
 
 The arrays stand in a result's JSON under `scene`, packed: `{"type": "float64", "shape": [24, 3], "zlib_base64": ...}`.
+
+The classes neither compare nor print: arrays do that badly, and every wedge would pay for the methods.
 """
 
 import base64
@@ -21,7 +23,7 @@ _TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
 _LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Solids:
     """Closed surfaces of blocks.
 
@@ -44,7 +46,7 @@ class Solids:
         return self.vertices[used], index.reshape(-1, 3)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Contacts:
     """Flat pieces of the interfaces: polygons between two blocks.
 
@@ -64,7 +66,7 @@ class Contacts:
         return len(self.joint)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class NodePairState:
     """The node pairs (n) at the limit.
 
@@ -90,7 +92,7 @@ class NodePairState:
         return len(self.joint)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Arrows:
     """Loads (k) on blocks: `what` (k,) index into `names`, `block` (k,), `force_kn` (k, 3), `at_m` (k, 3)."""
 
@@ -101,7 +103,7 @@ class Arrows:
     at_m: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Shapes:
     """Blocks (n) with their interfaces: what geometry knows of a scene.
 
@@ -119,7 +121,7 @@ class Shapes:
     contacts: Contacts
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BlockScene:
     """Everything that pictures, reports and files of other programs need of a result.
 

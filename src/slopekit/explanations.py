@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from difflib import get_close_matches
 
 from slopekit.errors import DesignError, Fault
+from slopekit.exchange_explanations import EXCHANGE
 from slopekit.study_explanations import STUDIES
 
 EXPLANATIONS: Mapping[str, str] = {
     **STUDIES,
+    **EXCHANGE,
     "E100": "The command line itself was not understood: an unknown option, or an option without its value. "
     "`slopekit wedge --help` lists the options; --dips takes two orientations.",
     "E101": "A dip is the angle of the plane below the horizontal: 0 is flat, 90 is vertical. A plane that leans over "
@@ -67,7 +69,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "E138": "min_volume is the smallest block that is kept as one of its own; smaller ones are joined to a neighbour.",
     "E139": "The columns of a toppling slope dip into it, more than 0 and less than 90 degrees. The base of each "
     "dips 90° less that angle out of the slope.",
-    "E140": "Drawing needs the extra `plot`: in slopekit's folder, pip install '.[plot]'.",
+    "E140": "Drawing, and reading VTU, needs the extra `plot`, DXF the extra `cad`: in slopekit's folder, "
+    "pip install '.[plot,cad]'.",
     "E141": "Pictures are written as PNG: give a file name that ends in .png.",
     "E142": "A design of this kind has no such key here. The message names the nearest one, or the place where the key "
     "belongs. Keys are written in lower case; a colon needs a space behind it: phi: 20.",
@@ -154,7 +157,15 @@ EXPLANATIONS: Mapping[str, str] = {
     "E501": "The control areas of the node pairs must sum to the interface. This is a bug of ours: please report it.",
     "E502": "There is nothing to solve.",
     "E503": "A rigid translation moved node pairs by the wrong amount. This is a bug of ours: please report it.",
+    "E371": "A report is the page of one result, with its blocks, forces and check. Studies (check, sweep, prob) are "
+    "drawn by `slopekit plot` and have sheets of their own.",
+    "E372": "Something that every result holds is missing or is not what it should be: the file was changed, cut off "
+    "or written by another version. Make it again with `slopekit run DESIGN -o DIR`.",
+    "E373": "A report is a page of HTML: give a file name that ends in .html, or a folder.",
     "E599": "A bug of ours. SLOPEKIT_DEBUG=1 prints where it happened.",
+    "W371": "The words of the sheet stand in the JSON that the commands write, not in `to_dict()`. Give `sk.report` "
+    "the result itself, or make the JSON with `slopekit run DESIGN -o DIR`.",
+    "W372": "The page is whole but for the view that can be turned: the `scene` of the JSON is missing or damaged.",
     "W301": "Nearly parallel joints: a degree on either moves the line of intersection far, and the wedge with it.",
     "W302": "The unit weight is far from that of rock. If you work in other consistent units, this is why.",
     "W303": "The closed form balances forces only. Here the moments open part of a joint or turn the wedge at a lower "
@@ -193,8 +204,18 @@ EXPLANATIONS: Mapping[str, str] = {
     "E170": "A slip surface is an ellipsoid (centre, radii), a sphere (centre, radius), a horizontal cylinder along y "
     "(centre, radius, length) or a mesh. Its normals are true (analytic), smoothed (meshes) or facet (a study).",
     "E171": "A radius, a length and an edge are more than 0.",
-    "E172": "A mesh is an STL, OBJ, PLY, OFF or GLB file beside the design, of at most 400 000 triangles.",
-    "E173": "Pictures are drawn of wedges; the other kinds follow.",
+    "E172": "A mesh is an STL, OBJ, PLY, OFF, GLB or DXF file beside the design, of at most 400 000 triangles; DXF "
+    "needs the extra `cad`.",
+    "E350": "Scenes are made of the blocks, interfaces and node pairs that result.json keeps under `scene`, packed. "
+    "The file has none (that of a study, or of an older slopekit), or they were changed: slopekit run DESIGN -o DIR.",
+    "E351": "The displacement at full strength, on the elastic bed of the joints, is found for one block that stands "
+    "there. For a slope that fails, and for assemblies, draw the mechanism.",
+    "E352": "Nothing moves, so there is no mechanism to draw: the blocks stand without any strength, or the analysis "
+    "did not converge.",
+    "E353": "Mechanisms are counted from 1 in the order in which they happen. `analysis: {mechanisms: N}` in the "
+    "design asks for more of them.",
+    "E354": "--explode is in parts of the distance of a block from the middle, --magnify times the displacement: "
+    "numbers of 0 or more.",
     "E174": "The first key of a design file says which version of the language it is written in: slopekit: 1.",
     "E175": "kind says what the design is: wedge, plane, footing, surface, topple, bench or blocks.",
     "E176": "Each interface has one of the strengths under strength. With one strength it need not be named.",
@@ -272,8 +293,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "static bound stands above them all.",
     "E270": "check looks at one design file, or with --suite at the published and exact cases that slopekit ships.",
     "E271": "The suite is fixed: its inputs are those of its sources. Copy a case to a file of your own to change it.",
-    "E273": "A chart of errors needs factors of safety to compare; a design that is lifted, falls or stands without "
-    "strength has none. Its sheet and JSON are written all the same.",
+    "E273": "A chart needs factors of safety: a design that is lifted, falls or stands without strength has none, and "
+    "a contour needs three at least. Its sheet and JSON are written all the same.",
     "E272": "The suite knows cases by their id, the sources they come from and the kinds of designs; the message names "
     "those nearest to what was typed. Leave the choice out to run them all.",
     "W320": "`run` takes one value of each distribution, its mean. `prob` draws them all.",

@@ -8,6 +8,7 @@ import numpy as np
 
 from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
+from slopekit.geometry.welding import welded
 
 #: How a block can move, in words.
 MOTIONS: Mapping[str, str] = {
@@ -206,8 +207,8 @@ class AssemblyGeometry:
         """The blocks; of a section's bedrock that is none of them one block more, at the end."""
         fixed = np.array(self.fixed, dtype=bool)
         if not self.outlines_m:
-            face = np.full(len(self.triangles), -1)
-            solids = Solids(self.vertices_m, self.triangles, self.triangle_block, face)
+            vertices, triangles, of = welded(self.vertices_m, self.triangles, self.triangle_block)
+            solids = Solids(vertices, triangles, of, np.full(len(triangles), -1))
             return Shapes(self.names, fixed, self.centroids_m, tuple(self.areas_m2), solids, self.contacts)
         thickness = self.thickness_m or 1.0
         own = [outline for name, outline in self.outlines_m.items() if name != "bedrock" or name in self.names]

@@ -162,6 +162,7 @@ class Result:
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
+    `lowest_limit` is the lowest of several limit states that were found (W348), None where there is only one.
     """
 
     design: Design
@@ -186,6 +187,7 @@ class Result:
     series: tuple[ReductionStep, ...] = ()
     findings: Findings | None = None
     balance: Balance | None = None
+    lowest_limit: float | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -200,10 +202,14 @@ class Result:
 
     @property
     def criterion_fos(self) -> float | None:
-        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
-        if self.design.criterion == "limit" or self.fos.limit is None:
-            return self.fos.limit
-        return None if self.fos.all_pairs_failed is None else min(self.fos.limit, self.fos.all_pairs_failed)
+        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor.
+
+        Of several limit states the lowest that was found.
+        """
+        limit = self.fos.limit if self.lowest_limit is None else self.lowest_limit
+        if self.design.criterion == "limit" or limit is None:
+            return limit
+        return None if self.fos.all_pairs_failed is None else min(limit, self.fos.all_pairs_failed)
 
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety."""
@@ -218,6 +224,8 @@ class Result:
         _, _, name = rule.name.partition(".")
         if not name:
             return self.criterion_fos
+        if name == "limit" and self.lowest_limit is not None:
+            return self.lowest_limit
         found: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return found
 
@@ -295,6 +303,7 @@ class Result:
             "moments_govern": self.moments_govern,
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
+            "lowest_limit": self.lowest_limit,
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

@@ -71,13 +71,34 @@ GOODMAN_BRAY = {
 }  # fmt: skip
 
 
+#: A leaning row whose cohesion goes pair by pair: 0.047, 0.045 or 0.0073, by the size and place of the same blocks.
+LEANING_ROW = {
+    "slopekit": 1, "kind": "blocks",
+    "blocks": {
+        "base": {"polygon": [[-0.44246348416494863, -2.793604493334841], [5.0960668593259415, 1.23037334385943],
+                             [3.9204963547409952, 2.848407332609325], [-1.618033988749895, -1.1755705045849463]],
+                 "fixed": True},
+        "B1": {"polygon": [[0.0, 0.0], [0.7677571276618251, 0.557808204425557],
+                           [-0.24558464729039864, 1.9525535027279664], [-1.0133417749522238, 1.3947452983024093]]},
+        "B2": {"polygon": [[0.7677571276618251, 0.557808204425557], [1.7717472176811349, 1.287249702520516],
+                           [1.0581759213980724, 2.2693963336917022], [0.05418583137876276, 1.5399548355967432]]},
+        "B3": {"polygon": [[1.7717472176811349, 1.287249702520516], [2.3024623659911003, 1.6728368280243786],
+                           [1.8434020839506788, 2.304679100631213], [1.3126869356407134, 1.91909197512735]]},
+    },
+    "interfaces": {"default": "joint", "base/B1": "base"},
+    "strength": {"joint": {"c": 2.0, "phi": 42.8}, "base": {"c": 0.0, "phi": 46.0}}, "rock": {"unit_weight": 25.0},
+    "loads": {"forces": [{"force": [-0.885, 0.0, -5.368], "block": "B1"}]},
+}  # fmt: skip
+
+
 @pytest.mark.xfail(strict=True, raises=AssertionError, reason="another limit state is found at another strength")
 @pytest.mark.parametrize(
     ("design", "factor"),
-    [(TWO_BLOCKS, 0.5), (ROUGH_COLUMNS, 0.5), (BONDED_COLUMNS, 0.5), (BONDED_ROW, 0.5), (SHARDS, 4.0), (BENCH, 2.0)],
+    [(TWO_BLOCKS, 0.5), (ROUGH_COLUMNS, 0.5), (BONDED_COLUMNS, 0.5), (BONDED_ROW, 0.5), (SHARDS, 4.0), (BENCH, 2.0),
+     (LEANING_ROW, 0.5)],
     ids=["two blocks, 0.5272 and 0.5292", "rough columns, 1.00 and 0.87", "bonded columns, 0.35 and 0.13",
          "a bonded row, 1.498 and 1.497",
-         "shards, 3.75 and 3.73", "a bench of 46 blocks, 2.50 and 2.55"],
+         "shards, 3.75 and 3.73", "a bench of 46 blocks, 2.50 and 2.55", "a leaning row, 0.047 and 0.0073"],
 )  # fmt: skip
 def test_strength_divided_by_a_factor_divides_the_limit_by_it(design, factor) -> None:
     one, other = changes.run(design), changes.run(changes.reduced(design, factor))
@@ -87,8 +108,8 @@ def test_strength_divided_by_a_factor_divides_the_limit_by_it(design, factor) ->
 
 @pytest.mark.parametrize(
     ("design", "said"),
-    [(TWO_BLOCKS, True), (ROUGH_COLUMNS, True), (BONDED_COLUMNS, True), (GOODMAN_BRAY, False)],
-    ids=["two blocks", "rough columns", "bonded columns", "Goodman & Bray"],
+    [(TWO_BLOCKS, True), (ROUGH_COLUMNS, True), (BONDED_COLUMNS, True), (LEANING_ROW, True), (GOODMAN_BRAY, False)],
+    ids=["two blocks", "rough columns", "bonded columns", "a leaning row", "Goodman & Bray"],
 )
 def test_a_limit_that_is_not_the_only_one_says_so(design, said) -> None:
     """W348, where half or double the strength finds another of the blocks that fail, by more than 0.1 %.
@@ -97,6 +118,18 @@ def test_a_limit_that_is_not_the_only_one_says_so(design, said) -> None:
     """
     found = changes.run(design)
     assert ("W348" in [notice.code for notice in found.warnings]) is said
+
+
+def test_acceptance_takes_the_lowest_limit_state_that_was_found() -> None:
+    rules = {"acceptance": {"rules": ["fos >= 0.95", "fos.limit >= 0.95", "fos.static_bound >= 0.95"]}}
+    found = changes.run(ROUGH_COLUMNS | rules)
+    lowest = changes.run(changes.reduced(ROUGH_COLUMNS, 0.5)).fos.limit
+    assert lowest is not None
+    assert found.lowest_limit == pytest.approx(0.5 * lowest, rel=1e-6)
+    assert [found.judged(rule) for rule in found.design.rules] == [False, False, True]
+    assert (found.accepted, found.exit_code) == (False, 1)
+    only = changes.run(GOODMAN_BRAY | {"acceptance": {"rules": ["fos >= 0.99"]}})
+    assert (only.lowest_limit, only.accepted) == (None, True)
 
 
 def test_the_word_for_a_motion_does_not_depend_on_the_thickness_of_a_section() -> None:

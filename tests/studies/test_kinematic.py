@@ -358,7 +358,7 @@ def test_the_command(tmp_path) -> None:
     run = slopekit("kinematic", LIST, "--face", "65/180", "--faces", "45:90:5", "-o", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     assert {path.name for path in folder.iterdir()} == {
-        "kinematic.json", "kinematic.txt", "joints.csv", "intersections.csv",
+        "kinematic.json", "kinematic.txt", "joints.csv", "intersections.csv", "stereonet.png",
     }  # fmt: skip
     assert (folder / "kinematic.txt").read_text() == run.stdout
     wrong = slopekit("kinematic", LIST, "--lateral", "99", "--json")

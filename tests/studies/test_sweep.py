@@ -225,19 +225,17 @@ def test_json_is_strict_and_the_same_twice_but_for_times(curve) -> None:
 
 def test_pictures(curve, grid, tmp_path) -> None:
     pytest.importorskip("matplotlib")
-    from slopekit.views.sweep_charts import picture
-
     steep = sweep(sk.load(WEDGE, {"support.bolts": [{"force": 1, "toward": "000/-05"}]}),
                   {"support.bolts.0.force": [1e5, 2e6, 2.2e6, 9e6]}, methods="closed-form", fos=2.0)  # fmt: skip
     wet = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360, 900], "water.pressures.J2": [0, 450, 900]},
                 methods="closed-form")  # fmt: skip
     for k, swept in enumerate((curve, grid, steep, wet)):
         target = tmp_path / f"{k}.png"
-        picture(swept, target)
+        sk.plot(swept, "curve" if len(swept.keys) == 1 else "contour", target)
         assert target.read_bytes().startswith(b"\x89PNG")
         assert target.stat().st_size > 20_000
     with pytest.raises(DesignError) as caught:
-        picture(sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, methods="closed-form"), tmp_path / "none.png")
+        sk.plot(sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, methods="closed-form"), "curve", tmp_path / "a.png")
     assert caught.value.codes == ("E273",)
 
 

@@ -150,16 +150,14 @@ def test_sheet_json_and_line(study) -> None:
 
 def test_picture(study, tmp_path) -> None:
     pytest.importorskip("matplotlib")
-    from slopekit.views.sweep_charts import picture
-
-    picture(study, tmp_path / "tornado.png")
+    sk.plot(study, "tornado", tmp_path / "tornado.png")
     assert (tmp_path / "tornado.png").stat().st_size > 20_000
     lifted = tornado(sk.load(WEDGE, {"water": {"pressures": {"J1": 10, "J2": 900}}}), {"water.pressures.J1": "0:900"},
                      methods="closed-form")  # fmt: skip
-    picture(lifted, tmp_path / "lifted.png")
+    sk.plot(lifted, "tornado", tmp_path / "lifted.png")
     no_block = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), methods="closed-form")
     with pytest.raises(DesignError) as caught:
-        picture(no_block, tmp_path / "none.png")
+        sk.plot(no_block, "tornado", tmp_path / "none.png")
     assert caught.value.codes == ("E273",)
 
 

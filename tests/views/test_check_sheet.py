@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies import ladders
 from slopekit.studies.check import check
-from slopekit.views.check_sheet import check_line, check_picture, check_sheet
+from slopekit.views.check_sheet import check_line, check_sheet
 
 
 def slopekit(*arguments: str) -> subprocess.CompletedProcess:
@@ -49,7 +49,7 @@ def test_the_picture(tmp_path) -> None:
     from matplotlib.image import imread
 
     path = tmp_path / "check.png"
-    check_picture(check(sk.load(path_of("plane"))), path)
+    sk.plot(check(sk.load(path_of("plane"))), "speed-error", path)
     image = imread(path)
     assert min(image.shape[:2]) > 500
     assert image[..., :3].std() > 0.02  # something is drawn
@@ -58,13 +58,13 @@ def test_the_picture(tmp_path) -> None:
 def test_without_a_factor_there_is_no_picture(tmp_path) -> None:
     lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
     with pytest.raises(sk.DesignError) as caught:
-        check_picture(lifted, tmp_path / "none.png")
+        sk.plot(lifted, "speed-error", tmp_path / "none.png")
     assert caught.value.codes == ("E273",)
 
 
 def test_without_matplotlib_the_rest_is_written(tmp_path, monkeypatch) -> None:
     """E140 before any work where a picture is all that is asked for."""
-    from slopekit.views import check_sheet as room
+    from slopekit.views import drawing as room
 
     monkeypatch.setattr(room, "find_spec", lambda name: None)
     with pytest.raises(sk.DesignError) as caught:

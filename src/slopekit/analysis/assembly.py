@@ -108,6 +108,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         warnings=tuple(_notices(design, scene, ravelling, found, closed, balance, others)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads),
         findings=findings, balance=balance, timing_s=clock.done(),
+        lowest_limit=min(*others, limit) if limit is not None and _several(limit, others) else None,
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -135,6 +136,11 @@ def _other_factors(design: AssemblyDesign, ravelling: Ravelling) -> tuple[float,
         return ()
     found = at_other_strengths(part, design.stop_when, (0.5, 2.0))
     return tuple(factor for factor in found if factor is not None)
+
+
+def _several(limit: float | None, others: Sequence[float]) -> bool:
+    """Whether the limits at other strengths are not that of the design: there are several limit states."""
+    return bool(limit) and any(abs(other / (limit or 1.0) - 1.0) > _NOT_UNIQUE for other in others)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
@@ -273,7 +279,7 @@ def _notices(
     first, limit = found[0], ravelling.failures[0].limit
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
-    if first.fos and others and max(abs(other / first.fos - 1.0) for other in others) > _NOT_UNIQUE:
+    if first.fos and _several(first.fos, others):
         least, most = min(*others, first.fos), max(*others, first.fos)
         yield Notice("W348", f"the limit state is not the only one: found with half or double the strength, factors go "
                      f"from {least:.4g} to {most:.4g}; judge by the lowest")  # fmt: skip

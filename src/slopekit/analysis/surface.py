@@ -110,8 +110,13 @@ def analyse_surface(design: SurfaceDesign) -> Result:
 
 def prepare(design: SurfaceDesign) -> Scene:
     """The stages before the solver, from a design to its node pairs and its model."""
+    return prepare_meshed(design)[0]
+
+
+def prepare_meshed(design: SurfaceDesign) -> tuple[Scene, float]:
+    """The same, with the mean edge (m) of the triangles on the slip surface."""
     cut = _cut(design)
-    return _scene(design, cut, _loads(design, cut))[1]
+    return _scene(design, cut, _loads(design, cut))[1], cut.mass.edge
 
 
 def _scene(design: SurfaceDesign, cut: _Cut, loads: Loads) -> tuple[Slippage, Scene]:
@@ -327,7 +332,9 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
 def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> list[Notice]:
     found = []
     if design.slip.normals == "facet":
-        message = "facet normals interlock like a ratchet: a study of the mesh, not an answer"
+        message = (
+            "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
+        )
         found.append(Notice("W326", message))
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"

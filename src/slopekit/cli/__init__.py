@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli import designs, joint_lists, prob, solve, support, sweep, tools
+from slopekit.cli import designs, export, joint_lists, plot, prob, report, solve, support, sweep, tools
 from slopekit.cli.common import print_faults
 from slopekit.errors import DesignError, Fault, SlopekitError
 
@@ -33,7 +33,7 @@ def _slopekit(
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
 
 
-for room in (designs, prob, sweep, joint_lists, solve, support, tools):
+for room in (designs, prob, sweep, joint_lists, solve, support, plot, export, report, tools):
     room.add_to(app)
 
 

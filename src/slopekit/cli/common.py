@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
 QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
-FOLDER = typer.Option("-o", help="Folder for result.json and sheet.txt.")
+FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
 SEED = typer.Option("--seed", help="Seed of the random numbers: the same seed gives the same numbers.")
 JOBS = typer.Option("--jobs", help="Processes that work at once.")
@@ -89,14 +89,38 @@ def write(path: Path, text: str) -> None:
         raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
 
 
-def image_of(path: Path) -> Path:
+def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:
     """The path of a picture, refused before any work is done where it cannot be written."""
-    if path.suffix.lower() != ".png":
-        raise DesignError([Fault("E141", f"the picture {path} is not a .png file", str(path))])
+    if path.suffix.lower() not in endings:
+        known = " or ".join([", ".join(endings[:-1]), endings[-1]]) if len(endings) > 1 else endings[0]
+        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path))])
     if not path.parent.is_dir():
         raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
     folder_of(path.parent)
     return path
+
+
+def checked_image(picture: str | None) -> Path | None:
+    """The picture asked for, refused before any work is done where it cannot be drawn or written."""
+    if picture is None:
+        return None
+    from slopekit.views.drawing import require_matplotlib
+
+    image = image_of(Path(picture))
+    require_matplotlib(image)
+    return image
+
+
+def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:
+    """Draw a study to the picture asked for and into its folder; what cannot be drawn is said, all else is there."""
+    from slopekit.views.plots import draw
+
+    for path in paths:
+        try:
+            if path is not None:
+                draw(document, what, path)
+        except DesignError as error:
+            print_faults(error, plainly=True)
 
 
 def json_text(document: Any) -> str:

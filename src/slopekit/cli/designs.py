@@ -12,6 +12,8 @@ from slopekit.cli.common import (
     JSON,
     QUIET,
     SET,
+    checked_image,
+    draw_to,
     folder_of,
     image_of,
     json_text,
@@ -23,6 +25,10 @@ from slopekit.errors import DesignError, Fault
 
 if TYPE_CHECKING:
     from slopekit.result import Result
+
+SCENE_ENDINGS = (".png", ".glb", ".gltf")
+_PICTURE = typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot).")
+_NO_PICTURES = typer.Option("--no-pictures", help="With -o: draw nothing.")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -58,17 +64,18 @@ def wedge(
     water_unit_weight: Annotated[str | None, typer.Option(help="[9.81 kN/m3]")] = None,
     refine: Annotated[str | None, typer.Option(help="Split the joints' triangles in four this often [0].")] = None,
     origin: Annotated[str | None, typer.Option(help="Map coordinates of the toe, E,N,Z.")] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw the wedge to a PNG file (extra: plot).")] = None,
+    picture: Annotated[str | None, _PICTURE] = None,
+    no_pictures: Annotated[bool, _NO_PICTURES] = False,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON document on stdout, nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: status, factor, check.")] = False,
-    output: Annotated[str | None, typer.Option("-o", help="Folder for result.json and sheet.txt.")] = None,
+    output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
     from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
 
     folder = None if output is None else folder_of(Path(output))
-    image = None if picture is None else image_of(Path(picture))
+    image = _scene_of(picture)
     given: dict[str, Any] = {
         "dips": dips, "face": face, "upper": upper, "height": height, "c": c, "phi": phi, "density": density,
         "unit_weight": unit_weight, "dilation": dilation, "tension": tension, "water": water, "crack": crack,
@@ -76,13 +83,14 @@ def wedge(
         "shear_stiffness": shear_stiffness, "criterion": criterion, "accept": accept, "agree_within": agree_within,
         "gravity": gravity, "water_unit_weight": water_unit_weight, "refine": refine, "origin": origin,
     }  # fmt: skip
-    _finish(analyse_wedge(wedge_design(given, _option)), folder, image, as_json, quiet)
+    _finish(analyse_wedge(wedge_design(given, _option)), folder, image, no_pictures, as_json, quiet)
 
 
 def run(
     design: Annotated[str, FILE],
     sets: Annotated[list[str] | None, SET] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw a wedge to a PNG file (extra: plot).")] = None,
+    picture: Annotated[str | None, _PICTURE] = None,
+    no_pictures: Annotated[bool, _NO_PICTURES] = False,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, QUIET] = False,
     output: Annotated[str | None, FOLDER] = None,
@@ -91,8 +99,8 @@ def run(
     from slopekit.analysis import analyse
 
     folder = None if output is None else folder_of(Path(output))
-    image = None if picture is None else image_of(Path(picture))
-    _finish(analyse(load_design(design, sets)), folder, image, as_json, quiet)
+    image = _scene_of(picture)
+    _finish(analyse(load_design(design, sets)), folder, image, no_pictures, as_json, quiet)
 
 
 def check(
@@ -119,24 +127,20 @@ def check(
     if design is None:
         _check_suite(folder, as_json, quiet)
     from slopekit.studies.check import check as check_design
-    from slopekit.views.check_sheet import check_line, check_picture, check_sheet, require_matplotlib
+    from slopekit.views.check_sheet import check_line, check_sheet
 
-    image = None if picture is None else image_of(Path(picture))
-    if image is not None:
-        require_matplotlib(image)
+    image = checked_image(picture)
     checked = check_design(load_design(design or "", sets))
-    document = json_text(checked.to_dict())
+    record = checked.to_dict()
+    document = json_text(record)
     sheet = check_sheet(checked)
     if folder is not None:
         write(folder / "check.json", document + "\n")
         write(folder / "check.txt", sheet + "\n")
     typer.echo(document if as_json else check_line(checked) if quiet else sheet)
-    for path in (image, folder / "speed-error.png" if folder else None):
-        try:
-            if path is not None:
-                check_picture(checked, path)
-        except DesignError as error:  # everything else is there: say what is missing
-            print_faults(error, plainly=True)
+    draw_to(record, "speed-error", image, folder / "speed-error.png" if folder else None)
+    if folder is not None and record["normals"]:
+        draw_to(record, "normals", folder / "normals.png")
     raise typer.Exit(checked.exit_code)
 
 
@@ -174,26 +178,56 @@ def lint(
         typer.echo(f"     left out, taken by default: {', '.join(read.defaults)}")
 
 
-def _finish(result: "Result", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
-    """Write and print a result, and leave with its exit code."""
+def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bool, as_json: bool, quiet: bool) -> None:
+    """Write and print a result, draw it where that was asked for, and leave with its exit code."""
+    from slopekit.views.sheet import document_of
     from slopekit.views.sheet import sheet as make_sheet
 
-    document = json_text(result.to_dict())
-    sheet = make_sheet(result)
-    if image is not None:
-        from slopekit.views.scene import wedge_picture
-
-        wedge_picture(result, image)
+    record = document_of(result) if as_json or folder or image else {}
+    document = json_text(record) if as_json or folder else ""
+    sheet = make_sheet(result) if folder or not (as_json or quiet) else ""
     if folder is not None:
         write(folder / "result.json", document + "\n")
         write(folder / "sheet.txt", sheet + "\n")
     typer.echo(document if as_json else _one_line(result) if quiet else sheet)
+    if image is not None:
+        draw_to(record, "scene", image)
+    if folder is not None and not plain:
+        _draw_all(record, folder)
     raise typer.Exit(result.exit_code)
+
+
+def _draw_all(record: dict[str, Any], folder: Path) -> None:
+    """The pictures that say most of a result, those of them that it can give."""
+    from slopekit.views.plots import offers
+    from slopekit.views.rendering import require_drawing
+
+    try:
+        require_drawing(folder)
+    except DesignError as error:  # everything else is there: say once what is missing
+        print_faults(error, plainly=True)
+        return
+    given = offers(record)
+    for what in ("scene", "mechanism", "stereonet", "reduction"):
+        if what in given:
+            draw_to(record, what, folder / f"{what}.png")
+
+
+def _scene_of(picture: str | None) -> Path | None:
+    """The picture asked for, refused before any work is done where it cannot be drawn or written."""
+    if picture is None:
+        return None
+    image = image_of(Path(picture), SCENE_ENDINGS)
+    if image.suffix.lower() == ".png":
+        from slopekit.views.rendering import require_drawing
+
+        require_drawing(image)
+    return image
 
 
 def _one_line(result: "Result") -> str:
     """Status, factor, what governs and the check: never a bare factor of safety."""
-    fos = result.criterion_fos
+    fos = result.fos.limit
     agree = {True: "agree", False: "disagree", None: "not compared"}[result.agree]
     parts = [result.status, "none" if fos is None else f"{fos:.4f}", agree]
     if result.design.criterion == "all-pairs":

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from slopekit.cli.common import JOBS, JSON, SCHEDULER, folder_of, json_text, write
+from slopekit.cli.common import JOBS, JSON, SCHEDULER, checked_image, draw_to, folder_of, json_text, write
 from slopekit.cli.progress import progress
 
 LIST = typer.Argument(help="A joint list (CSV): dip and dip direction, or strike by a convention.", metavar="JOINTS")
@@ -91,10 +91,11 @@ def kinematic(
     faces: Annotated[str | None, typer.Option(help="Dips of the face to go through, FROM:TO:STEP.")] = None,
     convention: Annotated[str | None, CONVENTION] = None,
     skip_bad: Annotated[bool, SKIP_BAD] = False,
+    picture: Annotated[str | None, typer.Option(help="Draw the stereonets to a PNG file (extra: plot).")] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the counts.")] = False,
     output: Annotated[
-        str | None, typer.Option("-o", help="Folder for kinematic.json, kinematic.txt, joints.csv, intersections.csv.")
+        str | None, typer.Option("-o", help="Folder for kinematic.json, .txt, two lists as .csv, stereonet.png.")
     ] = None,
 ) -> None:
     """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction."""
@@ -102,8 +103,10 @@ def kinematic(
     from slopekit.views.kinematic_sheet import intersections_csv, joints_csv, kinematic_line, kinematic_sheet
 
     folder = None if output is None else folder_of(Path(output))
+    image = checked_image(picture)
     found = test(joints, face, phi, lateral, lateral_toppling, faces, convention, skip_bad, _option)
-    document, sheet = json_text(found.to_dict()), kinematic_sheet(found)
+    record = found.to_dict()
+    document, sheet = json_text(record), kinematic_sheet(found)
     if folder is not None:
         for name, text in (
             ("kinematic.json", document + "\n"), ("kinematic.txt", sheet + "\n"), ("joints.csv", joints_csv(found)),
@@ -111,6 +114,7 @@ def kinematic(
         ):  # fmt: skip
             write(folder / name, text)
     typer.echo(document if as_json else kinematic_line(found) if quiet else sheet)
+    draw_to(record, "stereonet", image, folder / "stereonet.png" if folder else None)
 
 
 def _option(key: str) -> str:

@@ -5,7 +5,20 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from slopekit.cli.common import FILE, JOBS, JSON, SCHEDULER, SEED, SET, folder_of, json_text, load_design, write
+from slopekit.cli.common import (
+    FILE,
+    JOBS,
+    JSON,
+    SCHEDULER,
+    SEED,
+    SET,
+    checked_image,
+    draw_to,
+    folder_of,
+    json_text,
+    load_design,
+    write,
+)
 from slopekit.cli.progress import progress
 
 if TYPE_CHECKING:
@@ -33,9 +46,10 @@ def prob(
     jobs: Annotated[str, JOBS] = "1",
     scheduler: Annotated[str | None, SCHEDULER] = None,
     sets: Annotated[list[str] | None, SET] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw a histogram to a PNG file (extra: plot).")] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the probability and its limits.")] = False,
-    output: Annotated[str | None, typer.Option("-o", help="Folder for prob.json, prob.txt, samples.csv.")] = None,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for prob.json, .txt, samples.csv, picture.")] = None,
 ) -> None:
     """Probability of failure: Monte Carlo, Latin hypercube or Sobol on the distributions of a design.
 
@@ -49,6 +63,7 @@ def prob(
     from slopekit.views.probability_sheet import probability_line, probability_sheet
 
     folder = None if output is None else folder_of(Path(output))
+    image = checked_image(picture)
     study = probability(
         load_design(design, sets), None if n is None else whole_number(n, "-n"), seed=whole_number(seed, "--seed"),
         method=method, by=cast("By | None", by), target=number_of(fos, "--fos"),
@@ -57,11 +72,13 @@ def prob(
         accept=None if accept is None else number_of(accept, "--accept"),
         crew=checked_crew(jobs, scheduler), folder=folder, bar=progress,
     )  # fmt: skip
-    document, sheet = json_text(study.to_dict()), probability_sheet(study)
+    record = study.to_dict()
+    document, sheet = json_text(record), probability_sheet(study)
     if folder is not None:
         write(folder / "prob.json", document + "\n")
         write(folder / "prob.txt", sheet + "\n")
         write_samples(study, folder / "samples.csv")
         study.discard_journals()
     typer.echo(document if as_json else probability_line(study) if quiet else sheet)
+    draw_to(record, "histogram", image, folder / "histogram.png" if folder else None)
     raise typer.Exit(study.exit_code)

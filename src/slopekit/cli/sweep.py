@@ -11,12 +11,12 @@ from slopekit.cli.common import (
     JSON,
     SCHEDULER,
     SET,
+    checked_image,
+    draw_to,
     folder_of,
-    image_of,
     json_text,
     load_design,
     number_of,
-    print_faults,
     write,
 )
 from slopekit.cli.progress import progress
@@ -56,11 +56,7 @@ def sweep(
     disagree at a point, or no convergence.
     """
     folder = None if output is None else folder_of(Path(output))
-    image = None if picture is None else image_of(Path(picture))
-    if image is not None:
-        from slopekit.views.check_sheet import require_matplotlib
-
-        require_matplotlib(image)
+    image = checked_image(picture)
     if closed_form and pre_ie:
         raise DesignError([Fault("E313", "--closed-form and --pre-ie exclude each other", "", "Leave both out.")])
     if tornado and fos is not None:
@@ -116,26 +112,21 @@ def _tornado(
 def _finish(study: "Sweep | Tornado", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
     """Write and print a study, draw it where matplotlib is there, and leave with its exit code."""
     from slopekit.studies.sweep import Sweep
-    from slopekit.views import sweep_charts
     from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet
     from slopekit.views.tornado_sheet import tornado_line, tornado_sheet
 
-    name, document = "sweep" if isinstance(study, Sweep) else "tornado", json_text(study.to_dict())
+    name, record = "sweep" if isinstance(study, Sweep) else "tornado", study.to_dict()
+    document = json_text(record)
     if isinstance(study, Sweep):
         sheet, line = sweep_sheet(study), sweep_line(study)
-        name_of_picture = "curve.png" if len(study.keys) == 1 else "contour.png"
+        what = "curve" if len(study.keys) == 1 else "contour"
     else:
-        sheet, line, name_of_picture = tornado_sheet(study), tornado_line(study), "tornado.png"
+        sheet, line, what = tornado_sheet(study), tornado_line(study), "tornado"
     if folder is not None:
         write(folder / f"{name}.json", document + "\n")
         write(folder / f"{name}.txt", sheet + "\n")
         if isinstance(study, Sweep):
             write(folder / "sweep.csv", sweep_csv(study))
     typer.echo(document if as_json else line if quiet else sheet)
-    for path in (image, folder / name_of_picture if folder else None):
-        try:
-            if path is not None:
-                sweep_charts.picture(study, path)
-        except DesignError as error:  # everything else is there: say what is missing
-            print_faults(error, plainly=True)
+    draw_to(record, what, image, folder / f"{what}.png" if folder else None)
     raise typer.Exit(study.exit_code)

@@ -67,8 +67,18 @@ def doctor() -> None:
     raise typer.Exit(0 if sound else 5)
 
 
-def explain(code: Annotated[str, typer.Argument(help="A code such as E203.")]) -> None:
+def explain(
+    code: Annotated[str | None, typer.Argument(help="A code such as E203.", metavar="CODE")] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every message, as Markdown: docs/messages.md.")] = False,
+) -> None:
     """The long text of a message."""
+    if every != (code is None):
+        raise DesignError([Fault("E100", "explain takes one code or --all", "", "slopekit explain E203")])
+    if code is None:
+        from slopekit.views.messages import messages_page
+
+        typer.echo(messages_page(), nl=False)
+        return
     from slopekit.explanations import explanation
 
     typer.echo(explanation(code))

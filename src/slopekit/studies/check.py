@@ -18,11 +18,13 @@ from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design
 from slopekit.result import Result
 from slopekit.studies.ladders import (
+    NormalsRung,
     Rung,
     assembly_at_other_strengths,
     assembly_ladder,
     block_at_other_strengths,
     block_ladder,
+    normals_rungs,
     refines,
 )
 
@@ -66,6 +68,7 @@ class Check:
     orders : observed orders of convergence from one mesh to the next, empty where the mesh does not matter
     cheapest : index of the cheapest rung of PRE-IE within `agree_within`, None where none is
     findings : what was looked at
+    normals : of a curved slip surface: the limit with its normals and with those of its facets, for show
     """
 
     result: Result
@@ -77,6 +80,7 @@ class Check:
     cheapest: int | None = field(compare=False)
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
+    normals: tuple[NormalsRung, ...] = ()
 
     @property
     def consistent(self) -> bool | None:
@@ -101,6 +105,7 @@ class Check:
         result = self.result.to_dict()
         return {
             "slopekit": __version__,
+            "study": "check",
             "kind": result["kind"],
             "title": result["title"],
             "input_sha256": result["input_sha256"],
@@ -117,9 +122,16 @@ class Check:
             "ladder": [
                 {
                     "method": rung.method, "setting": rung.setting, "node_pairs": rung.node_pairs,
-                    "effort": rung.effort, "fos": rung.factor, "error": error,
+                    "effort": rung.effort, "edge_m": rung.edge_m, "fos": rung.factor, "error": error,
                 }
                 for rung, error in zip(self.ladder, self.errors, strict=True)
+            ],
+            "normals": [
+                {
+                    "normals": rung.normals, "edge_m": rung.edge_m, "node_pairs": rung.node_pairs,
+                    "fos": rung.factor, "fos_cohesion_kept": rung.cohesive,
+                }
+                for rung in self.normals
             ],
             "orders": list(self.orders),
             "balance": result["balance"],
@@ -159,7 +171,10 @@ def check(design: Design) -> Check:
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
-    return Check(result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began)
+    normals = normals_rungs(design, result, ladder)
+    return Check(
+        result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began, normals
+    )
 
 
 def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[float | None, ...], str]:

@@ -156,6 +156,7 @@ class Combos:
         m, removable = len(self.pairs), self.removable
         return {
             "slopekit": __version__,
+            "study": "combos",
             "kind": "combos",
             "survey": {
                 "name": self.joints.name, "joints": len(self.joints), "left_out": list(self.joints.left_out),

@@ -126,6 +126,7 @@ class Kinematic:
         direct, oblique = self.toppling
         return {
             "slopekit": __version__,
+            "study": "kinematic",
             "kind": "kinematic",
             "survey": {"name": self.joints.name, "joints": n, "left_out": list(self.joints.left_out)},
             "input_sha256": self.input_hash(),
@@ -139,6 +140,12 @@ class Kinematic:
             },
             "defaults": list(self.defaults),
             "joints": n,
+            "orientations": [
+                {"joint": name, "set": of, "dip_deg": dip, "dip_direction_deg": direction, "friction_deg": friction}
+                for (name, of, dip, direction), friction in zip(
+                    self.joints.rows(), self.friction_deg.tolist(), strict=True
+                )
+            ],
             "pairs": n * (n - 1) // 2,
             "intersections": m,
             "counts": counts,

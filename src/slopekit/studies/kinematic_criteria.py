@@ -31,12 +31,12 @@ everywhere in slopekit: a joint parallel to the face does not daylight.
 """
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.design.joint_lists import JointList
 from slopekit.orientation import Plane
 
 #: Wedges by how they would slide: primary on both joints or on one, secondary.
@@ -53,6 +53,24 @@ _TOUCHES = 1e-12  # cosine, as in geometry.rockmass
 _PARALLEL = 1e-6  # sine, likewise
 
 Words = NDArray[np.int8]
+
+
+class Joints(Protocol):
+    """What the tests need of joints (n): a `JointList` has it."""
+
+    @property
+    def dips_deg(self) -> Floats:
+        """(n,) dips."""
+
+    @property
+    def dip_directions_deg(self) -> Floats:
+        """(n,) dip directions."""
+
+    def normals(self) -> Floats:
+        """(n, 3) upward unit normals."""
+
+    def pairs(self) -> tuple[NDArray[Any], NDArray[Any]]:
+        """The first and second joint of every pair."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +136,7 @@ class Modes:
         return {name: int(found.sum()) for name, found in (self.of_joints() | self.of_lines()).items()}
 
 
-def lines_of(joints: JointList) -> Lines:
+def lines_of(joints: Joints) -> Lines:
     """The lines of intersection of all pairs that are not parallel."""
     normals = joints.normals()
     first, second = joints.pairs()
@@ -135,7 +153,7 @@ def lines_of(joints: JointList) -> Lines:
 
 
 def modes_of(
-    joints: JointList, lines: Lines, face: Plane, friction_deg: Floats, lateral_deg: float, lateral_toppling_deg: float
+    joints: Joints, lines: Lines, face: Plane, friction_deg: Floats, lateral_deg: float, lateral_toppling_deg: float
 ) -> Modes:
     """What could move in a slope with this face; the criteria stand above."""
     dip, direction, normals = joints.dips_deg, joints.dip_directions_deg, joints.normals()

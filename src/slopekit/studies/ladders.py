@@ -40,6 +40,7 @@ METHODS = {
 _PASSES = (1, 2, 3, 4, 6, 10, 16)
 _MOST_REFINED = 4
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
+_FACET_EDGES = (4.0, 2.0, 1.0)  # the same for facet normals: they show a trend, no answer
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
 _MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
 _TOLERANCES, _TOLERANCE_PASSES, _TIGHT = (1e-1, 1e-2, 1e-3, 1e-5, 1e-7), 6, 1e-7  # of each pass of many blocks
@@ -60,6 +61,7 @@ class Rung:
     node_pairs : None for a closed form
     effort : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
     factor : None where there is none; seconds : median of a few runs
+    edge_m : mean edge of the triangles of a curved slip surface, None for what has none
     """
 
     method: str
@@ -68,6 +70,27 @@ class Rung:
     effort: float | None
     factor: float | None
     seconds: float
+    edge_m: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class NormalsRung:
+    """The limit on a mesh of a curved slip surface whose node pairs have normals of one kind.
+
+    Attributes
+    ----------
+    normals : true (of the surface), smoothed (of a mesh) or facet, on which the mass interlocks like a ratchet: never
+        an answer
+    edge_m : mean edge of the triangles; factor : None where there is none
+    cohesive : factor with every bond kept, of facets only. They open all over as the mass moves on: with the cohesion
+        that is lost there `factor` falls below that of the surface, without the loss this one lies above it
+    """
+
+    normals: str
+    edge_m: float
+    node_pairs: int
+    factor: float | None
+    cohesive: float | None = None
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
@@ -183,14 +206,54 @@ def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
             break
         other = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
         try:
-            scene = surface.prepare(other)
+            scene, edge = surface.prepare_meshed(other)
         except (DesignError, GeometryError):  # too coarse to cut this mass
             continue
         if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
         setting = f"edges of {times * geometry.edge_m:.3g} m"
-        rungs.append(_limit_rung(scene, curved_limit_analysis, setting, level))
+        rungs.append(replace(_limit_rung(scene, curved_limit_analysis, setting, level), edge_m=edge))
     yield from rungs
+
+
+def normals_rungs(design: Design, result: Result, ladder: Sequence[Rung]) -> tuple[NormalsRung, ...]:
+    """Facet normals at a few edges of a curved slip surface, beside the ladder's with the design's own normals.
+
+    Empty for other kinds, and where the design itself has facet normals.
+    """
+    geometry = result.geometry
+    if not isinstance(design, SurfaceDesign) or not isinstance(geometry, SurfaceGeometry):
+        return ()
+    from slopekit.analysis import surface
+
+    own, is_mesh = design.slip.normals, design.slip.shape == "mesh"
+    if own == "facet":
+        return ()
+    found = [
+        NormalsRung(own, rung.edge_m, rung.node_pairs, rung.factor)
+        for rung in ladder if rung.edge_m is not None and rung.node_pairs is not None
+    ]  # fmt: skip
+    if not found:
+        found.append(NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit))
+    edges: list[float] = []
+    for times in (1.0,) if is_mesh else _FACET_EDGES:
+        if result.model.node_pairs / times**2 > _MOST_PAIRS:
+            break
+        wanted = None if is_mesh else times * _ROOM * geometry.edge_m
+        try:
+            scene, edge = surface.prepare_meshed(
+                replace(design, slip=replace(design.slip, edge_m=wanted, normals="facet"))
+            )
+        except (DesignError, GeometryError):  # too coarse to cut this mass
+            continue
+        if edge in edges:  # the coarsest mesh there is, once more
+            continue
+        edges.append(edge)
+        limit = curved_limit_analysis(scene.model).governing
+        factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+        cohesive = _passed(scene.model, _SETTLED_PASSES, COLD)
+        found.append(NormalsRung("facet", edge, len(scene.pairs), factor, cohesive))
+    return tuple(found)
 
 
 def block_at_other_strengths(design: Design, result: Result) -> tuple[float | None, ...]:

@@ -5,6 +5,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault
 from slopekit.studies.estimates import QUANTILES, Summary
@@ -12,6 +14,8 @@ from slopekit.studies.points import Point
 
 if TYPE_CHECKING:
     from slopekit.studies.probability import Probability
+
+_MOST_AT_RANDOM = 500  # that a histogram marks
 
 
 def document(study: "Probability") -> dict[str, Any]:
@@ -29,8 +33,8 @@ def document(study: "Probability") -> dict[str, Any]:
         "fos": None if summary is None else _summary(summary, asked.target),
         "histogram": None if summary is None else {
             "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
-            "above": summary.above,
-        },
+            "above": summary.above, "failing_without_factor": int((study.fails & np.isnan(study.factor)).sum()),
+        } | _at_random(study),
         "at_means": _point(study.means),
         "lowest": _lowest(study),
         "variables": [variable(study, column) for column in range(len(study.samples.names))],
@@ -42,6 +46,20 @@ def document(study: "Probability") -> dict[str, Any]:
         "inputs": study.design.inputs(), "defaults": list(study.design.defaults),
         "warnings": [{"code": notice.code, "message": notice.message} for notice in study.warnings],
         "timing_s": dict(study.timing_s),
+    }  # fmt: skip
+
+
+def _at_random(study: "Probability") -> dict[str, Any]:
+    """PRE-IE's factors of samples taken at random, for the histogram: the first ones where they are many."""
+    checked = study.confirmation
+    points = [] if checked is None else [
+        point for point, random in zip(checked.points, checked.at_random.tolist(), strict=True) if random
+    ][:_MOST_AT_RANDOM]  # fmt: skip
+    judged = [point.factors for point in points if point.factors and point.factors.status != "not_converged"]
+    fails = [found for found in judged if found.limit is None and found.status != "no_driving_force"]
+    return {
+        "pre_ie_at_random": sorted(found.limit for found in judged if found.limit is not None),
+        "pre_ie_without_factor": len(fails), "pre_ie_samples": len(judged),
     }  # fmt: skip
 
 

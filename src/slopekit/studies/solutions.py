@@ -1,10 +1,12 @@
 """What is found when a number of a design is solved for: values, brackets, what both methods say of them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from slopekit._version import __version__
+from slopekit.analysis.factors import Factors
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
 from slopekit.studies.keys import Key
@@ -177,9 +179,18 @@ def _finite(factor: float) -> float | None:
     return factor if math.isfinite(factor) else None
 
 
+_FACTORS = ("status", "limit", "closed_status", "closed_form", "difference", "agree", "moments_govern", "settled")
+
+
 def point_record(point: Point) -> dict[str, Any]:
     """What both methods say at a value, as JSON values."""
     factors = point.factors
-    names = ("status", "limit", "closed_status", "closed_form", "difference", "agree", "moments_govern", "settled")
-    found = {name: None if factors is None else getattr(factors, name) for name in names}
+    found = {name: None if factors is None else getattr(factors, name) for name in _FACTORS}
     return found | {"code": point.code or None, "message": point.message or None}
+
+
+def point_from_record(record: Mapping[str, Any]) -> Point:
+    """The point of such JSON values."""
+    if record["status"] is None:
+        return Point(None, record["code"] or "", record["message"] or "")
+    return Point(Factors(**{name: record[name] for name in _FACTORS}))

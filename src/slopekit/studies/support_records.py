@@ -277,6 +277,7 @@ class Support:
         """The support as JSON values; times stand in a block of their own."""
         return {
             "slopekit": __version__,
+            "study": "support",
             "kind": self.design.kind,
             "title": self.design.title,
             "input_sha256": self.design.input_hash(),

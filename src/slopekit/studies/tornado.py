@@ -136,6 +136,7 @@ class Tornado:
             "bars": [
                 {
                     "key": bar.key.path, "unit": bar.key.unit, "now": bar.key.value, "low": bar.low, "high": bar.high,
+                    "shown": [bar.key.shown(bar.low, 5), bar.key.shown(bar.high, 5)],
                     "how": bar.how, "at_low": point_record(bar.at_low), "at_high": point_record(bar.at_high),
                     "swing": {name: swing if math.isfinite(swing) else None for name, swing in bar.swings.items()},
                 }

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.errors import DesignError, Fault
+from slopekit.views.drawing import new_figure, save
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
-_COLOURS = ("#1f5a94", "#c0392b", "#3a8f4d", "#8e5ea2", "#d08a2e", "#4d4d4d", "#2aa3a3", "#b0457b", "#7a6a00")
+_COLOURS = ("#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#4d4d4d", "#56b4e9", "#5b5b9e", "#7a6a00")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<")
 #: Where a label may stand beside its point, in points, best first.
 _BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-12, 14), (12, -22), (-12, -22))
@@ -46,7 +47,17 @@ class Curve:
 def speed_error_chart(
     curves: Sequence[Curve], path: Path, title: str, *, wanted: float | None = None, against: str = "the closed form"
 ) -> None:
-    """Error against time, both logarithmic, written as a PNG.
+    """Error against time, both logarithmic, written as a PNG; see `draw_speed_error`."""
+    _check(curves, path)
+    figure = new_figure(path)
+    draw_speed_error(figure, curves, title, wanted=wanted, against=against)
+    save(figure, path)
+
+
+def draw_speed_error(
+    figure: Any, curves: Sequence[Curve], title: str, *, wanted: float | None = None, against: str = "the closed form"
+) -> None:
+    """Error against time, both logarithmic.
 
     Parameters
     ----------
@@ -57,7 +68,7 @@ def speed_error_chart(
     Raises
     ------
     DesignError
-        E140 where matplotlib is not installed, E273 without a point to draw.
+        E273 without a point to draw.
     """
 
     def dress(axes: Any) -> None:
@@ -68,7 +79,8 @@ def speed_error_chart(
             axes.annotate(f"wanted: {wanted:g}", (0.995, wanted), xycoords=("axes fraction", "data"), ha="right",
                           va="bottom", fontsize=8, color="#555555")  # fmt: skip
 
-    _chart(curves, path, title, dress)
+    _check(curves, "")
+    _chart(figure, curves, title, dress)
 
 
 def sweep_chart(
@@ -116,7 +128,10 @@ def sweep_chart(
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
             )  # fmt: skip
 
-    _chart(curves, path, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
+    _check(curves, path, logarithmic)
+    figure = new_figure(path)
+    _chart(figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
+    save(figure, path)
 
 
 def in_short(size: float) -> str:
@@ -128,26 +143,18 @@ def in_short(size: float) -> str:
     return f"{size:g}".replace("e-0", "e-").replace("e+0", "e")
 
 
-def _chart(
-    curves: Sequence[Curve], path: Path, title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
-    sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
-) -> None:  # fmt: skip
-    """Draw; `sizes` of the first and the last marker: where they grow the first lie on top, and none is hidden."""
+def _check(curves: Sequence[Curve], path: Path | str, logarithmic: bool = True) -> None:
     points = [point for curve in curves for point in zip(curve.at, curve.errors, strict=True)]
     if not any(math.isfinite(x + error) and (x > 0.0 or not logarithmic) for x, error in points):
         message = "there is nothing to draw: no curve has a point"
         raise DesignError([Fault("E273", message, str(path), "Give at least one curve with one point.")])
-    try:
-        import matplotlib as mpl
-    except ImportError:
-        advice = "In slopekit's folder: pip install '.[plot]'"
-        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)]) from None
-    mpl.use("Agg")
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9.0, 6.0), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
+
+def _chart(
+    figure: Any, curves: Sequence[Curve], title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
+    sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
+) -> None:  # fmt: skip
+    """Draw; `sizes` of the first and the last marker: where they grow the first lie on top, and none is hidden."""
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -179,7 +186,7 @@ def _chart(
     if crosses and any(any(curve.crossed) for curve in curves):
         axes.plot([], [], color="#4d4d4d", marker="x", markeredgewidth=1.5, linestyle="none", label=crosses)
         entries.append(crosses)
-    bare = any(abs(error) <= FLOOR for _, error in points)
+    bare = any(abs(error) <= FLOOR for curve in curves for error in curve.errors)
     if bare:
         axes.plot([], [], color="#4d4d4d", marker="o", markerfacecolor="white", linestyle="none", label=_OPEN)
         entries.append(_OPEN)
@@ -193,7 +200,6 @@ def _chart(
     figure.legend(fontsize=8.5, loc="outside lower center", ncols=_columns(map(len, entries)), frameon=False)
     figure.draw_without_rendering()  # the layout settles where points and labels come to lie
     _write_labels(figure, axes, labels, curves)
-    figure.savefig(path)
 
 
 def _columns(letters: Iterable[int]) -> int:

@@ -1,14 +1,9 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
 import textwrap
-from importlib.util import find_spec
-from pathlib import Path
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault
 from slopekit.studies.check import Check, Finding
-from slopekit.studies.ladders import METHODS, Rung
-from slopekit.views.charts import Curve, speed_error_chart
 from slopekit.views.entries import LABEL, WIDTH, accept, block, factor_text, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
@@ -33,44 +28,6 @@ def check_sheet(checked: Check) -> str:
     return "\n".join(lines)
 
 
-def check_picture(checked: Check, path: Path) -> None:
-    """Time against error of the ladder, written as a PNG.
-
-    Raises
-    ------
-    DesignError
-        E140 where matplotlib is not installed.
-    """
-    curves = []
-    if checked.reference is None:
-        raise DesignError([Fault("E273", "there is nothing to draw: the design has no factor of safety", str(path))])
-    own = None if checked.against == "the closed form" else checked.reference  # a rung against itself has no error
-    for method in METHODS:
-        drawn = [
-            (rung, error) for rung, error in zip(checked.ladder, checked.errors, strict=True)
-            if rung.method == method and error is not None and not (error == 0.0 and rung.factor == own)
-        ]  # fmt: skip
-        if drawn:
-            curves.append(
-                Curve(
-                    METHODS[method],
-                    [rung.seconds for rung, _ in drawn],
-                    [error for _, error in drawn],
-                    [_label(rung) for rung, _ in drawn],
-                )
-            )  # fmt: skip
-    result = checked.result
-    title = f"{result.design.title or result.kind}: {result.status}, limit {factor_text(result.fos.limit).strip()}"
-    speed_error_chart(curves, path, title, wanted=result.design.agree_within, against=checked.against)
-
-
-def require_matplotlib(path: Path) -> None:
-    """Raise E140 where no picture can be drawn, before the work is done."""
-    if find_spec("matplotlib") is None:
-        advice = "In slopekit's folder: pip install '.[plot]'"
-        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)])
-
-
 def check_line(checked: Check) -> str:
     """The verdict on one line."""
     fos = checked.result.fos.limit
@@ -78,14 +35,6 @@ def check_line(checked: Check) -> str:
     codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
     met = [] if checked.result.accepted is None else ["met" if checked.result.accepted else "not met"]
     return "  ".join([checked.result.status, factor, *met, _verdict(checked), *codes])
-
-
-def _label(rung: Rung) -> str:
-    if rung.method == "passes":
-        return f"{rung.effort:.0f}"
-    if rung.method == "tolerance":
-        return f"{rung.effort:.0e}"
-    return f"{rung.node_pairs}" if rung.method == "mesh" else ""
 
 
 def _factors(checked: Check) -> list[str]:

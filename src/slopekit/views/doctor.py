@@ -104,9 +104,9 @@ def _drawing() -> tuple[str, bool]:
     from pathlib import Path
 
     import slopekit
-    from slopekit.views.scene import wedge_picture
+    from slopekit.views.scenes import draw
 
     with tempfile.TemporaryDirectory() as place:
         target = Path(place) / "wedge.png"
-        wedge_picture(slopekit.wedge(dips=("45/115", "45/245")), target)
+        draw(slopekit.wedge(dips=("45/115", "45/245")).to_dict(), "scene", target)
         return f"a picture of {target.stat().st_size // 1000} kB", target.stat().st_size > 10_000

@@ -147,7 +147,10 @@ def accept(result: Result) -> list[str]:
 
 
 def _judged_on(result: Result, rule: Rule) -> str:
-    return f" ({result.design.criterion})" if rule.name == "fos" else ""
+    named: str = result.design.criterion if rule.name == "fos" else ""
+    if result.lowest_limit is not None and rule.name in ("fos", "fos.limit"):
+        named += f"{', ' if named else ''}the lowest limit state found, {result.lowest_limit:.4g}"
+    return f" ({named})" if named else ""
 
 
 def _judgement(result: Result, rule: Rule) -> str:

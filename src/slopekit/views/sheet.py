@@ -1,12 +1,15 @@
 """The sheet: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
 import textwrap
+from collections.abc import Iterator
+from typing import Any
 
 from slopekit._version import __version__
 from slopekit.design.wedge import DEFAULT_NAMES, WedgeDesign
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
+from slopekit.views.assembly_words import Part
 from slopekit.views.entries import (
     OWN_WAY,
     WIDTH,
@@ -35,29 +38,39 @@ def sheet(result: Result) -> str:
     lines = textwrap.wrap(
         f"slopekit {__version__}   {result.kind}   sha {result.design.input_hash()[:6]}{title}", WIDTH
     )
-    if result.findings is not None:
-        for part in assembly_parts(result, result.findings):
-            lines += block(part.label, part.entries, part.hang)
-        return "\n".join(lines)
-    label, entries = planes(result)
-    lines += block(label, entries)
-    lines += block("SIZE", size(result))
-    lines += block("LOADS", loads(result))
-    lines += block("FORCES", _forces(result))
-    lines += block("STATUS", [_status(result)])
-    lines += block("FoS", _factors(result))
-    lines += block("COLUMNS", methods(result))
-    lines += block("ROTATION", _rotation(result))
-    lines += block("ALL PAIRS", all_pairs(result))
-    lines += block("SERIES", series(result))
-    lines += block("ACCEPT", accept(result))
-    lines += block("MODEL", _model(result))
-    lines += block("MOVES", _moves(result))
-    lines += block("TIME", [_time(result)])
-    lines += block("GOVERNS", governs(result))
-    lines += block("DEFAULTS", _defaults(result))
-    lines += block("NOTE", [str(notice) for notice in result.warnings])
+    for part in _parts(result):
+        lines += block(part.label, part.entries, part.hang)
     return "\n".join(lines)
+
+
+def document_of(result: Result) -> dict[str, Any]:
+    """The JSON of a result with the words of its sheet, `sheet`: entries by label; times stand in their own block."""
+    words = {part.label: part.entries for part in _parts(result) if part.entries and part.label != "TIME"}
+    return result.to_dict() | {"sheet": words}
+
+
+def _parts(result: Result) -> Iterator[Part]:
+    """The parts below the head line, in order; those without entries print nothing."""
+    if result.findings is not None:
+        yield from assembly_parts(result, result.findings)
+        return
+    yield Part(*planes(result))
+    yield Part("SIZE", size(result))
+    yield Part("LOADS", loads(result))
+    yield Part("FORCES", _forces(result))
+    yield Part("STATUS", [_status(result)])
+    yield Part("FoS", _factors(result))
+    yield Part("COLUMNS", methods(result))
+    yield Part("ROTATION", _rotation(result))
+    yield Part("ALL PAIRS", all_pairs(result))
+    yield Part("SERIES", series(result))
+    yield Part("ACCEPT", accept(result))
+    yield Part("MODEL", _model(result))
+    yield Part("MOVES", _moves(result))
+    yield Part("TIME", [_time(result)])
+    yield Part("GOVERNS", governs(result))
+    yield Part("DEFAULTS", _defaults(result))
+    yield Part("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _forces(result: Result) -> list[str]:

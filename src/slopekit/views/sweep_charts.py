@@ -1,62 +1,95 @@
-"""Pictures of sweeps (matplotlib, off-screen): a curve, a contour, a tornado. Needs the extra `plot`."""
+"""Pictures of sweeps (matplotlib), from their JSON: a curve, a contour, a tornado. Need the extra `plot`."""
 
 import math
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, NoReturn
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
-from slopekit.errors import DesignError, Fault
-from slopekit.studies.keys import Key
 from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method
+from slopekit.studies.solutions import Method, point_from_record
 from slopekit.studies.solve import factor_at
-from slopekit.studies.sweep import Sweep
-from slopekit.studies.tornado import RULE, Tornado, TornadoBar
+from slopekit.views.drawing import BLUE, BOX, DARK, GREY, RED, dressed, nothing, short, title_of
 from slopekit.views.sweep_sheet import METHODS, cell
 
-_BLUE, _RED, _GREY, _DARK = "#1f5a94", "#c0392b", "#888888", "#4d4d4d"
+Document = Mapping[str, Any]
 _LOW, _HIGH = "#8fb8de", "#1f5a94"
-_BOX = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
 _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
+_TOO_FEW = "too few points have a factor of safety"
 _BRIEF = {
     "slides_on_both": "both planes", "slides_on_J1": "J1", "slides_on_J2": "J2", "no_driving_force": "nothing drives",
     "slides_up": "up", "not_converged": "no convergence",
 }  # fmt: skip
 
 
-def picture(study: Sweep | Tornado, path: Path) -> None:
-    """Draw a sweep or a tornado as a PNG.
+@dataclass(frozen=True)
+class _Swept:
+    """A sweep as its JSON has it."""
+
+    document: Document
+
+    @property
+    def keys(self) -> list[Document]:
+        return list(self.document["keys"])
+
+    @cached_property
+    def points(self) -> list[Point]:
+        return [point_from_record(record) for record in self.document["points"]]
+
+    @cached_property
+    def asked(self) -> tuple[Method, ...]:
+        return asked_of(self.document["methods"], self.points)
+
+    @property
+    def levels(self) -> list[tuple[float, str]]:
+        return [(level["fos"], level["what"]) for level in self.document["levels"]]
+
+    def lines(self) -> list[tuple[float | None, list[tuple[float, Point]]]]:
+        """For each value of the second key (None without one) the points by the first, in rising order."""
+        first = self.keys[0]["values"]
+        others = self.keys[1]["values"] if len(self.keys) > 1 else [None]
+        return [
+            (other, sorted(zip(first, self.points[k * len(first) : (k + 1) * len(first)], strict=True),
+                           key=lambda pair: pair[0]))
+            for k, other in enumerate(others)
+        ]  # fmt: skip
+
+
+def asked_of(methods: str, points: Sequence[Point]) -> tuple[Method, ...]:
+    """The methods that were asked and are there, the one that counts first."""
+    if methods == "closed-form":
+        return ("closed_form",)
+    both = methods == "both" and any(
+        point.factors is not None and (point.factors.closed_form is not None or point.factors.closed_status)
+        for point in points
+    )
+    return ("pre_ie", "closed_form") if both else ("pre_ie",)
+
+
+def draw_curve(figure: Any, document: Document) -> None:
+    """Factors against the value of one key; changes of status upright, levels across, points without a number below.
 
     Raises
     ------
     DesignError
-        E140 where matplotlib is not installed, E273 without a point to draw.
+        E273 without a point to draw; so do the others.
     """
-    if isinstance(study, Tornado):
-        tornado_chart(study, path)
-    elif len(study.keys) == 1:
-        curve_chart(study, path)
-    else:
-        contour_chart(study, path)
-
-
-def curve_chart(swept: Sweep, path: Path) -> None:
-    """Factors against the value of one key; changes of status upright, levels across, points without a number below."""
-    key, (_, points) = swept.keys[0], next(iter(swept.lines()))
+    swept = _Swept(document)
+    key, (_, points) = swept.keys[0], swept.lines()[0]
     drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
     numbers = [f for line in drawn.values() for _, f in line if f is not None and 0.0 < f < math.inf]
     if not numbers:
-        _nothing(path)
-    figure, axes = _figure(path)
+        nothing(_TOO_FEW)
+    axes = figure.subplots()
     if max(numbers) > _WIDE * min(numbers):
         _logarithmic(axes)
     both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
     styles: dict[Method, dict[str, Any]] = {
-        "closed_form": {"color": _RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
+        "closed_form": {"color": RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
                         "marker": "" if both else "o", "markersize": 5.0, "solid_capstyle": "round"},
-        "pre_ie": {"color": _BLUE, "linewidth": 1.4, "marker": "o", "markersize": 5.0},
+        "pre_ie": {"color": BLUE, "linewidth": 1.4, "marker": "o", "markersize": 5.0},
     }  # fmt: skip
     for method in reversed(swept.asked):
         for stretch in _stretches(drawn[method]):
@@ -67,23 +100,25 @@ def curve_chart(swept: Sweep, path: Path) -> None:
     _levels(axes, swept)
     _bare(axes, [(value, factor_at(point, swept.asked[0]), point) for value, point in points])
     _statuses(axes, swept, [value for value, _ in points])
-    for one in swept.critical:
-        if one.method == swept.asked[0] and one.at is not None:
-            axes.plot([one.at], [one.level], marker="D", color=_DARK, markerfacecolor="white", markersize=7.0, zorder=4)
-            axes.annotate(key.shown(one.at, 4), (one.at, one.level), xytext=(6, 7), textcoords="offset points",
-                          fontsize=8.5, color=_DARK, bbox=_BOX, zorder=4)  # fmt: skip
-    if any(one.at is not None for one in swept.critical):
-        axes.plot([], [], color=_DARK, marker="D", markerfacecolor="white", linestyle="none",
+    passes = [one for one in document["critical"] if one["method"] == swept.asked[0] and one["at"] is not None]
+    for one in passes:
+        at, level = one["at"], one["fos"]
+        axes.plot([at], [level], marker="D", color=DARK, markerfacecolor="white", markersize=7.0, zorder=4)
+        axes.annotate(_with_unit(at, key["unit"], 4), (at, level), xytext=(6, 7), textcoords="offset points",
+                      fontsize=8.5, color=DARK, bbox=BOX, zorder=4)  # fmt: skip
+    if passes:
+        axes.plot([], [], color=DARK, marker="D", markerfacecolor="white", linestyle="none",
                   label="passes the level (interpolated)")  # fmt: skip
     axes.set_xlabel(_name(key))
     axes.set_ylabel("factor of safety")
-    _finish(figure, axes, path, swept)
+    _finish(figure, axes, swept.document)
 
 
-def contour_chart(swept: Sweep, path: Path) -> None:
+def draw_contour(figure: Any, document: Document) -> None:
     """The factor over two keys: contours, the levels as thick lines, points without a number as crosses."""
     import numpy as np
 
+    swept = _Swept(document)
     first, second = swept.keys
     method = swept.asked[0]
     lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
@@ -93,8 +128,8 @@ def contour_chart(swept: Sweep, path: Path) -> None:
     )
     finite = factors[np.isfinite(factors) & (factors > 0.0)]
     if finite.size < 3 or len(across) < 2 or len(down) < 2:
-        _nothing(path)
-    figure, axes = _figure(path)
+        nothing(_TOO_FEW)
+    axes = figure.subplots()
     from matplotlib.colors import Normalize, TwoSlopeNorm
     from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
@@ -112,96 +147,109 @@ def contour_chart(swept: Sweep, path: Path) -> None:
     thin = axes.contour(across, down, shown, levels=between, colors="#555555", linewidths=0.5)
     for label in axes.clabel(thin, fontsize=7.5, fmt="%.4g", colors="black"):
         label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-    for (level, what), colour in zip(swept.levels, (_RED, _DARK, _BLUE, _GREY), strict=False):
+    for (level, what), colour in zip(swept.levels, (RED, DARK, BLUE, GREY), strict=False):
         if low < level < high:
             axes.contour(across, down, shown, levels=[level], colors=[colour], linewidths=2.2)
             axes.plot([], [], color=colour, linewidth=2.2, label=what)
     figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]})")
     _grid_points(axes, swept, across, down, lines)
     if (
-        first.value is not None
-        and second.value is not None
-        and _inside(first.value, across)
-        and _inside(second.value, down)
+        first["now"] is not None
+        and second["now"] is not None
+        and _inside(first["now"], across)
+        and _inside(second["now"], down)
     ):
-        axes.plot([first.value], [second.value], marker="*", markersize=13, color=_DARK, markerfacecolor="white",
+        axes.plot([first["now"]], [second["now"]], marker="*", markersize=13, color=DARK, markerfacecolor="white",
                   linestyle="none", clip_on=False, zorder=5, label="the design as it is")  # fmt: skip
     axes.set_xlabel(_name(first))
     axes.set_ylabel(_name(second))
     axes.set_xlim(min(across), max(across))
     axes.set_ylim(min(down), max(down))
-    _finish(figure, axes, path, swept, margins=False)
+    _finish(figure, axes, swept.document, margins=False)
 
 
-def tornado_chart(study: Tornado, path: Path) -> None:
+@dataclass(frozen=True)
+class _Bar:
+    """A number and what its two ends do."""
+
+    key: str
+    shown: Sequence[str]
+    ends: Sequence[Point]
+    swings: Document
+
+    def swing(self, method: Method) -> float:
+        """How far the factor moves; infinite where an end has none."""
+        return math.inf if self.swings[method] is None else float(self.swings[method])
+
+
+def draw_tornado(figure: Any, document: Document) -> None:
     """A bar for each number from its factor at one end to that at the other, the longest on top."""
-    method = study.asked[0]
-    base = factor_at(study.base, method)
-    bars = [bar for bar in study.bars if bar.swings[method]][:_MOST_BARS]
-    ends = [f for bar in bars for point in (bar.at_low, bar.at_high) if (f := factor_at(point, method)) is not None]
+    own = point_from_record(document["base"])
+    asked = asked_of(document["methods"], [own])
+    method = asked[0]
+    base = factor_at(own, method)
+    every = [
+        _Bar(bar["key"], _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")], bar["swing"])
+        for bar in document["bars"]
+    ]
+    moving = [bar for bar in every if bar.swing(method)]
+    bars = moving[:_MOST_BARS]
+    ends = [f for bar in bars for point in bar.ends if (f := factor_at(point, method)) is not None]
     finite = [f for f in ends if math.isfinite(f)]
     if base is None or not math.isfinite(base) or not bars or not finite:
-        _nothing(path)
-    figure, axes = _figure(path, height=2.6 + 0.36 * len(bars))
+        nothing(_TOO_FEW)
+    figure.set_size_inches(9.0, 2.6 + 0.36 * len(bars))
+    axes = figure.subplots()
     low, high = min([base, *finite]), max([base, *finite])
     room = (high - low) or 0.1
     for row, bar in enumerate(bars):
         _tornado_bar(axes, bar, row, method, base, (low - 0.05 * room, high + 0.05 * room))
-    if len(study.asked) > 1:
+    if len(asked) > 1:
         for row, bar in enumerate(bars):
-            ticks = [factor_at(point, "closed_form") for point in (bar.at_low, bar.at_high)]
+            ticks = [factor_at(point, "closed_form") for point in bar.ends]
             drawn = [f for f in ticks if f is not None and math.isfinite(f) and f > 0.0]
-            axes.plot(drawn, [row] * len(drawn), marker="|", markersize=17, color=_RED, linestyle="none", zorder=4)
-        axes.plot([], [], marker="|", markersize=12, color=_RED, linestyle="none", label="closed form")
+            axes.plot(drawn, [row] * len(drawn), marker="|", markersize=17, color=RED, linestyle="none", zorder=4)
+        axes.plot([], [], marker="|", markersize=12, color=RED, linestyle="none", label="closed form")
     axes.plot([], [], color=_LOW, linewidth=8, label="at the lower end")
     axes.plot([], [], color=_HIGH, linewidth=8, label="at the upper end")
-    axes.axvline(base, color=_DARK, linewidth=1.2)
-    axes.axvline(1.0, color=_GREY, linestyle="--", linewidth=1.0) if low - room < 1.0 < high + room else None
-    axes.set_yticks(range(len(bars)), [f"{bar.key.path}" for bar in bars])
+    axes.axvline(base, color=DARK, linewidth=1.2)
+    axes.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0) if low - room < 1.0 < high + room else None
+    axes.set_yticks(range(len(bars)), [short(bar.key, 40) for bar in bars])
     axes.set_ylim(len(bars) - 0.4, -0.6)
     axes.set_xlim(low - 0.22 * room, high + 0.22 * room)
-    left = sum(bar.swings[method] > 0.0 for bar in study.bars) - len(bars)
+    left = len(moving) - len(bars)
     more = f"; {left} smaller ones left out" if left > 0 else ""
-    axes.set_xlabel(f"factor of safety ({METHODS[method]}); upright line: {cell(base)} now{more}\n{RULE}", fontsize=8.5)
-    _finish(figure, axes, path, study, margins=False)
+    said = f"factor of safety ({METHODS[method]}); upright line: {cell(base)} now{more}"
+    axes.set_xlabel(f"{said}\n{document['rule']}", fontsize=8.5)
+    _finish(figure, axes, document, margins=False)
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
 
 
-def _figure(path: Path, height: float = 6.0) -> tuple[Any, Any]:
-    try:
-        import matplotlib as mpl
-    except ImportError:
-        advice = "In slopekit's folder: pip install '.[plot]'"
-        raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)]) from None
-    mpl.use("Agg")
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(9.0, height), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots()
-
-
-def _nothing(path: Path) -> NoReturn:
-    raise DesignError([Fault("E273", "there is nothing to draw: too few points have a factor of safety", str(path))])
-
-
-def _finish(figure: Any, axes: Any, path: Path, study: Sweep | Tornado, below: str = "", margins: bool = True) -> None:
-    design = study.design
-    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
-    axes.set_axisbelow(True)
+def _finish(figure: Any, axes: Any, document: Document, margins: bool = True) -> None:
+    dressed(axes)
     if margins:
         axes.margins(x=0.04, y=0.08)
-    axes.set_title(f"{design.title or design.kind}  (sha {design.input_hash()[:6]})", fontsize=11)
+    axes.set_title(title_of(document), fontsize=11)
     if axes.get_legend_handles_labels()[1]:
         figure.legend(fontsize=8.5, loc="outside lower center", ncols=4, frameon=False)
-    figure.savefig(path)
 
 
-def _name(key: Key) -> str:
-    return f"{key.path} ({key.unit})" if key.unit else key.path
+def _name(key: Document) -> str:
+    name = short(key["key"])
+    return f"{name} ({key['unit']})" if key["unit"] else name
+
+
+def _shown(bar: Document) -> Sequence[str]:
+    """The ends with their unit."""
+    said: Sequence[str] = bar.get("shown") or [_with_unit(bar[end], bar["unit"], 5) for end in ("low", "high")]
+    return said
+
+
+def _with_unit(value: float, unit: str, digits: int) -> str:
+    text = f"{value:.{digits}g}"
+    return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
 
 
 def _logarithmic(axes: Any) -> None:
@@ -228,24 +276,24 @@ def _stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[fl
 def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:
     governed = [(v, p.factors.limit) for v, p in points if p.factors and p.factors.moments_govern and p.factors.limit]
     if governed:
-        axes.plot(*zip(*governed, strict=True), marker="o", markersize=9.0, markerfacecolor="none", color=_BLUE,
+        axes.plot(*zip(*governed, strict=True), marker="o", markersize=9.0, markerfacecolor="none", color=BLUE,
                   linestyle="none", label="moments govern")  # fmt: skip
     wrong = [(v, p.factors.factor) for v, p in points if p.factors and p.factors.agree is False and p.factors.factor]
     if wrong:
-        axes.plot(*zip(*wrong, strict=True), marker="o", markersize=13.0, markerfacecolor="none", color=_RED,
+        axes.plot(*zip(*wrong, strict=True), marker="o", markersize=13.0, markerfacecolor="none", color=RED,
                   markeredgewidth=1.6, linestyle="none", label="the methods disagree")  # fmt: skip
 
 
-def _levels(axes: Any, swept: Sweep) -> None:
+def _levels(axes: Any, swept: _Swept) -> None:
     scale = math.log10 if axes.get_yscale() == "log" else float
     low, high = (scale(end) for end in axes.get_ylim())
     room, last, on_left = high - low, -math.inf, False
     for level, what in sorted(swept.levels):
         if low - 0.15 * room <= scale(level) <= high + 0.15 * room:
             on_left = not on_left if scale(level) - last < 0.05 * room else False  # labels of near ones on either side
-            axes.axhline(level, color=_GREY, linestyle="--", linewidth=1.0, zorder=1)
+            axes.axhline(level, color=GREY, linestyle="--", linewidth=1.0, zorder=1)
             axes.annotate(what, (0.005 if on_left else 0.995, level), xycoords=("axes fraction", "data"),
-                          ha="left" if on_left else "right", va="bottom", fontsize=8, color="#555555", bbox=_BOX,
+                          ha="left" if on_left else "right", va="bottom", fontsize=8, color="#555555", bbox=BOX,
                           zorder=1.9)  # fmt: skip
             last = scale(level)
 
@@ -253,10 +301,10 @@ def _levels(axes: Any, swept: Sweep) -> None:
 def _bare(axes: Any, points: Sequence[tuple[float, float | None, Point]]) -> None:
     """Points without a number: at the top where nothing drives, at the bottom where nothing holds or there is none."""
     kinds = [
-        ([v for v, f, _ in points if f is not None and math.isinf(f)], 0.98, "^", _BLUE, "nothing drives: no number"),
-        ([v for v, f, _ in points if f == 0.0], 0.02, "v", _RED, "nothing holds: no number"),
-        ([v for v, f, p in points if f is None and p.factors is None], 0.02, "x", _DARK, "no block, or bad input"),
-        ([v for v, f, p in points if f is None and p.factors is not None], 0.02, "P", _RED, "no convergence"),
+        ([v for v, f, _ in points if f is not None and math.isinf(f)], 0.98, "^", BLUE, "nothing drives: no number"),
+        ([v for v, f, _ in points if f == 0.0], 0.02, "v", RED, "nothing holds: no number"),
+        ([v for v, f, p in points if f is None and p.factors is None], 0.02, "x", DARK, "no block, or bad input"),
+        ([v for v, f, p in points if f is None and p.factors is not None], 0.02, "P", RED, "no convergence"),
     ]
     for values, height, marker, colour, label in kinds:
         if values:
@@ -264,34 +312,35 @@ def _bare(axes: Any, points: Sequence[tuple[float, float | None, Point]]) -> Non
                       transform=axes.get_xaxis_transform(), label=label)  # fmt: skip
 
 
-def _statuses(axes: Any, swept: Sweep, values: Sequence[float]) -> None:
+def _statuses(axes: Any, swept: _Swept, values: Sequence[float]) -> None:
     """The changes of status, upright, with what lies on both sides."""
-    changes = swept.changes
+    changes = swept.document["changes"]
     for change in changes[:_MOST_MARKED]:
-        at = 0.5 * sum(change.between)
-        one, other = (_BRIEF.get(status, status) for status in change.statuses)
-        axes.axvline(at, color=_RED, linestyle=":", linewidth=1.2)
+        at = 0.5 * sum(change["between"])
+        one, other = (_BRIEF.get(status, status) for status in change["statuses"])
+        axes.axvline(at, color=RED, linestyle=":", linewidth=1.2)
         axes.annotate(f"{one} | {other}", (at, 0.98), xytext=(-3, 0), xycoords=("data", "axes fraction"),
-                      textcoords="offset points", rotation=90, ha="right", va="top", fontsize=8, color=_RED,
-                      bbox=_BOX)  # fmt: skip
+                      textcoords="offset points", rotation=90, ha="right", va="top", fontsize=8, color=RED,
+                      bbox=BOX)  # fmt: skip
     if len(changes) > _MOST_MARKED:
-        axes.plot([], [], color=_RED, linestyle=":", label=f"status changes (first {_MOST_MARKED} of {len(changes)})")
+        axes.plot([], [], color=RED, linestyle=":", label=f"status changes (first {_MOST_MARKED} of {len(changes)})")
 
 
-def _grid_points(axes: Any, swept: Sweep, across: Sequence[float], down: Sequence[float], lines: Any) -> None:
+def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequence[float], lines: Any) -> None:
     method = swept.asked[0]
     every = [(x, y, point) for y, (_, points) in zip(down, lines, strict=True) for x, point in points]
     if len(every) <= 900:
         axes.plot([x for x, _, _ in every], [y for _, y, _ in every], ".", color="#333333", markersize=2.0)
     bare = [(x, y) for x, y, point in every if (f := factor_at(point, method)) is None or f == 0.0 or math.isinf(f)]
     if bare:
-        axes.plot(*zip(*bare, strict=True), "x", color=_DARK, markersize=5.0, label="no factor: status or code")
+        axes.plot(*zip(*bare, strict=True), "x", color=DARK, markersize=5.0, clip_on=False,
+                  label="no factor: status or code")  # fmt: skip
     moments = [(x, y) for x, y, point in every if point.factors is not None and point.factors.moments_govern]
     if moments:
-        axes.plot(*zip(*moments, strict=True), "o", color=_BLUE, markerfacecolor="none", label="moments govern")
+        axes.plot(*zip(*moments, strict=True), "o", color=BLUE, markerfacecolor="none", label="moments govern")
     wrong = [(x, y) for x, y, point in every if point.factors is not None and point.factors.agree is False]
     if wrong:
-        axes.plot(*zip(*wrong, strict=True), "s", color=_RED, markerfacecolor="none", markersize=9.0,
+        axes.plot(*zip(*wrong, strict=True), "s", color=RED, markerfacecolor="none", markersize=9.0,
                   label="the methods disagree")  # fmt: skip
 
 
@@ -300,14 +349,14 @@ def _inside(value: float, values: Sequence[float]) -> bool:
 
 
 def _tornado_bar(
-    axes: Any, bar: TornadoBar, row: int, method: Method, base: float, room: tuple[float, float]
+    axes: Any, bar: _Bar, row: int, method: Method, base: float, room: tuple[float, float]
 ) -> None:  # fmt: skip
     """One bar; an end without a number runs to the edge of the chart and says why."""
     ends = []
-    for point in (bar.at_low, bar.at_high):
+    for point in bar.ends:
         factor = factor_at(point, method)
         ends.append(base if factor is None else min(max(factor, room[0]), room[1]))
-    for k, (value, point, colour) in enumerate(((bar.low, bar.at_low, _LOW), (bar.high, bar.at_high, _HIGH))):
+    for k, (shown, point, colour) in enumerate(zip(bar.shown, bar.ends, (_LOW, _HIGH), strict=True)):
         factor, end, other = factor_at(point, method), ends[k], ends[1 - k]
         bare = factor is None or not math.isfinite(factor) or factor == 0.0
         # the longer of two bars to one side lies beneath
@@ -320,9 +369,9 @@ def _tornado_bar(
             zorder=2.0 + 0.1 * (abs(end - base) < abs(other - base)),
         )
         left = end < base or (end == base and (other > base or (other == base and k == 0)))
-        said = bar.key.shown(value, 5) + (f"  {_said(point, method)}" if bare else "")
+        said = shown + (f"  {_said(point, method)}" if bare else "")
         axes.annotate(said, (end, row), xytext=(-4 if left else 4, 0), textcoords="offset points", fontsize=7.5,
-                      ha="right" if left else "left", va="center", color=_DARK, zorder=3, bbox=_BOX)  # fmt: skip
+                      ha="right" if left else "left", va="center", color=DARK, zorder=3, bbox=BOX)  # fmt: skip
 
 
 def _said(point: Point, method: Method) -> str:
@@ -331,6 +380,3 @@ def _said(point: Point, method: Method) -> str:
         return point.code
     status = factors.status if method == "pre_ie" else factors.closed_status or ""
     return _BRIEF.get(status, status)
-
-
-__all__ = ["contour_chart", "curve_chart", "picture", "tornado_chart"]

@@ -1,0 +1,138 @@
+"""The text of a design (kind: blocks) that reads mesh files: strengths, loads and water as far as they carry over."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from slopekit._version import __version__
+from slopekit.arrays import Floats
+from slopekit.exchange.source import Source
+from slopekit.exchange.strengths import Joint, Pair, direction_deg, joints_of, pairs_of
+
+
+def design_text(
+    source: Source,
+    is_fixed: Mapping[str, bool],
+    files: Mapping[str, str],
+    rock: Mapping[int, str],
+    polygons: Mapping[str, Floats],
+) -> tuple[str, list[str]]:
+    """The design, and what of the result's own it does not hold.
+
+    Parameters
+    ----------
+    is_fixed : the blocks by name; files : their meshes
+    rock : names of the bedrock behind contacts (by their index) that no block of the scene stands for
+    polygons : (k, 2) x, z of the blocks of a section, which then stand in place of the meshes
+    """
+    document, inputs = source.document, source.document["inputs"]
+    joints = joints_of(source)
+    found = pairs_of(source, rock, joints)
+    of_pair = {pair: joint for pair, joint in found.joint.items() if all(name in files for name in pair)}
+    moving = [joint for pair, joint in of_pair.items() if not all(is_fixed[name] for name in pair)]
+    default = Counter(joints[joint].strength for joint in moving).most_common(1)[0][0]
+    used = {joints[joint].strength: joints[joint] for joint in of_pair.values()}
+    named = {
+        pair: joints[joint].strength for pair, joint in of_pair.items()
+        if joints[joint].strength != default
+    }  # fmt: skip
+    lost = []
+    if found.mixed:
+        some = ", ".join(found.mixed[:3]) + (", …" if len(found.mixed) > 3 else "")
+        lost.append(f"{len(found.mixed)} interfaces with several strengths or pressures have that of the largest "
+                    f"part ({some})")  # fmt: skip
+    if document["kind"] == "topple" and inputs["base_step_m"]:
+        lost.append("that the risers of the base hold nothing: here they are contacts like others")
+    lines = [
+        f"# Written by slopekit {__version__} export of a {document['kind']}, input {document.get('input_sha256')}",
+        "slopekit: 1", "kind: blocks", f"title: {_text(document.get('title') or document['kind'])}",
+        *([f"section: {{thickness: {document['geometry']['thickness_m']!r} m}}"] if polygons else []), "blocks:",
+    ]  # fmt: skip
+    weights = {one["name"]: one["unit_weight_kn_m3"] for one in inputs.get("blocks", ())}
+    for name, file in files.items():
+        own = f", unit_weight: {weights[name]!r}" if weights.get(name) is not None else ""
+        shape = f"mesh: {_text(file)}"
+        if polygons:
+            shape = f"polygon: [{', '.join(_point(point) for point in polygons[name])}]"
+        lines.append(f"  {_text(name)}: {{{shape}{own}{', fixed: true' if is_fixed[name] else ''}}}")
+    lines += ["strength:", *(_strength(name, joint, inputs) for name, joint in used.items())]
+    lines += ["interfaces:", f"  default: {_text(default)}"]
+    lines += [f"  {_text('/'.join(pair))}: {_text(strength)}" for pair, strength in named.items()]
+    lines.append(f"rock: {{unit_weight: {inputs['unit_weight_kn_m3']!r} kN/m3}}")
+    lines += _water(source, joints, of_pair)
+    loads, lost_loads = _loads(source, files)
+    lines += loads
+    lines += _analysis(inputs)
+    return "\n".join(lines) + "\n", lost + lost_loads
+
+
+def _strength(name: str, joint: Joint, inputs: Mapping[str, Any]) -> str:
+    given = inputs["stiffness"]
+    shear = "clough-duncan" if given["shear_kn_m3"] is None else repr(given["shear_kn_m3"])
+    return (
+        f"  {_text(name)}: {{c: {joint.cohesion!r} kPa, phi: {joint.friction!r}, dilation: {joint.dilation!r}, "
+        f"tension: {joint.tension!r} kPa, stiffness: {{normal: {given['normal_kn_m3']!r}, shear: {shear}}}}}"
+    )
+
+
+def _water(source: Source, joints: Mapping[str, Joint], of_pair: Mapping[Pair, str]) -> list[str]:
+    """Mean pressures of pairs; those of single blocks act as forces."""
+    pressures = {pair: joints[joint].pressure for pair, joint in of_pair.items() if joints[joint].pressure}
+    if source.document["kind"] == "blocks":
+        pressures = {(a, b): value for a, b, value in source.document["inputs"]["pressures_kpa"]}
+    if not pressures:
+        return ["water: {mode: dry}"]
+    return [
+        "water:",
+        "  pressures:",
+        *(f"    {_text('/'.join(pair))}: {value!r} kPa" for pair, value in pressures.items()),
+    ]
+
+
+def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[str]]:
+    """Seismic load and forces; bolts act as forces."""
+    arrows, names, kind = source.scene.loads, source.scene.shapes.names, source.document["kind"]
+    own_water = kind in ("bench", "blocks", "topple")
+    forces, lost, seismic = [], [], np.zeros(3)
+    passive = away = 0
+    for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
+        word, name = arrows.names[what], names[block]
+        if word == "weight" or (own_water and word == "water"):
+            continue
+        if word == "seismic":
+            seismic = force
+        elif word.startswith("passive"):
+            passive += 1
+        elif name not in files:
+            away += 1
+        else:
+            forces.append(f"    - {{force: {_point(force)}, block: {_text(name)}, at: {_point(at)}}}  # {word}")
+    lines = ["loads:"]
+    coefficient = source.document["inputs"]["seismic"]["coefficient"]
+    if coefficient and seismic.any():
+        lines.append(f"  seismic: {{k: {coefficient!r}, toward: {direction_deg(seismic)!r}}}")
+    lines += ["  forces:", *forces] if forces else ["  forces: []"]
+    if passive:
+        lost.append(f"{passive} passive bolts (kind blocks takes active ones)")
+    if away:
+        lost.append(f"{away} forces on blocks that were not chosen")
+    return lines, lost
+
+
+def _analysis(inputs: Mapping[str, Any]) -> list[str]:
+    keys = [f"stop_when: {inputs['stop_when']!r}", f"mechanisms: {inputs.get('mechanisms', 1)}"]
+    lines = [f"analysis: {{{', '.join(keys)}}}"]
+    rules = [f"{one['name']} {one['relation']} {one['value']!r}" for one in inputs.get("rules", ())]
+    return [*lines, f"acceptance: {{rules: {json.dumps(rules)}}}"] if rules else lines
+
+
+def _point(values: Sequence[float]) -> str:
+    return "[" + ", ".join(repr(float(value)) for value in values) + "]"
+
+
+def _text(text: str) -> str:
+    """A text as YAML and JSON both write it."""
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,129 @@
+"""DXF with ezdxf (extra `cad`): blocks as polyface meshes, which CAD and mining programs read; metres, doubles."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.block_scene import MODES
+from slopekit.errors import DesignError, Fault
+from slopekit.exchange.panels import triangles_of
+from slopekit.exchange.picking import Body, Picked
+
+_MOST_INDEX = 32_767  # vertices of a polyface mesh: indices are 16-bit
+_BEDROCK, _STANDS, _MOVES = "BLOCKS-BEDROCK", "BLOCKS-STABLE", "BLOCKS-MOVING"
+_COLOURS = {_BEDROCK: 8, _STANDS: 41, _MOVES: 30, "OUTLINES": 7, "LINE-OF-INTERSECTION": 1}  # AutoCAD's index
+_JOINTS, _MODES = (5, 3, 6, 40, 4), (3, 30, 5)
+_NOT_IN_NAMES = re.compile(r"[<>/\\\":;?*|=`,]")  # of layers
+
+
+def write_dxf(path: Path, picked: Picked) -> str:
+    """One polyface mesh a block, 3DFACEs for interfaces, points for node pairs; returns the precision in words.
+
+    Layers: BLOCKS-MOVING (in a mechanism), BLOCKS-STABLE, BLOCKS-BEDROCK; INTERFACE-joint; PAIRS-mode; OUTLINES of a
+    section; LINE-OF-INTERSECTION of a wedge. The block's name is XDATA of the application SLOPEKIT.
+
+    Raises
+    ------
+    DesignError
+        E140 without the extra.
+    """
+    try:
+        import ezdxf
+    except ImportError:
+        advice = "In slopekit's folder: pip install '.[cad]'"
+        raise DesignError([Fault("E140", "DXF files need the extra cad (ezdxf)", str(path), advice)]) from None
+    from ezdxf import units
+
+    drawing = ezdxf.new("R2000", units=units.M)
+    drawing.header["$MEASUREMENT"] = 1
+    drawing.appids.add("SLOPEKIT")
+    space = drawing.modelspace()
+    layers = drawing.layers
+
+    def layer(name: str, colour: int) -> str:
+        name = _NOT_IN_NAMES.sub("_", name)
+        if name not in layers:
+            layers.add(name, color=colour)
+        return name
+
+    for body in picked.bodies:
+        kind = _kind(picked, body)
+        _add_block(space, body, layer(kind, _COLOURS[kind]))
+    for outline, body in zip(picked.outlines, picked.bodies, strict=False):
+        _add_outline(space, outline, body, layer("OUTLINES", _COLOURS["OUTLINES"]))
+    if picked.line is not None:
+        name = layer("LINE-OF-INTERSECTION", _COLOURS["LINE-OF-INTERSECTION"])
+        space.add_line(*picked.line.tolist(), dxfattribs={"layer": name})
+    _add_interfaces(space, picked, layer)
+    pairs = picked.scene.pairs
+    for mode, word in enumerate(MODES):
+        own = picked.pairs[pairs.mode[picked.pairs] == mode]
+        for point in pairs.points_m[own].tolist():
+            space.add_point(point, dxfattribs={"layer": layer(f"PAIRS-{word.upper()}", _MODES[mode])})
+    low, high = (picked.scene.shapes.solids.vertices.min(axis=0), picked.scene.shapes.solids.vertices.max(axis=0))
+    drawing.header["$EXTMIN"], drawing.header["$EXTMAX"] = tuple(low.tolist()), tuple(high.tolist())
+    drawing.set_modelspace_vport(height=1.5 * float((high - low)[:2].max()), center=tuple(((low + high) / 2)[:2]))
+    drawing.saveas(path)
+    return "text, every digit of a double; $INSUNITS metres"
+
+
+def _add_block(space: Any, body: Body, layer: str) -> None:
+    attributes = {"layer": layer}
+    corners = body.vertices[body.triangles].tolist()
+    if len(body.vertices) > _MOST_INDEX:
+        for a, b, c in corners:
+            space.add_3dface((a, b, c, c), dxfattribs=attributes)
+        return
+    mesh = space.add_polyface(dxfattribs=attributes)
+    mesh.append_faces(corners, dxfattribs=attributes)
+    mesh.set_xdata("SLOPEKIT", [(1000, body.name[:255])])
+
+
+def _add_interfaces(space: Any, picked: Picked, layer: Any) -> None:
+    """Triangles and quadrilaterals as one 3DFACE, others as several with hidden edges between them."""
+    contacts = picked.scene.shapes.contacts
+    wanted = set(picked.contacts.tolist())
+    triangles, panel = triangles_of(contacts)
+    joints = picked.scene.shapes.joints
+    for k in picked.contacts.tolist():
+        first, end = int(contacts.first[k]), int(contacts.first[k + 1])
+        if end - first == 4:
+            wanted.discard(k)
+            name = layer(f"INTERFACE-{joints[contacts.joint[k]]}", _JOINTS[contacts.joint[k] % len(_JOINTS)])
+            space.add_3dface(contacts.corners[first:end].tolist(), dxfattribs={"layer": name})
+    for own, k in zip(triangles.tolist(), panel.tolist(), strict=True):
+        if k in wanted:
+            first, end = int(contacts.first[k]), int(contacts.first[k + 1])
+            name = layer(f"INTERFACE-{joints[contacts.joint[k]]}", _JOINTS[contacts.joint[k] % len(_JOINTS)])
+            a, b, c = contacts.corners[own].tolist()
+            hidden = [not _is_side(own[i], own[(i + 1) % 3], first, end) for i in range(3)]
+            flags = sum(1 << bit for bit, flag in zip((0, 1, 3), hidden, strict=True) if flag) | 4
+            space.add_3dface((a, b, c, c), dxfattribs={"layer": name, "invisible_edges": flags})
+
+
+def _is_side(start: int, end: int, first: int, after: int) -> bool:
+    """Whether two corners of a panel follow each other round it."""
+    return (start - first + 1) % (after - first) == end - first
+
+
+def _add_outline(space: Any, outline: Floats, body: Body, layer: str) -> None:
+    """The outline of a block of a section, in the section's middle."""
+    from ezdxf.math import OCS
+
+    points = outline + (body.vertices[len(outline) :] - outline).mean(axis=0) / 2.0
+    out = (outline - body.vertices[len(outline) :]).mean(axis=0)
+    ocs = OCS((out / np.sqrt(out @ out)).tolist())
+    flat = list(ocs.points_from_wcs(points.tolist()))
+    space.add_lwpolyline(
+        [(point.x, point.y) for point in flat], close=True,
+        dxfattribs={"layer": layer, "elevation": flat[0].z, "extrusion": tuple(ocs.uz)},
+    )  # fmt: skip
+
+
+def _kind(picked: Picked, body: Body) -> str:
+    if picked.scene.shapes.fixed[body.index]:
+        return _BEDROCK
+    return _MOVES if picked.scene.order[body.index] else _STANDS

@@ -1,0 +1,264 @@
+"""`slopekit export` and `sk.export`: one function from a result to files, and what was written in words."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from slopekit.errors import DesignError, Fault, Notice
+from slopekit.exchange.picking import Picked, picked, words_of_what
+from slopekit.exchange.source import Source, source_of
+
+if TYPE_CHECKING:
+    from slopekit.result import Result
+
+_ROUNDING = 1e-4  # of the smallest block's size: more than that is said
+_SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """What a format holds: parts, and whether several at once; `needs` a module, of an extra."""
+
+    name: str
+    parts: tuple[str, ...]
+    several: bool
+    needs: tuple[str, str] | None = None
+
+
+_ALL = ("blocks", "interfaces", "pairs")
+#: Formats by the suffix of the file.
+FORMATS: Mapping[str, Format] = {
+    ".stl": Format("STL", _ALL[:2], False),
+    ".obj": Format("OBJ", _ALL[:2], True),
+    ".glb": Format("GLB", _ALL, True),
+    ".gltf": Format("glTF", _ALL, True),
+    ".vtu": Format("VTU", _ALL, True),
+    ".dxf": Format("DXF", _ALL, True, ("ezdxf", "cad")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """One export.
+
+    Attributes
+    ----------
+    files : written, the first is the one asked for; format, precision : in words
+    blocks, interfaces, pairs : how many; volume_m3 : of the blocks as they were written, None without blocks
+    """
+
+    files: tuple[Path, ...]
+    format: str
+    precision: str
+    blocks: int
+    interfaces: int
+    pairs: int
+    volume_m3: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {
+            "files": [str(path) for path in self.files], "format": self.format, "precision": self.precision,
+            "blocks": self.blocks, "interfaces": self.interfaces, "pairs": self.pairs, "volume_m3": self.volume_m3,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Export:
+    """What `export` wrote, and what a reader must know of it."""
+
+    written: tuple[Written, ...]
+    warnings: tuple[Notice, ...] = ()
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Every file."""
+        return tuple(path for one in self.written for path in one.files)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {
+            "written": [one.to_dict() for one in self.written],
+            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+        }
+
+
+def export(
+    result: "Result | Mapping[str, Any] | str | os.PathLike[str]",
+    path: str | os.PathLike[str] | None = None,
+    *,
+    what: str | Sequence[str] = "blocks",
+    blocks: Sequence[str] | None = None,
+    moving: bool = False,
+    binary: bool = False,
+    split: str | os.PathLike[str] | None = None,
+    split_as: str = "stl",
+) -> Export:
+    """Write blocks, interfaces or node pairs of a result, in the user's own coordinates.
+
+    Parameters
+    ----------
+    result : a result, its JSON as a dict, or the path of the JSON file
+    path : the file to write, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf
+    what : "blocks", "interfaces", "pairs", or several of them
+    blocks : names, left out all; moving : leave bedrock out
+    binary : STL in binary, which holds float32 only
+    split : a folder for one closed mesh a block, and the design blocks.yaml that reads them; split_as : their format
+
+    Raises
+    ------
+    DesignError
+        E360 to E367, E129 where nothing can be written, E140 where an extra is missing.
+    """
+    words = words_of_what(what)
+    target = None if path is None else _target(Path(path), words, binary)
+    if target is None and split is None:
+        raise DesignError(
+            [Fault("E366", "no file to write is named", "-o", f"Give -o FILE ({_suffixes()}) or --split.")]
+        )
+    folder = None if split is None else Path(split)
+    suffix = f".{split_as.lower().lstrip('.')}"
+    if folder is not None:
+        _check_split(folder, suffix)
+    source = source_of(result)
+    written, notices = [], []
+    if target is not None:
+        chosen = picked(source.scene, words, blocks, moving, source.is_section)
+        written.append(_write(target, chosen, binary))
+        notices += _notices(source, chosen, target, binary)
+    if folder is not None:
+        from slopekit.exchange.split import write_split
+
+        chosen = picked(source.scene, ("blocks",), blocks, moving, source.is_section)
+        files, said = write_split(folder, source, chosen, suffix)
+        written.append(_described(files, FORMATS[suffix].name, "text, every digit of a double", chosen))
+        notices += [notice for notice in (*_notices(source, chosen, folder, False), *said) if notice not in notices]
+    return Export(tuple(written), tuple(notices))
+
+
+def _suffixes() -> str:
+    return " ".join(FORMATS)
+
+
+def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
+    """The file to write, refused before any work is done; E360, E364, E366, E140, E129."""
+    found = _format(path.suffix.lower(), str(path))
+    lacking = [word for word in words if word not in found.parts]
+    if lacking:
+        able = [suffix for suffix, one in FORMATS.items() if lacking[0] in one.parts]
+        message = f"{found.name} files hold no {lacking[0]}"
+        raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
+    if len(words) > 1 and not found.several:
+        message = f"{found.name} files hold one part at a time, not {' and '.join(words)}"
+        able = [suffix for suffix, one in FORMATS.items() if one.several and set(words) <= set(one.parts)]
+        raise DesignError([Fault("E364", message, f"--what {','.join(words)}", f"Write {' or '.join(able)}.")])
+    if binary and path.suffix.lower() != ".stl":
+        message = f"--binary is for STL, {path.name} is {found.name}"
+        raise DesignError([Fault("E366", message, "--binary", "Leave it out.")])
+    _refuse_without(found, str(path))
+    if path.is_dir():
+        raise DesignError([Fault("E129", f"{path} cannot be written: it is a folder", str(path))])
+    _refuse_unwritable(path.parent)
+    return path
+
+
+def _format(suffix: str, where: str) -> Format:
+    found = FORMATS.get(suffix)
+    if found is None:
+        near = get_close_matches(suffix, FORMATS, n=1)
+        shown = f"the suffix {suffix}" if suffix else "a file without suffix"
+        advice = f"There are: {_suffixes()}.{f' Did you mean {near[0]}?' if near else ''}"
+        raise DesignError([Fault("E360", f"{shown} is no format that slopekit writes", where, advice)])
+    return found
+
+
+def _refuse_without(found: Format, where: str) -> None:
+    """E140 where the module that a format needs is not installed."""
+    if found.needs is None:
+        return
+    module, extra = found.needs
+    try:
+        __import__(module)
+    except ImportError:
+        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install '.[{extra}]'"
+        raise DesignError([Fault("E140", message, where, f"In slopekit's folder: {advice}")]) from None
+
+
+def _refuse_unwritable(folder: Path) -> None:
+    """E129 where a file cannot be made in a folder."""
+    import tempfile
+
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+
+
+def _check_split(folder: Path, suffix: str) -> None:
+    meshes = (".stl", ".obj")
+    if suffix not in meshes:
+        message = f"the blocks are split into files of a mesh each, not {suffix}"
+        raise DesignError([Fault("E366", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+    _refuse_unwritable(folder)
+
+
+def _write(path: Path, chosen: Picked, binary: bool) -> Written:
+    files, suffix = [path], path.suffix.lower()
+    try:
+        if suffix == ".vtu":
+            from slopekit.exchange.vtu import write_vtu
+
+            files, precision = write_vtu(path, chosen)
+        elif suffix == ".dxf":
+            from slopekit.exchange.dxf import write_dxf
+
+            precision = write_dxf(path, chosen)
+        elif suffix in (".glb", ".gltf"):
+            from slopekit.exchange.glb import write_glb
+
+            precision = write_glb(path, chosen)
+        else:
+            from slopekit.exchange.text import write_binary_stl, write_obj, write_stl
+
+            writer = write_obj if suffix == ".obj" else write_binary_stl if binary else write_stl
+            precision = writer(path, chosen)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    return _described(files, FORMATS[suffix].name, precision, chosen)
+
+
+def _described(files: Sequence[Path], name: str, precision: str, chosen: Picked) -> Written:
+    volume = sum(body.volume for body in chosen.bodies) if chosen.bodies else None
+    return Written(tuple(files), name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume)
+
+
+def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[Notice]:
+    """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
+    found = []
+    if binary:
+        from slopekit.exchange.text import binary_rounding
+
+        rounding = binary_rounding(chosen)
+        smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
+        if rounding > _ROUNDING * smallest:
+            message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
+            found.append(Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size"))
+    true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
+    if source.document.get("kind") == "surface" and chosen.bodies and true > 0.0:
+        flat = sum(body.volume for body in chosen.bodies)
+        share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
+        if share > _SMOOTH:
+            message = f"the mass is written with flat triangles: {flat:.6g} m³"
+            found.append(Notice("W377", f"{message}, {share * 100:.2g} % {word} than the curved body's {true:.6g} m³"))
+    return found

@@ -1,0 +1,172 @@
+"""What of a scene is written: bodies, flat pieces of interfaces, node pairs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.block_scene import BlockScene
+from slopekit.errors import DesignError, Fault
+
+#: What can be written.
+WHAT = ("blocks", "interfaces", "pairs")
+_SHOWN = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A block to write: its index in the scene, its closed surface."""
+
+    index: int
+    name: str
+    vertices: Floats
+    triangles: Ints
+
+    @property
+    def volume(self) -> float:
+        """m³, about its own middle."""
+        return volume_of(self.vertices, self.triangles)
+
+
+@dataclass(frozen=True, slots=True)
+class Picked:
+    """What is written of a scene.
+
+    Attributes
+    ----------
+    bodies : the blocks; contacts, pairs : indices into the scene's; what : words of `WHAT`
+    line : (2, 3) ends of the line of intersection of a wedge, None for others
+    outlines : (k, 3) of the bodies of a section, in their order; else empty
+    """
+
+    scene: BlockScene
+    what: tuple[str, ...]
+    bodies: tuple[Body, ...]
+    contacts: Ints
+    pairs: Ints
+    line: Floats | None
+    outlines: tuple[Floats, ...]
+
+    @property
+    def middle(self) -> Floats:
+        """The middle (3,) of all blocks of the scene, rounded to 1 m."""
+        vertices = self.scene.shapes.solids.vertices
+        middle: Floats = np.round((vertices.min(axis=0) + vertices.max(axis=0)) / 2.0)
+        return middle
+
+    @property
+    def smallest(self) -> float:
+        """The size (m) of the smallest body: cube root of its volume."""
+        return min((abs(body.volume) ** (1.0 / 3.0) for body in self.bodies), default=np.inf)
+
+
+def volume_of(vertices: Floats, triangles: Ints) -> float:
+    """The volume (m³) that a closed surface encloses."""
+    a, b, c = ((vertices - vertices.mean(axis=0))[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ti,ti->", a, np.cross(b, c))) / 6.0
+
+
+def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
+    """What is wanted, in the order of `WHAT`.
+
+    Raises
+    ------
+    DesignError
+        E364 for another word.
+
+    >>> words_of_what("pairs, blocks")
+    ('blocks', 'pairs')
+    """
+    said = what.split(",") if isinstance(what, str) else list(what)
+    words = [word.strip().lower() for word in said if word.strip()]
+    for word in words:
+        if word not in WHAT:
+            near = get_close_matches(word, WHAT, n=1)
+            advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(WHAT)}."
+            raise DesignError([Fault("E364", f"{word} is not a part that can be written", "--what", advice)])
+    if not words:
+        raise DesignError([Fault("E364", "no part to write is named", "--what", f"There are: {', '.join(WHAT)}.")])
+    return tuple(word for word in WHAT if word in words)
+
+
+def picked(
+    scene: BlockScene, what: Sequence[str], blocks: Sequence[str] | None, moving: bool, is_section: bool
+) -> Picked:
+    """What is asked for of a scene.
+
+    Parameters
+    ----------
+    what : words of `WHAT`; blocks : names, None for all; moving : leave bedrock out
+    is_section : the blocks are prisms of a section
+
+    Interfaces and node pairs are those with at least one of the blocks.
+
+    Raises
+    ------
+    DesignError
+        E363 no such block, E365 nothing is left.
+    """
+    shapes = scene.shapes
+    chosen = np.ones(len(shapes.names), dtype=np.bool_)
+    if blocks is not None:
+        index = {name: k for k, name in enumerate(shapes.names)}
+        faults = [_unknown(name, shapes.names) for name in dict.fromkeys(blocks) if name not in index]
+        if faults:
+            raise DesignError(faults)
+        chosen[:] = False
+        chosen[[index[name] for name in blocks]] = True
+    if moving:
+        chosen &= ~shapes.fixed
+    bodies = tuple(
+        Body(k, shapes.names[k], *shapes.solids.of(k)) for k in np.flatnonzero(chosen).tolist()
+    ) if "blocks" in what else ()  # fmt: skip
+    pairs, contacts = scene.pairs, shapes.contacts
+    node_pairs = _touching(chosen, pairs.plus, pairs.minus) if "pairs" in what else np.zeros(0, dtype=np.int64)
+    pieces = _touching(chosen, contacts.plus, contacts.minus) if "interfaces" in what else np.zeros(0, dtype=np.int64)
+    missing = [
+        word for word, found in (("blocks", bodies), ("interfaces", pieces), ("pairs", node_pairs))
+        if word in what and len(found) == 0
+    ]  # fmt: skip
+    if missing:
+        raise DesignError([Fault("E365", f"there are no {missing[0]} to write", "", _why(missing[0], blocks, moving))])
+    outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
+    return Picked(scene, tuple(what), bodies, pieces, node_pairs, _line(scene), outlines)
+
+
+def outline_of(body: Body) -> Floats:
+    """The near end (k, 3) of a block drawn out of a section: `prism` lists it first."""
+    return body.vertices[: len(body.vertices) // 2]
+
+
+def _touching(chosen: Bools, plus: Ints, minus: Ints) -> Ints:
+    last = np.append(chosen, False)  # -1: bedrock that is none of the blocks
+    return np.flatnonzero(last[plus] | last[minus])
+
+
+def _unknown(name: str, names: Sequence[str]) -> Fault:
+    near = get_close_matches(name, names, n=1)
+    more = ", …" if len(names) > _SHOWN else ""
+    advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(names[:_SHOWN])}{more}."
+    return Fault("E363", f"there is no block {name}", "--blocks", advice)
+
+
+def _why(word: str, blocks: Sequence[str] | None, moving: bool) -> str:
+    if word == "pairs":
+        return "Node pairs stand where the limit was solved: nothing was solved here."
+    if moving and blocks is not None:
+        return "The blocks named are bedrock: leave --moving out."
+    return "All blocks are bedrock: leave --moving out." if moving else "The blocks named touch no others."
+
+
+def _line(scene: BlockScene) -> Floats | None:
+    """The line of intersection of the two joints of a wedge: the corners their polygons share."""
+    contacts = scene.shapes.contacts
+    if len(scene.shapes.names) != 1 or len(contacts) < 2:
+        return None
+    first, second = (contacts.corners[contacts.first[k] : contacts.first[k + 1]] for k in range(2))
+    size = float(np.ptp(contacts.corners, axis=0).max())
+    near = np.sqrt(((first[:, None] - second[None]) ** 2).sum(axis=2)) <= 1e-9 * size + 1e-8
+    shared = first[near.any(axis=1)]
+    return shared if len(shared) == 2 and len(contacts) <= 3 else None

@@ -1,0 +1,82 @@
+"""Where what is exported comes from: a result, its JSON as a dict, or the file that holds it."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from slopekit.block_scene import BlockScene
+from slopekit.errors import DesignError, Fault
+
+if TYPE_CHECKING:
+    from slopekit.result import Result
+
+_MOST_BYTES = 2_000_000_000
+_MAKE = "slopekit run design.yaml -o DIR makes one: DIR/result.json."
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A result to export: its JSON, and the scene that stands in it."""
+
+    document: Mapping[str, Any]
+    scene: BlockScene
+
+    @property
+    def is_section(self) -> bool:
+        """Whether the blocks are drawn out of a vertical section."""
+        return (self.document.get("geometry") or {}).get("thickness_m") is not None
+
+
+def source_of(given: "Result | Mapping[str, Any] | str | os.PathLike[str]") -> Source:
+    """A result, its JSON, or the path of its JSON file, as a source.
+
+    Raises
+    ------
+    DesignError
+        E147 to E149 the file cannot be read, E361 it is no result of slopekit, E362 it holds no scene.
+    """
+    from slopekit.result import Result
+
+    if isinstance(given, Result):
+        document = {key: value for key, value in given.to_dict().items() if key != "scene"}
+        return Source(document, given.scene)
+    name = "the result"
+    if not isinstance(given, Mapping):
+        name = Path(given).name
+        given = _read(Path(given))
+    if "slopekit" not in given:
+        raise DesignError([Fault("E361", f"{name} is not a result of slopekit: it has no key slopekit", name, _MAKE)])
+    if "errors" in given:
+        message = f"{name} holds the faults of a run, not its result"
+        raise DesignError([Fault("E361", message, name, "Mend the design and run it again.")])
+    scene = given.get("scene")
+    if scene is None:
+        raise DesignError([_no_scene(given, name)])
+    return Source(given, BlockScene.from_dict(scene))
+
+
+def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
+    study = document.get("study")
+    if study or "geometry" not in document:
+        what = f"{name} is the result of {study or 'a study'}, it holds no blocks"
+        return Fault("E362", what, name, f"Files are made of the result of one design. {_MAKE}")
+    message = f"{name} holds no scene: slopekit {document.get('slopekit')} wrote none"
+    return Fault("E362", message, name, f"Make it again. {_MAKE}")
+
+
+def _read(path: Path) -> Mapping[str, Any]:
+    """The JSON object of a file."""
+    from slopekit.design.document import read_bytes
+
+    try:
+        document = json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        advice = f"A design is run first. {_MAKE}" if path.suffix.lower() in (".yaml", ".yml") else _MAKE
+        message = f"{path.name} is not a result of slopekit: it is no JSON ({str(error)[:80]})"
+        raise DesignError([Fault("E361", message, str(path), advice)]) from None
+    if not isinstance(document, dict):
+        raise DesignError([Fault("E361", f"{path.name} is not a result of slopekit: no keys", str(path), _MAKE)])
+    return document

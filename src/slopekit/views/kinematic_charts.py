@@ -1,0 +1,266 @@
+"""The stereonets of a kinematic study (matplotlib), from its JSON: one for each test. Need the extra `plot`.
+
+The critical zones are the criteria themselves, asked of every cell of the net; lines drawn on them are geometry.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.orientation import Plane, number, parse_plane
+from slopekit.studies.kinematic_criteria import Lines, Modes, lines_of, modes_of
+from slopekit.studies.kinematic_zones import Planes, planes_of_poles, zones_of_lines, zones_of_poles
+from slopekit.views.drawing import GREY, RED, short
+from slopekit.views.net_parts import (
+    BLUE,
+    FACE,
+    LIGHT,
+    PURPLE,
+    SHADE,
+    arrange,
+    cells,
+    envelope,
+    plane_circle,
+    points,
+    set_marks,
+    shade,
+    spokes,
+    start,
+    steeper_than,
+)  # fmt: skip
+from slopekit.views.stereonet import NETS, Net, mean_axis
+
+Document = Mapping[str, Any]
+#: What `--test` takes.
+TESTS = ("planar", "wedge", "toppling")
+_OFTEN = 1500  # lines beyond which they are dots
+
+
+@dataclass(frozen=True)
+class _Survey:
+    """A kinematic study as its JSON has it."""
+
+    document: Document
+    net: Net
+
+    @cached_property
+    def planes(self) -> Planes:
+        rows = self.document["orientations"]
+        return Planes(np.array([row["dip_deg"] for row in rows], dtype=float),
+                      np.array([row["dip_direction_deg"] for row in rows], dtype=float))  # fmt: skip
+
+    @cached_property
+    def friction(self) -> Floats:
+        return np.array([row["friction_deg"] for row in self.document["orientations"]], dtype=float)
+
+    @cached_property
+    def sets(self) -> list[str]:
+        return [str(row["set"]) for row in self.document["orientations"]]
+
+    @cached_property
+    def named_sets(self) -> list[str]:
+        return sorted({name for name in self.sets if name})
+
+    @property
+    def face(self) -> Plane:
+        return parse_plane(self.document["inputs"]["face"], "face")
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        inputs = self.document["inputs"]
+        return inputs["lateral_deg"], inputs["lateral_toppling_deg"]
+
+    @cached_property
+    def lines(self) -> Lines:
+        return lines_of(self.planes)
+
+    @cached_property
+    def modes(self) -> Modes:
+        return modes_of(self.planes, self.lines, self.face, self.friction, *self.limits)
+
+    @property
+    def poles(self) -> Floats:
+        return -self.planes.normals()
+
+    @property
+    def least(self) -> float:
+        return float(self.friction.min())
+
+    @property
+    def most(self) -> float:
+        return float(self.friction.max())
+
+    def zones(self, of: Callable[..., dict[str, Bools]], friction: float | None = None) -> dict[str, Bools]:
+        return of(cells(self.net)[0], self.face, self.least if friction is None else friction, *self.limits)
+
+
+def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str | None = None) -> None:
+    """All tests, or one of `TESTS`."""
+    by_test = {"planar": [_planar], "wedge": [_wedge], "toppling": [_flexural, _direct]}
+    chosen = by_test[test] if test else [panel for some in by_test.values() for panel in some]
+    across = min(2, len(chosen))
+    survey = _Survey(document, net)
+    panels = list(np.ravel(figure.subplots(len(chosen) // across, across)))
+    for axes, panel in zip(panels, chosen, strict=True):
+        panel(axes, survey)
+    n = len(survey.planes)
+    name = short(str(document["survey"]["name"]), 50)
+    head = f"{name}: {n} joint{'s' * (n != 1)}, face {survey.face}, φ {_friction(survey)}"
+    head += ("\n" if across == 1 else "   ") + f"(lower hemisphere, {NETS[net]}; sha {document['input_sha256'][:6]})"
+    arrange(figure, panels, across, head)
+
+
+def _friction(survey: _Survey) -> str:
+    low, high = number(survey.least), number(survey.most)
+    return f"{low}°" if low == high else f"{low} to {high}°, each joint its own"
+
+
+def _planar(axes: Any, survey: _Survey) -> None:
+    found, free = survey.modes.planar, survey.modes.planar_without_limits
+    start(axes, f"Planar sliding, poles: {_share(found, 'joint')}, {int(free.sum())} without lateral limits")
+    zone = survey.zones(zones_of_poles)
+    shade(axes, zone["planar_without_limits"], survey.net, LIGHT, "critical without lateral limits")
+    shade(axes, zone["planar"], survey.net, SHADE, "critical")
+    envelope(axes, survey.face, survey.net, color=FACE, linewidth=1.4, label="daylight envelope")
+    _face(axes, survey)
+    _pole_cones(axes, survey)
+    lateral = survey.limits[0]
+    spokes(axes, survey.face.dip_direction_deg + 180.0, lateral, color=GREY, linestyle="--", linewidth=1.0,
+           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    _poles(axes, survey, found, "slides")
+    _means(axes, survey)
+
+
+def _wedge(axes: Any, survey: _Survey) -> None:
+    lines = survey.modes.of_lines()
+    primary, secondary, many = lines["wedge_primary"], lines["wedge_secondary"], lines["wedge"]
+    start(axes, f"Wedge sliding, lines of intersection: {_share(many, 'line')}")
+    zone = survey.zones(zones_of_lines)
+    shade(axes, zone["wedge_secondary_of_dips"], survey.net, LIGHT, "secondary zone as Dips draws it")
+    shade(axes, zone["wedge_primary"], survey.net, SHADE, "primary zone")
+    _face(axes, survey)
+    _line_circles(axes, survey)
+    _dots(axes, survey, ~many, GREY, "o", "not critical")
+    _dots(axes, survey, secondary, PURPLE, "^", "secondary: slides on one joint")
+    _dots(axes, survey, primary, RED, "o", "primary: line steeper than friction")
+
+
+def _flexural(axes: Any, survey: _Survey) -> None:
+    found = survey.modes.flexural
+    start(axes, f"Flexural toppling, poles: {_share(found, 'joint')}")
+    shade(axes, survey.zones(zones_of_poles)["flexural"], survey.net, SHADE, "critical")
+    _face(axes, survey)
+    for friction, style in _frictions(survey):
+        slip = survey.face.dip_deg - friction
+        if slip >= 0.0:
+            plane_circle(axes, Plane(slip, survey.face.dip_direction_deg), survey.net, color=BLUE, linewidth=1.3,
+                         linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
+    lateral = survey.limits[1]
+    spokes(axes, survey.face.dip_direction_deg, lateral, color=GREY, linestyle="--", linewidth=1.0,
+           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    _poles(axes, survey, found, "topples")
+    _means(axes, survey)
+
+
+def _direct(axes: Any, survey: _Survey) -> None:
+    lines, joints = survey.modes.of_lines(), survey.modes.of_joints()
+    base = joints["base_sliding"] | joints["base_release"] | joints["base_oblique"]
+    edges = lines["direct"] | lines["oblique"]
+    start(axes, f"Direct toppling: {_share(edges, 'line')}; base planes: {_share(base, 'joint')}")
+    zone = survey.zones(zones_of_lines, survey.most)
+    shade(axes, zone["oblique"], survey.net, LIGHT, "oblique")
+    shade(axes, zone["direct"], survey.net, SHADE, "direct")
+    _face(axes, survey)
+    steeper_than(axes, 90.0 - survey.face.dip_deg, survey.net, color=BLUE, linewidth=1.3,
+                 label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip
+    steeper_than(axes, 90.0 - survey.most, survey.net, color=BLUE, linewidth=1.1, linestyle="--",
+                 label=f"friction cone about the vertical, φ {number(survey.most)}°")  # fmt: skip
+    lateral = survey.limits[1]
+    spokes(axes, survey.face.dip_direction_deg + 180.0, lateral, color=GREY, linestyle="--", linewidth=1.0,
+           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    _dots(axes, survey, ~edges, GREY, "o", "lines, not critical")
+    _dots(axes, survey, lines["oblique"], PURPLE, "^", "lines, oblique")
+    _dots(axes, survey, lines["direct"], RED, "o", "lines, direct")
+    for kind, face, said in (
+        ("base_sliding", "black", "bases that slide too"), ("base_release", "white", "bases that release"),
+        ("base_oblique", "#bbbbbb", "bases that release obliquely"),
+    ):  # fmt: skip
+        some = survey.poles[joints[kind]]
+        points(axes, some, survey.net, marker="s", color="black", markerfacecolor=face, markersize=4.5, zorder=4,
+               label=f"{said}, poles ({len(some)})")  # fmt: skip
+
+
+# -- parts ------------------------------------------------------------------------------------------------------------
+
+
+def _share(found: Bools, what: str) -> str:
+    return f"{int(found.sum())} of {len(found)} {what}{'s' * (len(found) != 1)}"
+
+
+def _frictions(survey: _Survey) -> list[tuple[float, str]]:
+    """The least and the greatest friction angle with their line styles."""
+    both = [(survey.least, "-"), (survey.most, ":")]
+    return both[:1] if survey.least == survey.most else both
+
+
+def _face(axes: Any, survey: _Survey) -> None:
+    plane_circle(axes, survey.face, survey.net, color=FACE, linewidth=2.2, label=f"face {survey.face}")
+
+
+def _pole_cones(axes: Any, survey: _Survey) -> None:
+    for friction, style in _frictions(survey):
+        steeper_than(axes, 90.0 - friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
+                     label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
+
+
+def _line_circles(axes: Any, survey: _Survey) -> None:
+    for friction, style in _frictions(survey):
+        steeper_than(axes, friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
+                     label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
+
+
+def _poles(axes: Any, survey: _Survey, critical: Bools, what: str) -> None:
+    """Poles by set, the critical ones ringed."""
+    own = np.array(survey.sets)
+    marks, size = set_marks(survey.named_sets), 3.8 if len(own) <= 600 else 2.4
+    for name in (*survey.named_sets, ""):
+        some = survey.poles[own == name]
+        colour, marker = marks[name]
+        said = f"set {short(name, 18)}" if name else "poles" if not survey.named_sets else "of no set"
+        points(axes, some, survey.net, marker=marker, color=colour, markersize=size, markeredgewidth=0.6, zorder=3,
+               label=f"{said} ({len(some)})")  # fmt: skip
+    points(axes, survey.poles[critical], survey.net, marker="o", color=RED, markerfacecolor="none",
+           markersize=2.0 * size + 0.9, markeredgewidth=1.4, zorder=4,
+           label=f"{what} ({int(critical.sum())})")  # fmt: skip
+
+
+def _means(axes: Any, survey: _Survey) -> None:
+    """The mean pole of each set."""
+    own = np.array(survey.sets)
+    marks = set_marks(survey.named_sets)
+    for name in survey.named_sets:
+        some = survey.poles[own == name]
+        if len(some) < 2:
+            continue
+        pole = mean_axis(some)
+        plane = _plane_of(pole)
+        points(axes, pole[None], survey.net, marker=marks[name][1], color="black", markerfacecolor=marks[name][0],
+               markersize=11, markeredgewidth=1.4, zorder=4.5, label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
+
+
+def _plane_of(pole: Floats) -> str:
+    found = planes_of_poles(pole[None])
+    return f"{found.dips_deg[0]:.0f}/{found.dip_directions_deg[0]:03.0f}"
+
+
+def _dots(axes: Any, survey: _Survey, found: Bools, colour: str, marker: str, said: str) -> None:
+    """Lines of intersection."""
+    size = 3.4 if len(found) <= _OFTEN else 2.2 if len(found) <= 10 * _OFTEN else 1.4
+    quiet = colour == GREY
+    points(axes, survey.lines.down[found], survey.net, marker="." if quiet else marker, color=colour,
+           markersize=size if quiet else size + 0.6, markeredgewidth=0.3, alpha=0.7 if quiet else 1.0,
+           zorder=2.0 if quiet else 3.0, label=f"{said} ({int(found.sum())})")  # fmt: skip

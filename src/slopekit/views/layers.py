@@ -1,0 +1,265 @@
+"""What scenes are made of: coloured triangles in layers, plain arrays that PNG, GLB and windows draw alike."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.block_scene import Shapes
+
+Colour = tuple[int, int, int]
+_ROUND = 12  # sides of the shaft and the head of an arrow
+_SAME = 1e-7  # of the size: a point this near to a plane lies on it
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """Triangles of one kind.
+
+    Attributes
+    ----------
+    name : what they are; vertices : (v, 3) m; triangles : (t, 3); colours : (t, 3) 0 to 255
+    opacity : 0 to 1; outlined : whether their edges are drawn
+    """
+
+    name: str
+    vertices: Floats
+    triangles: Ints
+    colours: Ints
+    opacity: float = 1.0
+    outlined: bool = False
+
+
+def layer(name: str, body: tuple[Floats, Ints], colour: Colour, opacity: float = 1.0, outlined: bool = False) -> Layer:
+    """A layer of one colour."""
+    vertices, triangles = body
+    return Layer(name, vertices, triangles, np.tile(np.array(colour), (len(triangles), 1)), opacity, outlined)
+
+
+def blocks_layer(
+    name: str, shapes: Shapes, chosen: Bools, colours: Ints, offset: Floats, opacity: float = 1.0, outlined: bool = True
+) -> Layer:
+    """Some blocks, each vertex where `offset` takes it.
+
+    Parameters
+    ----------
+    chosen : (n,) blocks; colours : (n, 3); offset : (v, 3) m of every vertex of the solids
+    """
+    solids = shapes.solids
+    own = chosen[solids.block]
+    used, index = np.unique(solids.triangles[own], return_inverse=True)
+    return Layer(
+        name, (solids.vertices + offset)[used], index.reshape(-1, 3), colours[solids.block[own]], opacity, outlined
+    )
+
+
+def block_of_vertex(shapes: Shapes) -> Ints:
+    """The block of each vertex of the solids, (v,)."""
+    of = np.zeros(len(shapes.solids.vertices), dtype=np.int64)
+    of[shapes.solids.triangles.ravel()] = np.repeat(shapes.solids.block, 3)
+    return of
+
+
+def rigid(shapes: Shapes, motion: Floats, points: Floats, of: Ints) -> Floats:
+    """How rigid motions (n, 6) of the blocks move points (p, 3) of the blocks `of` (p,); -1 moves nothing.
+
+    Rotations are carried out in full (Rodrigues), so that magnified blocks keep their shape.
+    """
+    moved = np.zeros_like(points)
+    own = np.flatnonzero(of >= 0)
+    move, turn = motion[of[own], :3], motion[of[own], 3:]
+    arms = points[own] - shapes.centroids[of[own]]
+    angle = np.sqrt((turn * turn).sum(axis=1))
+    axis = turn / np.where(angle > 0.0, angle, 1.0)[:, None]
+    about = cross(axis, arms)
+    turned = np.sin(angle)[:, None] * about + (1.0 - np.cos(angle))[:, None] * cross(axis, about)
+    moved[own] = move + turned
+    return moved
+
+
+def contacts_body(shapes: Shapes, chosen: Ints, corners: Floats) -> tuple[Floats, Ints]:
+    """Contact polygons `chosen` as triangles, their corners where `corners` (c, 3) has them."""
+    first, counts = shapes.contacts.first, np.diff(shapes.contacts.first)
+    triangles = [np.zeros((0, 3), dtype=np.int64)]
+    for count in np.unique(counts[chosen]).tolist():
+        begin = first[chosen[counts[chosen] == count]]
+        fan = np.array([[0, i, i + 1] for i in range(1, count - 1)], dtype=np.int64).reshape(-1, 3)
+        triangles.append((begin[:, None, None] + fan).reshape(-1, 3))
+    return corners, np.concatenate(triangles)
+
+
+def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints, Ints]:
+    """Balls of one radius: vertices, triangles, and the ball of each triangle; rougher where there are many."""
+    vertices, triangles = _ball(1 if len(centres) <= 3000 else 0)
+    count = len(centres)
+    points = (centres[:, None, :] + radius * vertices).reshape(-1, 3)
+    of = np.repeat(np.arange(count), len(triangles))
+    return points, (np.arange(count)[:, None, None] * len(vertices) + triangles).reshape(-1, 3), of
+
+
+def _ball(level: int) -> tuple[Floats, Ints]:
+    """An octahedron, its triangles split in four `level` times, on the unit sphere."""
+    vertices = np.concatenate([np.eye(3), -np.eye(3)])
+    triangles = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    for _ in range(level):
+        a, b, c = (vertices[triangles[:, k]] for k in range(3))
+        parts = [a, b, c, a + b, b + c, c + a]
+        n = len(triangles)
+        vertices = np.concatenate([part / np.sqrt((part * part).sum(axis=1))[:, None] for part in parts])
+        i = np.arange(n)
+        a_, b_, c_, ab, bc, ca = (i + n * k for k in range(6))
+        corners = [(a_, ab, ca), (ab, b_, bc), (ca, bc, c_), (ab, bc, ca)]
+        triangles = np.concatenate([np.stack(three, axis=1) for three in corners])
+    return vertices, triangles
+
+
+def arrows(starts: Floats, vectors: Floats, width: float) -> tuple[Floats, Ints, Ints]:
+    """Arrows (k): vertices, triangles, and the arrow of each triangle.
+
+    Parameters
+    ----------
+    starts, vectors : (k, 3) m; width : m across the shafts of the longest (short ones are thinner)
+    """
+    lengths = np.sqrt((vectors * vectors).sum(axis=1))
+    kept = np.flatnonzero(lengths > 0.0)
+    axes = vectors[kept] / lengths[kept, None]
+    other = np.where(np.abs(axes[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    u = cross(axes, other)
+    u /= np.sqrt((u * u).sum(axis=1))[:, None]
+    v = cross(axes, u)
+    angle = np.arange(_ROUND) * (2.0 * math.pi / _ROUND)
+    ring = np.cos(angle)[None, :, None] * u[:, None, :] + np.sin(angle)[None, :, None] * v[:, None, :]
+    length = lengths[kept, None, None]
+    thick = np.minimum(width, 0.12 * length)
+    base, along = starts[kept][:, None, :], axes[:, None, :]
+    neck = np.maximum(length - 3.6 * thick, 0.55 * length)
+    tail, upper, brim = base + 0.5 * thick * ring, base + neck * along + 0.5 * thick * ring, (
+        base + neck * along + 1.3 * thick * ring
+    )  # fmt: skip
+    points = np.concatenate([tail, upper, brim, base + length * along, base], axis=1)  # 3 rings, tip, middle of tail
+    n, here = _ROUND, np.arange(_ROUND)
+    after = (here + 1) % n
+    faces = [
+        (here, after, here + n), (after, after + n, here + n), (here + n, after + n, here + 2 * n),
+        (after + n, after + 2 * n, here + 2 * n), (here + 2 * n, after + 2 * n, np.full(n, 3 * n)),
+        (after, here, np.full(n, 3 * n + 1)),
+    ]  # fmt: skip
+    one = np.concatenate([np.stack(three, axis=1) for three in faces])
+    size = points.shape[1]
+    triangles = (np.arange(len(kept))[:, None, None] * size + one).reshape(-1, 3)
+    return points.reshape(-1, 3), triangles, np.repeat(kept, len(one))
+
+
+# -- the rock about one block -----------------------------------------------------------------------------------------
+
+
+def free_triangles(shapes: Shapes) -> Bools:
+    """Which triangles of the solids lie on no contact plane (t,), for one block."""
+    solids, contacts = shapes.solids, shapes.contacts
+    if solids.faces:
+        joints = [k for k, name in enumerate(solids.faces) if name in shapes.joints]
+        free: Bools = ~np.isin(solids.face, joints)
+        return free
+    middle = solids.vertices.mean(axis=0)
+    size = float(np.ptp(solids.vertices, axis=0).max())
+    corners = solids.vertices[solids.triangles] - middle
+    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.sqrt((normals * normals).sum(axis=1))
+    free = lengths > 1e-12 * size * size
+    normals = normals / np.where(free, lengths, 1.0)[:, None]
+    for k in range(len(contacts)):
+        polygon = contacts.corners[contacts.first[k] : contacts.first[k + 1]] - middle
+        normal = _vector_area(polygon)
+        on = np.abs((corners - polygon[0]) @ normal).max(axis=1) < _SAME * size
+        free &= ~(on & (np.abs(normals @ normal) > 0.999))
+    return free
+
+
+def free_normal(shapes: Shapes) -> Floats:
+    """Out of the slope: the mean outward normal of the free faces, (3,) unit."""
+    corners = shapes.solids.vertices[shapes.solids.triangles[free_triangles(shapes)]]
+    total = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).sum(axis=0)
+    size = math.sqrt(float(total @ total))
+    unit: Floats = total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+    return unit
+
+
+def _vector_area(polygon: Floats) -> Floats:
+    normal = cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0]).sum(axis=0)
+    unit: Floats = normal / math.sqrt(float(normal @ normal))
+    return unit
+
+
+def rock_around(shapes: Shapes, room: float = 0.28) -> tuple[Floats, Ints] | None:
+    """The rock that a convex block lies in, with the place of the block left open; None where there is none to draw.
+
+    A box about the block, cut off along the block's free faces. In a section it is as thick as the block.
+    """
+    from manifold3d import Manifold
+
+    free = free_triangles(shapes)
+    if not free.any():
+        return None
+    vertices, _ = shapes.solids.of(0)
+    middle = vertices.mean(axis=0)
+    low, high = vertices.min(axis=0) - middle, vertices.max(axis=0) - middle
+    reach = room * float((high - low).max())
+    low, high = low - reach, high + np.array([reach, reach, 0.3 * reach])
+    body = Manifold.cube(tuple(high - low)).translate(tuple(low))
+    corners = shapes.solids.vertices[shapes.solids.triangles[free]] - middle
+    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = normals / np.sqrt((normals * normals).sum(axis=1))[:, None]
+    for outward, corner in zip(normals, corners[:, 0], strict=True):
+        body = body.trim_by_plane(tuple(-outward), float(-outward @ corner))
+    # the place of the block stays open a little beyond its free faces: faces that coincide would leave a film
+    ends = normals[(normals @ normals.T < -1.0 + _SAME).any(axis=1)]  # of a section
+    ways = [np.zeros(3), free_normal(shapes), *np.unique(np.round(ends, 6), axis=0)]
+    both = np.concatenate([vertices - middle + 0.01 * float((high - low).max()) * way for way in ways])
+    mesh = Manifold.hull_points(both).to_mesh64()
+    hull = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+    return _less(body, *hull, middle)
+
+
+def _less(body: Any, vertices: Floats, triangles: Ints, middle: Floats) -> tuple[Floats, Ints] | None:
+    """A body less a closed mesh, both about `middle`."""
+    from manifold3d import Manifold, Mesh64
+
+    block = Manifold(Mesh64(np.array(vertices, order="C"), np.array(triangles, dtype=np.uint64, order="C")))
+    rest = (body - block) if not block.is_empty() else body
+    mesh = rest.to_mesh64()
+    if len(mesh.tri_verts) == 0:
+        return None
+    return np.asarray(mesh.vert_properties)[:, :3] + middle, np.asarray(mesh.tri_verts, dtype=np.int64)
+
+
+def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Floats, Ints] | None:
+    """The ground below a profile (x, z) about a mass on a curved surface, with the place of the mass left open."""
+    from manifold3d import Manifold, Mesh64
+
+    from slopekit.block_scene import prism
+
+    vertices, triangles = shapes.solids.of(0)
+    middle = vertices.mean(axis=0)
+    low, high = vertices.min(axis=0) - middle, vertices.max(axis=0) - middle
+    reach = 0.25 * float((high - low).max())
+    low, high = low - reach, high + reach
+    line = np.asarray(profile, dtype=np.float64) - middle[[0, 2]]
+    line = line if line[0, 0] < line[-1, 0] else line[::-1]
+    begin, end = min(float(low[0]), float(line[0, 0])), max(float(high[0]), float(line[-1, 0]))
+    bottom = min(float(low[2]), float(line[:, 1].min()) - reach)
+    outline = np.array([[begin, bottom], [end, bottom], [end, line[-1, 1]], *line[::-1], [begin, line[0, 1]]])
+    width = 2.0 * float(max(-low[1], high[1]))
+    ground = prism(outline, width)
+    box = Manifold.cube((high[0] - low[0], width, 2.0 * (high[2] - low[2]))).translate((low[0], -width / 2.0, low[2]))
+    body = Manifold(Mesh64(ground[0], ground[1].astype(np.uint64))) ^ box
+    place = vertices - middle
+    found = _less(body, place, triangles, np.zeros(3))
+    # once more, a little out of the slope: faces that coincide would leave a film
+    out = 0.004 * float((high - low).max()) * free_normal(shapes)
+    if found is not None:
+        rest = Manifold(Mesh64(np.array(found[0], order="C"), found[1].astype(np.uint64)))
+        found = _less(rest, place + out, triangles, middle)
+    return found

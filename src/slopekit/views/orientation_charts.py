@@ -1,0 +1,173 @@
+"""The stereonet of any document with orientations (matplotlib): planes, poles, lines of intersection, friction cones.
+
+Needs the extra `plot`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.orientation import Line, Plane, downward, line_of, number, parse_plane
+from slopekit.studies.kinematic_zones import zones_of_lines
+from slopekit.views.drawing import DARK, GREY, nothing, short, title_of
+from slopekit.views.net_parts import (
+    BLUE,
+    FACE,
+    MARKERS,
+    RED,
+    SETS,
+    SHADE,
+    arrange,
+    cells,
+    envelope,
+    plane_circle,
+    points,
+    shade,
+    start,
+    steeper_than,
+)  # fmt: skip
+from slopekit.views.stereonet import NETS, Net
+
+Document = Mapping[str, Any]
+_MOST_JOINTS = 12  # that are drawn and listed one by one
+_MOST_LINES = 6  # of intersection that are written out
+_PARALLEL = 1e-6
+
+
+@dataclass(frozen=True)
+class Oriented:
+    """The orientations of a document: joints by name, the slope's planes, friction angles in degrees by joint."""
+
+    joints: Mapping[str, Plane]
+    slope: Mapping[str, Plane]
+    friction_deg: Mapping[str, float]
+
+    @property
+    def frictions(self) -> list[float]:
+        """The friction angles there are, rising."""
+        return sorted(set(self.friction_deg.values()))
+
+
+def orientations_of(document: Document) -> Oriented | None:
+    """What a document says of orientations, None where it has no joint with a direction."""
+    inputs = document.get("inputs")
+    if not isinstance(inputs, Mapping):
+        return None
+    joints: dict[str, Plane] = {}
+    friction: dict[str, float] = {}
+    if isinstance(inputs.get("joints"), Mapping):  # wedge
+        joints = {name: parse_plane(plane, name) for name, plane in inputs["joints"].items()}
+        friction = dict(zip(joints, inputs.get("friction_angle_deg") or (), strict=False))
+    elif isinstance(inputs.get("joint"), str):  # plane
+        name = str(inputs.get("joint_name") or "J1")
+        joints = {name: parse_plane(inputs["joint"], name)}
+        friction = {name: inputs["strength"]["friction_angle_deg"]}
+    elif isinstance(inputs.get("sets"), list):  # bench
+        strengths = {name: strength["friction_angle_deg"] for name, strength in inputs.get("strengths") or ()}
+        for one in inputs["sets"]:
+            joints[one["name"]] = parse_plane(one["plane"], one["name"])
+            if one.get("strength") in strengths:
+                friction[one["name"]] = strengths[one["strength"]]
+    elif document.get("kind") == "combos":
+        for pair in document.get("worst") or ():
+            joints |= {name: parse_plane(plane, name) for name, plane in
+                       zip(pair["joints"], pair["planes"], strict=True)}  # fmt: skip
+        friction = {f"φ {end}": inputs["friction_deg"][end] for end in ("least", "most")}
+    if not joints:
+        return None
+    slope = {name: parse_plane(inputs[name], name) for name in ("face", "upper") if isinstance(inputs.get(name), str)}
+    crack = inputs.get("crack")
+    if isinstance(crack, Mapping) and isinstance(crack.get("plane"), str):
+        slope["crack"] = parse_plane(crack["plane"], "crack")
+    return Oriented(joints, slope, friction)
+
+
+def draw_orientations(figure: Any, document: Document, net: Net = "area") -> None:
+    """Great circles and poles of joints and slope, lines of intersection, friction cones, the zone of sliding.
+
+    Raises
+    ------
+    DesignError
+        E273 where the document has no orientations.
+    """
+    found = orientations_of(document)
+    if found is None:
+        nothing("the document has no joint with dip and dip direction")
+    axes = figure.subplots()
+    start(axes, "")
+    face, frictions = found.slope.get("face"), found.frictions
+    if face is not None and frictions:
+        zone = zones_of_lines(cells(net)[0], face, frictions[0], 90.0, 90.0)["wedge_primary"]
+        shade(axes, zone, net, SHADE, "lines here daylight and are steeper than φ")
+    styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
+              "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
+    for name, plane in found.slope.items():
+        colour, style, width, said = styles[name]
+        plane_circle(axes, plane, net, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
+    if face is not None:
+        envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle="--", label="daylight envelope of poles")
+    _joints(axes, found, net)
+    for k, friction in enumerate(frictions[:: max(1, len(frictions) - 1)]):
+        style = "-" if k == 0 else ":"
+        steeper_than(axes, friction, net, color=BLUE, linewidth=1.2, linestyle=style,
+                     label=f"friction circle of lines, φ {number(friction)}°: steeper within")  # fmt: skip
+        steeper_than(axes, 90.0 - friction, net, color=BLUE, linewidth=0.9, linestyle="--" if k == 0 else "-.",
+                     label=f"friction cone of poles, φ {number(friction)}°: steeper outside")  # fmt: skip
+    _lines(axes, document, found, net)
+    arrange(figure, [axes], 1, f"{title_of(document)}\nlower hemisphere, {NETS[net]}")
+
+
+def _joints(axes: Any, found: Oriented, net: Net) -> None:
+    shown = list(found.joints.items())[:_MOST_JOINTS]
+    for k, (name, plane) in enumerate(shown):
+        colour, marker = SETS[k % len(SETS)], MARKERS[k % len(MARKERS)]
+        friction = found.friction_deg.get(name)
+        rough = "" if friction is None else f", φ {number(friction)}°"
+        style = "-" if k < len(SETS) else "-."
+        plane_circle(axes, plane, net, color=colour, linewidth=1.7, linestyle=style)
+        points(axes, -plane.normal()[None], net, marker=marker, color=colour, markeredgecolor="black", markersize=8,
+               zorder=4)  # fmt: skip
+        axes.plot([], [], color=colour, linestyle=style, linewidth=1.7, marker=marker, markeredgecolor="black",
+                  label=f"{short(name, 16)} {_rounded(plane)}{rough}, with its pole")  # fmt: skip
+    left = list(found.joints.values())[_MOST_JOINTS:]
+    if left:
+        points(axes, np.array([-plane.normal() for plane in left]), net, marker=".", color=GREY, markersize=5,
+               label=f"poles of {len(left)} more joints")  # fmt: skip
+
+
+def _lines(axes: Any, document: Document, found: Oriented, net: Net) -> None:
+    """Lines of intersection: of a combos document those of the worst pairs, else of all pairs of joints."""
+    named: list[tuple[str, Floats]] = []
+    if document.get("kind") == "combos":
+        for pair in document["worst"]:
+            a, b = (parse_plane(plane, "joint").normal() for plane in pair["planes"])
+            named.append((" x ".join(pair["joints"]), downward(np.cross(a, b))))
+    else:
+        shown = list(found.joints.items())[:_MOST_JOINTS]
+        for (one, first), (other, second) in combinations(shown, 2):
+            line = downward(np.cross(first.normal(), second.normal()))
+            named.append((f"{short(one, 12)} x {short(other, 12)}", line))
+    lines = [(name, line / size) for name, line in named if (size := float(np.sqrt(line @ line))) >= _PARALLEL]
+    for k, (name, line) in enumerate(lines[:_MOST_LINES]):
+        marker = MARKERS[k % len(MARKERS)]
+        points(axes, line[None], net, marker=marker, color=RED, markeredgecolor="black", markersize=9, zorder=4.5,
+               label=f"line {name}: {_direction(line)}")  # fmt: skip
+    left = lines[_MOST_LINES:]
+    if left:
+        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED, markersize=4.5, zorder=4.4,
+               label=f"{len(left)} more lines of intersection")  # fmt: skip
+
+
+def _direction(vector: Floats) -> str:
+    """Trend and plunge to a tenth of a degree."""
+    line = line_of(vector)
+    return str(Line(round(line.trend_deg, 1) % 360.0, line.plunge_deg))
+
+
+def _rounded(plane: Plane) -> str:
+    """To a tenth of a degree."""
+    return str(Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1)))

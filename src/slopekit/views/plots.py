@@ -1,0 +1,251 @@
+"""Every picture by its word, from any JSON that slopekit has written: what a document can give, and its drawing."""
+
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, NoReturn
+
+from slopekit.errors import DesignError, Fault
+from slopekit.result import ASSEMBLIES
+from slopekit.views.drawing import FORMATS, new_figure, save
+from slopekit.views.kinematic_charts import TESTS
+from slopekit.views.scenes import SCENES
+from slopekit.views.stereonet import Net
+
+Document = Mapping[str, Any]
+#: Drawn by matplotlib: what they show, and which file has the data.
+CHARTS: Mapping[str, tuple[str, str]] = {
+    "stereonet": ("planes, poles, lines, cones on the lower hemisphere",
+                  "a file with joints: slopekit kinematic, run, wedge, combos or prob with -o DIR"),
+    "histogram": ("factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR"),
+    "curve": ("the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR"),
+    "contour": ("the factor over two numbers",
+                "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR"),
+    "tornado": ("what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR"),
+    "speed-error": ("time against error of the solver", "check.json: slopekit check design.yaml -o DIR"),
+    "reduction": ("failed node pairs and displacement over the strength reduction factor",
+                  "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
+                  "by slopekit run design.yaml -o DIR"),
+    "normals": ("true normals of a curved slip surface against those of facets",
+                "check.json of a design of kind surface: slopekit check design.yaml -o DIR"),
+}  # fmt: skip
+EVERY = (*SCENES, *CHARTS)
+SCENE_FORMATS = (".png", ".glb", ".gltf")
+_MOST_BYTES = 1_000_000_000
+_DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to draw.
+
+    Attributes
+    ----------
+    show : a window in place of a file
+    net : of stereonets; test : planar, wedge or toppling, the tests of a kinematic study that are drawn
+    explode, magnify, step : of scenes
+    """
+
+    show: bool = False
+    net: Net = "area"
+    test: str | None = None
+    explode: float | None = None
+    magnify: float | None = None
+    step: int = 1
+
+
+def offers(document: Document) -> dict[str, str]:
+    """What a document can give: the words, and what each picture shows."""
+    study, kind = document.get("study"), document.get("kind")
+    found = dict[str, str]()
+    scene = document.get("scene")
+    if isinstance(scene, Mapping):
+        left = {"displacement"} if scene.get("displacement") is None else set()
+        left |= set() if kind in ASSEMBLIES else {"factors", "ravelling"}
+        left |= {"mechanism", "ravelling"} if document.get("mechanism") is None else set()
+        found |= {what: shows for what, shows in SCENES.items() if what not in left}
+    keys = document.get("keys")
+    has = {
+        "stereonet": kind == "kinematic" or _oriented(document),
+        "histogram": study == "prob",
+        "curve": study == "sweep" and isinstance(keys, list) and len(keys) == 1,
+        "contour": study == "sweep" and isinstance(keys, list) and len(keys) == 2,
+        "tornado": study == "tornado",
+        "speed-error": "ladder" in document,
+        "reduction": bool(document.get("series") or document.get("all_pairs")),
+        "normals": bool(document.get("normals")),
+    }
+    return found | {what: CHARTS[what][0] for what in CHARTS if has[what]}
+
+
+def _oriented(document: Document) -> bool:
+    from slopekit.views.orientation_charts import orientations_of
+
+    try:
+        return orientations_of(document) is not None
+    except (*_DAMAGED, DesignError):
+        return False
+
+
+def draw(document: Document, what: str, path: Path | None, options: Options | None = None, name: str = "") -> None:
+    """Draw a picture of a document to a file, or in a window.
+
+    Parameters
+    ----------
+    what : one of `EVERY`
+    path : None only with `options.show`
+    name : what the document is called, for messages
+
+    Raises
+    ------
+    DesignError
+        E140 without the extra, E342 no such picture, E343 the document has no data for it, E344 it is damaged, E345 not
+        a format, E346 no window, E347 an option of other pictures, E273 nothing to draw, E129 not writable.
+    """
+    options = options or Options()
+    named, name = bool(name), name or "the document"
+    check(document, what, path, options, name)
+    try:
+        if what in SCENES:
+            from slopekit.views import scenes
+
+            scenes.draw(document, what, path, show=options.show, explode=options.explode, magnify=options.magnify,
+                        step=options.step)  # fmt: skip
+            return
+        figure = new_figure(path or name)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
+            _drawer(document, what, options)(figure, document)
+            if path is not None and not options.show:
+                save(figure, path)
+    except _DAMAGED as error:
+        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        message = f"{name} cannot be drawn as {what} ({said})"
+        advice = "Was it changed, or written by an older slopekit? Make it again."
+        raise DesignError([Fault("E344", message, "", advice)]) from error
+    except DesignError as error:  # where it stands is the document
+        where = name if named else ""
+        faults = [Fault(fault.code, fault.message, fault.where or where, fault.advice) for fault in error.faults]
+        raise DesignError(faults) from error
+    if options.show:
+        _window(figure)
+
+
+def check(document: Document, what: str, path: Path | None, options: Options, name: str) -> None:
+    """Refuse what cannot be drawn before anything is loaded: E342, E343, E345, E347."""
+    given = offers(document)
+    can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
+    if what not in EVERY:
+        near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
+        advice = (f"Did you mean {near[0]}? " if near else "") + can
+        raise DesignError([Fault("E342", f"{what} is not a picture", what, advice)])
+    if what not in given and not (what in SCENES and isinstance(document.get("scene"), Mapping)):
+        wants = CHARTS[what][1] if what in CHARTS else "result.json: slopekit run design.yaml -o DIR"
+        raise DesignError([Fault("E343", f"{name} has no data for {what}: it wants {wants}", "", can)])
+    formats = SCENE_FORMATS if what in SCENES else FORMATS
+    if path is not None and not options.show and path.suffix.lower() not in formats:
+        message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
+        raise DesignError([Fault("E345", message, str(path), f"Known: {', '.join(formats)}.")])
+    scene = what in SCENES
+    for option, used, belongs in (
+        ("--equal-angle", options.net != "area", what == "stereonet"),
+        ("--test", options.test is not None, what == "stereonet" and document.get("kind") == "kinematic"),
+        ("--explode", options.explode is not None, scene), ("--magnify", options.magnify is not None, scene),
+        ("--step", options.step != 1, scene),
+    ):  # fmt: skip
+        if used and not belongs:
+            raise DesignError([Fault("E347", f"{option} says nothing of this {what}", option, "Leave it out.")])
+    if options.test is not None and options.test not in TESTS:
+        advice = f"Known: {', '.join(TESTS)}."
+        raise DesignError([Fault("E347", f"{options.test} is not a test", f"--test {options.test}", advice)])
+
+
+def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, Document], None]:
+    """The function that draws it on a figure."""
+    from slopekit.views import check_charts, sweep_charts
+    from slopekit.views.kinematic_charts import draw_kinematic
+    from slopekit.views.orientation_charts import draw_orientations
+    from slopekit.views.probability_charts import draw_histogram
+    from slopekit.views.reduction_charts import draw_reduction
+
+    if what == "stereonet" and document.get("kind") == "kinematic":
+        return lambda figure, of: draw_kinematic(figure, of, options.net, options.test)
+    if what == "stereonet":
+        return lambda figure, of: draw_orientations(figure, of, options.net)
+    drawers: dict[str, Callable[[Any, Document], None]] = {
+        "histogram": draw_histogram, "curve": sweep_charts.draw_curve, "contour": sweep_charts.draw_contour,
+        "tornado": sweep_charts.draw_tornado, "speed-error": check_charts.draw_speed_errors,
+        "reduction": draw_reduction, "normals": check_charts.draw_normals,
+    }  # fmt: skip
+    return drawers[what]
+
+
+def _window(figure: Any) -> None:
+    """Show a figure until its window is closed."""
+    import matplotlib.pyplot as plt
+
+    try:
+        shown = plt.figure()
+    except ImportError as error:  # a display, but no toolkit that draws on it
+        _no_window(str(error))
+    if plt.get_backend().lower() == "agg":
+        plt.close(shown)
+        _no_window("there is no display, or no toolkit for it (PyQt, Tk)")
+    shown.canvas.manager.canvas.figure = figure
+    figure.set_canvas(shown.canvas.manager.canvas)
+    plt.show()
+
+
+def _no_window(why: str) -> NoReturn:
+    raise DesignError([Fault("E346", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
+
+
+# -- documents --------------------------------------------------------------------------------------------------------
+
+
+def read_document(path: Path) -> Document:
+    """The JSON of a file.
+
+    Raises
+    ------
+    DesignError
+        E147 to E149 for the file, E340 not JSON, E341 not slopekit's.
+    """
+    import json
+
+    from slopekit.design.document import read_bytes
+
+    content = read_bytes(path, _MOST_BYTES)
+
+    def finite(text: str) -> float:
+        value = float(text)
+        if not math.isfinite(value):
+            raise ValueError(f"{text} is no number of JSON")
+        return value
+
+    try:
+        document = json.loads(content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite)
+    except (ValueError, RecursionError) as error:  # UnicodeDecodeError among them
+        said = str(error) if not isinstance(error, UnicodeDecodeError) else "it is no text"
+        advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
+        if path.suffix.lower() in (".yaml", ".yml"):
+            advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
+        raise DesignError([Fault("E340", f"{path.name} is not JSON: {said}", str(path), advice)]) from None
+    return checked_document(document, path.name)
+
+
+def checked_document(document: Any, name: str) -> Document:
+    """A document if slopekit has written it, else E341."""
+    if not isinstance(document, Mapping) or "slopekit" not in document:
+        message = f"{name} is not of slopekit: it has no key slopekit"
+        raise DesignError([Fault("E341", message, name, "Give a file that slopekit wrote with -o or --json.")])
+    if "errors" in document and "kind" not in document:
+        codes = [str(fault.get("code")) for fault in document["errors"] if isinstance(fault, Mapping)]
+        message = f"{name} holds the faults of a run that failed ({', '.join(codes)}), no result"
+        raise DesignError([Fault("E341", message, name, "Repair its input, and run it again.")])
+    if not isinstance(document.get("kind", ""), str) or ("version" in document and "kind" not in document):
+        raise DesignError([Fault("E341", f"{name} is no result of slopekit", name)])
+    return document

@@ -1,0 +1,327 @@
+"""Drawing pictures: pixels by pyvista in parallel projection, words, scale and compass about them by matplotlib.
+
+GLB and glTF are written with trimesh: a scene of named layers about its middle, in metres, y up.
+"""
+
+import math
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Floats, cross
+from slopekit.errors import DesignError, Fault
+from slopekit.views.layers import Layer
+from slopekit.views.picture import Bar, Picture
+from slopekit.views.scene_parts import nice
+
+_WIDTH, _HEIGHT, _DPI = 1130, 800, 100
+_SIDE, _TOP, _BOTTOM = 330, 84, 64  # pixels beside, above and beneath the scene
+_SHARP = 2  # pixels of the scene for each of the picture: edges without steps
+_EDGE_DEG = 12.0  # edges between flatter faces are not drawn
+_ADVICE = "In slopekit's folder: pip install '.[plot]'"
+
+
+def save(picture: Picture, path: Path) -> None:
+    """Draw a picture to a PNG, GLB or glTF file.
+
+    Raises
+    ------
+    DesignError
+        E140 where pyvista or matplotlib is not installed, E129 where the file cannot be written.
+    """
+    suffix = path.suffix.lower()
+    try:
+        if suffix in (".glb", ".gltf"):
+            _save_gltf(picture, path)
+        else:
+            _save_png(picture, path)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+
+
+def require_drawing(path: Path) -> None:
+    """Raise E140 where no scene can be drawn, before the work is done."""
+    for name in ("pyvista", "matplotlib"):
+        if find_spec(name) is None:
+            raise DesignError([Fault("E140", f"drawing needs the extra plot ({name})", str(path), _ADVICE)])
+
+
+def show_window(picture: Picture) -> None:
+    """Show a picture in a window that can be turned.
+
+    Raises
+    ------
+    DesignError
+        E140 where pyvista is not installed, E346 without a display.
+    """
+    import os
+    import sys
+
+    require_drawing(Path())
+    pyvista = _pyvista()
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        message = "no window can be opened: there is no display"
+        raise DesignError([Fault("E346", message, "--show", "Write a file: -o out.png.")])
+    plotter = pyvista.Plotter(window_size=[_WIDTH, _HEIGHT], title=picture.title)
+    _fill(plotter, pyvista, picture)
+    camera = Camera.of(picture)
+    camera.set(plotter)
+    plotter.add_text(f"{picture.title}\n{picture.subtitle}", font_size=10, color="black")
+    entries = [[text, [part / 255.0 for part in colour]] for text, colour, _ in picture.legend]
+    if entries:
+        plotter.add_legend(
+            entries, bcolor="white", size=(0.3, 0.035 * len(entries)), loc="lower right", face="rectangle"
+        )
+    plotter.add_axes(xlabel="E", ylabel="N", zlabel="up")
+    plotter.show()
+
+
+def _pyvista() -> Any:
+    import pyvista
+
+    pyvista.vtk_verbosity("off")
+    return pyvista
+
+
+class Camera:
+    """A parallel projection: `right`, `up`, `eye` (3,) unit; `middle` (3,) m of the frame, `height` m that it shows."""
+
+    def __init__(self, right: Floats, up: Floats, eye: Floats, middle: Floats, height: float) -> None:
+        self.right, self.up, self.eye, self.middle, self.height = right, up, eye, middle, height
+
+    @classmethod
+    def of(cls, picture: Picture) -> "Camera":
+        """The frame that holds every layer."""
+        eye = picture.eye
+        right = cross(np.array([0.0, 0.0, 1.0]), eye)
+        right = right / math.sqrt(float(right @ right))
+        up = cross(eye, right)
+        points = np.concatenate([part.vertices[part.triangles.ravel()] for part in picture.layers])
+        about = points.mean(axis=0)
+        x, y, z = np.array([right, up, eye]) @ (points - about).T
+        wide, high = float(np.ptp(x)), float(np.ptp(y))
+        aspect = (_WIDTH - _SIDE) / (_HEIGHT - _TOP - _BOTTOM)
+        middle = about + right * (x.min() + x.max()) / 2.0 + up * (y.min() + y.max()) / 2.0 + eye * z.mean()
+        return cls(right, up, eye, middle, 1.06 * max(high, wide / aspect, 1e-12))
+
+    def set(self, plotter: Any) -> None:
+        """Point the camera of a plotter."""
+        far = 4.0 * self.height
+        plotter.camera_position = [tuple(self.middle + far * self.eye), tuple(self.middle), tuple(self.up)]
+        plotter.enable_parallel_projection()
+        plotter.camera.parallel_scale = self.height / 2.0
+        plotter.reset_camera_clipping_range()
+
+    def seen(self, point: Floats) -> tuple[float, float]:
+        """Where a point comes to lie: m to the right of the middle of the frame, and above it."""
+        return float((point - self.middle) @ self.right), float((point - self.middle) @ self.up)
+
+
+def _fill(plotter: Any, pyvista: Any, picture: Picture) -> None:
+    """The layers as meshes about the middle of the scene: VTK computes in single precision."""
+    plotter.set_background("white")
+    for part in picture.layers:
+        if len(part.triangles) == 0:
+            continue
+        faces = np.insert(part.triangles, 0, 3, axis=1).ravel()
+        mesh = pyvista.PolyData(part.vertices, faces)
+        mesh.cell_data["colour"] = part.colours.astype(np.uint8)
+        plotter.add_mesh(
+            mesh, scalars="colour", rgb=True, opacity=part.opacity, show_scalar_bar=False, ambient=0.45, diffuse=0.62,
+            specular=0.0, lighting=True,
+        )  # fmt: skip
+        if part.outlined:
+            edges = mesh.extract_feature_edges(_EDGE_DEG, manifold_edges=False, non_manifold_edges=False)
+            if edges.n_points:
+                plotter.add_mesh(edges, color="#3a2a1c", line_width=1.2 * _SHARP, opacity=max(part.opacity, 0.55))
+
+
+def _moved(picture: Picture) -> Picture:
+    """The same about the middle of the scene."""
+    from dataclasses import replace
+
+    points = np.concatenate([part.vertices[part.triangles.ravel()] for part in picture.layers])
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    layers = tuple(replace(part, vertices=part.vertices - middle) for part in picture.layers)
+    return replace(picture, layers=layers, labels=tuple((point - middle, text) for point, text in picture.labels))
+
+
+# -- PNG --------------------------------------------------------------------------------------------------------------
+
+
+def _save_png(picture: Picture, path: Path) -> None:
+    require_drawing(path)
+    pyvista = _pyvista()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    picture = _moved(picture)
+    wide, high = _WIDTH - _SIDE, _HEIGHT - _TOP - _BOTTOM
+    plotter = pyvista.Plotter(off_screen=True, window_size=[wide * _SHARP, high * _SHARP])
+    camera = Camera.of(picture)
+    try:
+        _fill(plotter, pyvista, picture)
+        camera.set(plotter)
+        pixels = plotter.screenshot(None, return_img=True)
+    finally:
+        plotter.close()
+    pixels = pixels.reshape(high, _SHARP, wide, _SHARP, 3).mean(axis=(1, 3)) / 255.0
+
+    figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI)
+    FigureCanvasAgg(figure)
+    figure.figimage(pixels, 0, _BOTTOM, origin="upper")
+    x, y = 14 / _WIDTH, 1.0 - 16 / _HEIGHT
+    figure.text(x, y, _within(figure, picture.title, 14, "bold"), fontsize=14, weight="bold", va="top")
+    figure.text(x, 1.0 - 44 / _HEIGHT, picture.subtitle, fontsize=10.5, va="top", wrap=True)
+    for k, note in enumerate(note for note in picture.notes if note):
+        figure.text(x, (_BOTTOM - 24 - 16 * k) / _HEIGHT, note, fontsize=8.5, va="top", color="#444444")
+    _write_labels(figure, picture, camera, wide, high)
+    _scale(figure, camera, wide, high)
+    below = _legend(figure, picture)
+    if picture.bar is not None:
+        _bar(figure, picture.bar, below)
+    _compass(figure, camera)
+    figure.savefig(path, dpi=_DPI)
+
+
+def _within(figure: Any, text: str, size: float, weight: str) -> str:
+    """A text, cut where it would leave the picture."""
+    most = int(1.75 * (_WIDTH - 30) / size)
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def _legend(figure: Any, picture: Picture) -> float:
+    """The legend at the right; how far down (pixels from the top) it reaches."""
+    import textwrap
+
+    from matplotlib.patches import Rectangle
+
+    top = float(_TOP + 10)
+    left = _WIDTH - _SIDE + 16
+    for text, colour, opacity in picture.legend:
+        lines = textwrap.wrap(text, 42) or [""]
+        shade = tuple(1.0 - opacity * (1.0 - part / 255.0) for part in colour)
+        patch = Rectangle((left / _WIDTH, 1.0 - (top + 13) / _HEIGHT), 16 / _WIDTH, 13 / _HEIGHT, facecolor=shade,
+                          edgecolor="#333333", linewidth=0.6, transform=figure.transFigure)  # fmt: skip
+        figure.add_artist(patch)
+        figure.text((left + 24) / _WIDTH, 1.0 - top / _HEIGHT, "\n".join(lines), fontsize=9, va="top", linespacing=1.2)
+        top += 8 + 14.5 * len(lines)
+    return top
+
+
+def _bar(figure: Any, bar: Bar, top: float) -> None:
+    high = 190.0
+    left = _WIDTH - _SIDE + 16
+    axes = figure.add_axes((left / _WIDTH, 1.0 - (top + 30 + high) / _HEIGHT, 20 / _WIDTH, high / _HEIGHT))
+    steps = np.linspace(bar.low, bar.high, 128)
+    if bar.whole:
+        steps = np.arange(bar.low, bar.high + 0.5)
+    reach = (bar.low - 0.5, bar.high + 0.5) if bar.whole else (bar.low, bar.high)
+    axes.imshow(bar.colours(steps)[:, None, :].astype(np.uint8), origin="lower", aspect="auto", extent=(0, 1, *reach))
+    axes.set_xticks([])
+    axes.yaxis.tick_right()
+    if bar.whole and bar.high - bar.low < 12:
+        axes.set_yticks(steps)
+    axes.tick_params(labelsize=8.5)
+    figure.text(left / _WIDTH, 1.0 - (top + 12) / _HEIGHT, bar.label, fontsize=9, va="top")
+
+
+def _scale(figure: Any, camera: Camera, wide: int, high: int) -> None:
+    """A scale bar: lengths square to the line of sight are true."""
+    from matplotlib.lines import Line2D
+
+    per_pixel = camera.height / high
+    length = nice(0.22 * wide * per_pixel)
+    begin, y = 20.0, _BOTTOM + 8.0
+    end = begin + length / per_pixel
+    for x in ((begin, end), (begin, begin), (end, end)):
+        ys = (y, y) if x[0] != x[1] else (y - 4, y + 4)
+        figure.add_artist(Line2D([part / _WIDTH for part in x], [part / _HEIGHT for part in ys], color="black", lw=1.6))
+    figure.text((begin + end) / 2 / _WIDTH, (y + 6) / _HEIGHT, f"{length:g} m", fontsize=9, ha="center", va="bottom",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.75})  # fmt: skip
+
+
+def _compass(figure: Any, camera: Camera) -> None:
+    """North, east and up as they lie in the picture, at the lower right."""
+    middle, reach = (_WIDTH - _SIDE / 2, _BOTTOM + 52.0), 40.0
+    axes = [("N", (0.0, 1.0, 0.0), "#b5281e"), ("E", (1.0, 0.0, 0.0), "#444444"), ("up", (0.0, 0.0, 1.0), "#444444")]
+    for name, way, colour in axes:
+        across, above, toward = (float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye))
+        if math.hypot(across, above) < 0.3:
+            text = f"{name} {'toward you' if toward > 0 else 'into the picture'}"
+            figure.text((middle[0] + 4) / _WIDTH, (middle[1] - 14) / _HEIGHT, text, fontsize=8, color=colour, va="top",
+                        ha="center")  # fmt: skip
+            continue
+        tip = (middle[0] + reach * across, middle[1] + reach * above)
+        figure.add_artist(_arrow(middle, tip, colour))
+        beyond = (middle[0] + (reach + 11) * across, middle[1] + (reach + 11) * above)
+        figure.text(beyond[0] / _WIDTH, beyond[1] / _HEIGHT, name, fontsize=9.5, color=colour, ha="center", va="center",
+                    weight="bold" if name == "N" else "normal")  # fmt: skip
+
+
+def _arrow(begin: tuple[float, float], end: tuple[float, float], colour: str) -> Any:
+    from matplotlib.patches import FancyArrowPatch
+    from matplotlib.transforms import IdentityTransform
+
+    return FancyArrowPatch(begin, end, arrowstyle="-|>", mutation_scale=11, color=colour, lw=1.6, shrinkA=0, shrinkB=0,
+                           transform=IdentityTransform())  # fmt: skip
+
+
+def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high: int) -> None:
+    """Labels where they cover no other; how many found no room is said."""
+    from matplotlib.lines import Line2D
+
+    taken: list[tuple[float, float, float, float]] = []
+    left = 0
+    lifted = 26.0 if picture.beside else 0.0
+    for point, text in picture.labels:
+        across, above = camera.seen(point)
+        x = wide / 2 + across / camera.height * high
+        y = _BOTTOM + high / 2 + above / camera.height * high
+        half, tall = 3.3 * len(text) + 2, 7.0
+        box = (x - half, y + lifted - tall, x + half, y + lifted + tall)
+        inside = box[0] > 0 and box[2] < wide and box[1] > _BOTTOM and box[3] < _BOTTOM + high
+        if not inside or any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
+            left += 1
+            continue
+        taken.append(box)
+        if picture.beside:
+            ends = [y / _HEIGHT, (y + lifted) / _HEIGHT]
+            figure.add_artist(Line2D([x / _WIDTH] * 2, ends, color="#222222", lw=0.9, marker="o", ms=3, markevery=[0]))
+        figure.text(x / _WIDTH, (y + lifted) / _HEIGHT, text, fontsize=8, ha="center", va="center",
+                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8})  # fmt: skip
+    if left:
+        figure.text((wide - 6) / _WIDTH, (_BOTTOM + 6) / _HEIGHT, f"{left} names left out: no room", fontsize=7.5,
+                    ha="right", color="#666666")  # fmt: skip
+
+
+# -- GLB and glTF -----------------------------------------------------------------------------------------------------
+
+_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
+
+
+def _save_gltf(picture: Picture, path: Path) -> None:
+    import trimesh
+
+    scene = trimesh.Scene()
+    for k, part in enumerate(_moved(picture).layers):
+        if len(part.triangles):
+            scene.add_geometry(_mesh(trimesh, part), node_name=part.name, geom_name=f"{k} {part.name}")
+    scene.apply_transform(_TO_Y_UP)
+    if path.suffix.lower() == ".glb":
+        path.write_bytes(scene.export(file_type="glb"))
+        return
+    files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
+    path.write_bytes(files["model.gltf"])
+
+
+def _mesh(trimesh: Any, part: Layer) -> Any:
+    """A layer whose triangles have corners of their own, so that faces stay flat and keep their colours."""
+    corners = part.vertices[part.triangles].reshape(-1, 3)
+    alpha = np.full((len(part.colours), 1), round(255 * part.opacity))
+    colours = np.repeat(np.concatenate([part.colours, alpha], axis=1), 3, axis=0).astype(np.uint8)
+    faces = np.arange(len(corners)).reshape(-1, 3)
+    return trimesh.Trimesh(corners, faces, vertex_colors=colours, process=False)

@@ -1,0 +1,185 @@
+"""The report of a result: one page of HTML that needs no network, made of the JSON. Needs the extra `report`."""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from slopekit._version import __version__
+from slopekit.errors import DesignError, Fault, Notice
+from slopekit.views import report_tables as tables
+from slopekit.views.report_inputs import Table, input_tables, value_text, words
+from slopekit.views.report_pictures import Picture, still_pictures
+from slopekit.views.report_words import answer, kind_words, meaning
+from slopekit.views.verification_excerpt import WHOLE, shipped
+from slopekit.views.viewer_data import viewer_data
+
+_TEMPLATES = Path(__file__).parent / "templates"
+_DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
+_NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
+#: Sheet entries that say what the slope is; the label differs by kind.
+_SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
+NOT_MODELLED = (
+    "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A page: its HTML, the words of its pictures, what it lacks and why, and what has to be said."""
+
+    html: str
+    pictures: tuple[str, ...]
+    missing: tuple[str, ...]
+    notices: tuple[Notice, ...]
+
+
+def require_jinja(where: Path | str) -> None:
+    """Raise E140 where no page can be made."""
+    if find_spec("jinja2") is None:
+        advice = "In slopekit's folder: pip install '.[report]'"
+        raise DesignError([Fault("E140", "reports need the extra report (jinja2)", str(where), advice)])
+
+
+def report_of(document: Mapping[str, Any], name: str = "", with_pictures: bool = True) -> Report:
+    """The page of a document.
+
+    Parameters
+    ----------
+    document : the JSON of a result
+    name : what it is called, for messages
+    with_pictures : draw the still pictures as well; they take seconds and the extra `plot`
+
+    Raises
+    ------
+    DesignError
+        E140 without the extra, E371 not a result, E372 a result that is damaged.
+    """
+    require_jinja(name)
+    _refuse_others(document, name)
+    try:
+        return _report(document, with_pictures)
+    except _DAMAGED as error:
+        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+        message = f"the result cannot be read as one ({said})"
+        advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
+        raise DesignError([Fault("E372", message, name, advice)]) from error
+
+
+def _refuse_others(document: Mapping[str, Any], name: str) -> None:
+    if "fos" not in document or "status" not in document:
+        study = document.get("study")
+        what = f"a study ({study})" if isinstance(study, str) else "another document of slopekit"
+        message = f"this is {what}, report takes the result.json of run or wedge"
+        advice = "slopekit plot draws studies; their sheets stand beside their JSON."
+        raise DesignError([Fault("E371", message, name, advice)])
+
+
+def _report(document: Mapping[str, Any], with_pictures: bool) -> Report:
+    sheet, notices = document.get("sheet"), []
+    if not isinstance(sheet, Mapping):
+        sheet = {}
+        notices.append(
+            Notice("W371", "the JSON holds no `sheet` (it comes from to_dict()): the slope in words is left out")
+        )
+    view, data = True, "{}"
+    try:
+        data = json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
+    except (DesignError, *_DAMAGED) as error:
+        view = False
+        why = error.faults[0].message if isinstance(error, DesignError) else f"{type(error).__name__}: {error}"
+        notices.append(Notice("W372", f"there is no view to turn, the scene cannot be read: {why}"))
+    found, missing = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
+    html = _rendered(_context(document, sheet, found, missing, notices, data if view else ""))
+    return Report(html, tuple(picture.what for picture in found), tuple(missing), tuple(notices))
+
+
+def _context(
+    document: Mapping[str, Any], sheet: Mapping[str, Any], pictures: list[Picture], missing: list[str],
+    notices: list[Notice], data: str,
+) -> dict[str, Any]:  # fmt: skip
+    kind, inputs = str(document["kind"]), document["inputs"]
+    whole = [one for one in (tables.motion_table(document),) if one is not None]
+    return {
+        "title": document["title"] or kind_words(kind), "kind": kind_words(kind), "version": document["slopekit"],
+        "own_version": __version__, "sha": document["input_sha256"],
+        "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
+        "rules": _entries(sheet, "ACCEPT") or [
+            f"{one['rule']}: {'MET' if one['met'] else 'NOT MET'}" for one in document["rules"]
+        ],
+        "notices": [(one["code"], one["message"]) for one in document["warnings"]]
+        + [(one.code, one.message) for one in notices],
+        "factors": tables.factor_table(document),
+        "view_data": data.replace("<", "\\u003c"), "pictures": pictures, "missing": missing,
+        "slope": [(label.lower(), _chunks(_entries(sheet, label))) for label in _SLOPE if _entries(sheet, label)
+                  and not (label == "COLUMNS" and kind == "surface")],
+        "inputs": list(input_tables(inputs)),
+        "forces": list(tables.force_tables(document)),
+        "moments": [*_entries(sheet, "ROTATION"), *(_entries(sheet, "MOVES") if document["assembly"] is None else
+                                                    _entries(sheet, "MOVES")[:1])],
+        "movement": whole, "assembly": list(tables.assembly_tables(document)),
+        "standing": "" if document["assembly"] is None else document["assembly"]["standing"],
+        "searches": list(tables.search_tables(document)), "checks": list(tables.check_tables(document)),
+        "check_words": _entries(sheet, "CHECKS"),
+        "left_out": [str(one) for one in document["model"]["left_out"]], "not_modelled": NOT_MODELLED,
+        "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
+        "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()],
+        "verification": _verification(kind), "times": tables.time_table(document),
+    }  # fmt: skip
+
+
+def _entries(sheet: Mapping[str, Any], label: str) -> list[str]:
+    found = sheet.get(label, [])
+    if not isinstance(found, list) or not all(isinstance(entry, str) for entry in found):
+        raise TypeError(f"sheet.{label} is no list of texts")
+    return found
+
+
+def _chunks(entries: list[str]) -> list[list[str]]:
+    """Entries of the sheet in the pieces that wide gaps part."""
+    return [re.split(r" {2,}", entry.strip()) for entry in entries]
+
+
+def _verification(kind: str) -> dict[str, Any]:
+    """The rows of the shipped excerpt that stand for a kind; a bench is solved as blocks are."""
+    found = shipped()
+    like = "blocks" if kind == "bench" else kind
+    rows = []
+    for row in found["rows"]:
+        if row["kind"] == like:
+            judged = {True: "within", False: "OUTSIDE", None: "not judged"}[row["ok"]]
+            shown = ["" if row[key] is None else str(row[key]) for key in ("published",)]
+            exact, value = (("" if one is None else f"{one:.6g}") for one in (row["exact"], row["value"]))
+            rows.append((row["title"], words(row["quantity"]), *shown, exact, value, row["source"], judged))
+    head = ("case", "quantity", "published", "exact or other code", "slopekit", "source", "")
+    sources = [(key, found["sources"][key]) for key in found["sources"]
+               if any(row["source"] == key and row["kind"] == like for row in found["rows"])]  # fmt: skip
+    return {
+        "version": found["slopekit"], "counts": found["counts"], "whole": WHOLE, "sources": sources,
+        "bench": kind == "bench",
+        "table": Table("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
+    }  # fmt: skip
+
+
+def _rendered(context: Mapping[str, Any]) -> str:
+    from markupsafe import Markup
+
+    own = {name: Markup((_TEMPLATES / name).read_text(encoding="utf-8")) for name in ("report.css", "viewer.js")}
+    data = Markup(context["view_data"])  # JSON without any <: it can end no script
+    return str(_template().render(**{**context, "view_data": data}, style=own["report.css"], script=own["viewer.js"]))
+
+
+@cache
+def _template() -> Any:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    environment.tests["figure"] = lambda text: bool(_NUMBER.match(str(text)))
+    return environment.get_template("report.html.j2")

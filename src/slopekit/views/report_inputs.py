@@ -1,0 +1,205 @@
+"""The inputs of a document as tables: numbers with their units, planes in words, what was not given left out."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from slopekit.orientation import Line, Plane, number
+from slopekit.views.words import line_in_words
+
+_PLANE = re.compile(r"^(\d+(?:\.\d+)?)/(\d+(?:\.\d+)?)$")
+_UNITS = {
+    "_kn_m3": "kN/m³", "_kg_m3": "kg/m³", "_m_s2": "m/s²", "_m3": "m³", "_m2": "m²", "_kpa": "kPa", "_deg": "°",
+    "_kn": "kN", "_m": "m",
+}  # fmt: skip
+_PERCENT = ("agree_within", "fill", "crack_fill", "spacing_scatter")
+_SYMBOLS = {
+    "cohesion_kpa": "cohesion c", "friction_angle_deg": "friction angle φ", "dilation_deg": "dilation ψ",
+    "tension_kpa": "tensile strength", "water_unit_weight_kn_m3": "unit weight of water", "gravity_m_s2": "gravity",
+    "unit_weight_kn_m3": "unit weight of rock", "density_kg_m3": "density of rock", "normal_kn_m3": "normal stiffness",
+    "shear_kn_m3": "shear stiffness", "agree_within": "methods agree within", "stop_when": "search stops within",
+    "factors": "strength reduction factors", "rules": "acceptance rules", "origin_m": "map coordinates of the toe",
+    "height_m": "height", "refine": "triangles of the joints split", "pairs": "node pairs along the plane",
+}  # fmt: skip
+_GROUPS = {
+    "Rock and water": ("unit_weight_kn_m3", "density_kg_m3", "gravity_m_s2", "water", "water_unit_weight_kn_m3",
+                       "pressures_kpa"),
+    "Loads and support": ("seismic", "forces", "bolts", "load_kn", "load_at_m"),
+    "Analysis": ("criterion", "rules", "agree_within", "stop_when", "factors", "mechanisms", "seed", "refine", "pairs",
+                 "stiffness", "max_blocks", "min_volume_m3", "contact_tolerance_m"),
+}  # fmt: skip
+_STRENGTH = (
+    ("cohesion_kpa", "c / kPa"), ("friction_angle_deg", "φ / °"), ("dilation_deg", "ψ / °"),
+    ("tension_kpa", "σt / kPa"),
+)  # fmt: skip
+_MOST = 24  # rows or values of one kind
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table: its title, heads, rows of texts, and what has to be said beneath; `left` columns are texts."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+    left: int = 1
+
+
+def input_tables(inputs: Mapping[str, Any]) -> Iterator[Table]:
+    """Planes, strengths, and everything else by groups.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError, AttributeError
+        Where the inputs are not those of a result.
+    """
+    used: set[str] = {"title", "joint_names", "joint_name"}
+    if planes := tuple(_planes(inputs, used)):
+        yield Table("Planes", ("", "dip / direction", "in words"), planes, left=3)
+    if strengths := tuple(_strengths(inputs, used)):
+        yield Table("Strength", ("", *(name for _, name in _STRENGTH)), strengths)
+    shape = [key for key in inputs if key not in used and not any(key in keys for keys in _GROUPS.values())]
+    for title, keys in {"Shape": tuple(shape), **_GROUPS}.items():
+        rows: list[tuple[str, ...]] = []
+        for key in (key for key in keys if key in inputs and key not in used):
+            rows += _rows(key, inputs[key], words(key))
+        if rows:
+            yield Table(title, ("", "value"), tuple(rows), left=2)
+
+
+def plane_of(text: Any) -> Plane | None:
+    """The plane that a text such as 45/115 names, None for anything else."""
+    found = _PLANE.match(text) if isinstance(text, str) else None
+    return Plane(float(found[1]), float(found[2])) if found else None
+
+
+def plane_in_words(plane: Plane) -> str:
+    """A plane in words; one without a dip is level."""
+    return plane.in_words() if plane.dip_deg else "level"
+
+
+def words(key: str) -> str:
+    """The name of an input without its unit.
+
+    >>> words("spacing_m"), words("cohesion_kpa")
+    ('spacing', 'cohesion c')
+    """
+    if key in _SYMBOLS:
+        return _SYMBOLS[key]
+    return key.removesuffix(_suffix(key)).replace("_", " ")
+
+
+def value_text(key: str, value: Any) -> str:
+    """A value with its unit.
+
+    >>> value_text("spacing_m", 3.5), value_text("agree_within", 0.01), value_text("normal_kpa", [1.0, 2.0])
+    ('3.5 m', '1 %', '1, 2 kPa')
+    """
+    if value is None:
+        return "not given"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    unit = _UNITS.get(_suffix(key), "")
+    gap = "" if unit in ("", "°") else " "
+    if isinstance(value, int | float):
+        return f"{_plain(value * 100)} %" if key in _PERCENT else f"{_plain(value)}{gap}{unit}"
+    if isinstance(value, list):
+        if not value:
+            return "none"
+        if all(isinstance(one, int | float) for one in value):
+            shown = ", ".join(_plain(one) for one in value[:_MOST]) + _more(value)
+            return f"{shown}{gap}{unit}"
+        if all(isinstance(one, list) and all(isinstance(part, int | float) for part in one) for one in value):
+            shown = " ".join("(" + ", ".join(_plain(part) for part in one) + ")" for one in value[:_MOST])
+            return f"{shown}{_more(value)}{gap}{unit}"
+        return ", ".join(str(one) for one in value[:_MOST]) + _more(value)
+    if isinstance(value, Mapping):
+        if set(value) == {"trend_deg", "plunge_deg"}:
+            return line_in_words(Line(value["trend_deg"], value["plunge_deg"]))
+        return ", ".join(f"{words(part)} {value_text(part, own)}" for part, own in value.items() if own is not None)
+    plane = plane_of(value)
+    return f"{plane}, {plane_in_words(plane)}" if plane else str(value)
+
+
+def _more(values: Sequence[Any]) -> str:
+    return f", ... and {len(values) - _MOST} more (in the JSON)" if len(values) > _MOST else ""
+
+
+def _plain(value: float) -> str:
+    return number(float(value))  # as it was given, map coordinates too
+
+
+def _suffix(key: str) -> str:
+    return next((suffix for suffix in _UNITS if key.endswith(suffix)), "")
+
+
+def _planes(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str, ...]]:
+    """Joints, joint sets, face, upper slope and crack."""
+    own = {"joint": str(inputs.get("joint_name", "joint"))}
+    names = inputs.get("joint_names") or []
+    for key in ("joints", "joint", "sets", "face", "upper"):
+        value = inputs.get(key)
+        if isinstance(value, Mapping):  # a wedge's
+            for k, (name, plane) in enumerate(value.items()):
+                said = f"{name} ({names[k]})" if k < len(names) and names[k] != name else name
+                yield _plane_row(said, plane)
+        elif isinstance(value, list):  # a bench's
+            for one in value:
+                head, where, said = _plane_row(one["name"], one["plane"])
+                rest = [f"{words(name)} {value_text(name, part)}" for name, part in one.items()
+                        if name not in ("name", "plane")]  # fmt: skip
+                yield head, where, "; ".join([said, *rest])
+        elif plane_of(value):
+            yield _plane_row(own.get(key, "upper slope" if key == "upper" else key), value)
+        else:
+            continue
+        used.add(key)
+    crack = inputs.get("crack")
+    if isinstance(crack, Mapping) and plane_of(crack.get("plane")):
+        head, where, said = _plane_row("crack", crack["plane"])
+        rest = [f"{words(name)} {value_text(name, part)}" for name, part in crack.items() if name != "plane"]
+        yield head, where, "; ".join([said, *rest])
+        used.add("crack")
+
+
+def _plane_row(name: str, text: Any) -> tuple[str, str, str]:
+    plane = plane_of(text)
+    return str(name), str(text), plane_in_words(plane) if plane else str(text)
+
+
+def _strengths(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str, ...]]:
+    keys = [key for key, _ in _STRENGTH]
+    if isinstance(inputs.get("strengths"), list):
+        used.add("strengths")
+        for name, strength in inputs["strengths"]:
+            yield str(name), *(_plain(strength[key]) for key in keys)
+    elif isinstance(inputs.get("strength"), Mapping):
+        used.add("strength")
+        yield "joint", *(_plain(inputs["strength"][key]) for key in keys)
+    elif isinstance(inputs.get(keys[0]), list):
+        used.update(keys)
+        for k, values in enumerate(zip(*(inputs[key] for key in keys), strict=True)):
+            yield f"J{k + 1}", *(_plain(value) for value in values)
+
+
+def _rows(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
+    """A value as rows; groups and lists of groups take several."""
+    if value is None:
+        return []
+    if isinstance(value, Mapping):
+        dry = value.get("mode") == "dry"
+        parts = [(part, own) for part, own in value.items() if own not in (None, []) and not (dry and part == "fill")]
+        return [row for part, own in parts for row in _rows(part, own, f"{name}: {words(part)}")]
+    if key == "rules" and value:
+        return [(name, ", ".join(f"{one['name']} {one['relation']} {_plain(one['value'])}" for one in value))]
+    if isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
+        rows: list[tuple[str, ...]] = []
+        for k, one in enumerate(value[:_MOST]):
+            said = "; ".join(f"{words(part)} {value_text(part, own)}" for part, own in one.items()
+                             if own is not None and part != "name")  # fmt: skip
+            rows.append((f"{name} {one.get('name', k + 1)}", said))
+        left = len(value) - _MOST
+        return [*rows, (f"... {left} more", "in the JSON")] if left > 0 else rows
+    return [(name, value_text(key, value))]

@@ -1,0 +1,262 @@
+"""Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.block_scene import BlockScene
+from slopekit.result import ASSEMBLIES
+from slopekit.views.layers import Colour, Layer, contacts_body, layer
+from slopekit.views.picture import BLOCK, ROCK, STANDS, Bar, Picture
+from slopekit.views.stage import Stage, joint_colour
+
+Legend = list[tuple[str, Colour, float]]
+_MOST_ARROWS = 400
+_MOST_LABELS, _FEW_LABELS = 60, 12
+_BALANCED = 0.01  # of the largest load on a block
+_LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
+
+
+def picture(
+    stage: Stage, what: str, layers: Sequence[Layer], legend: Legend, *, notes: Sequence[str] = (),
+    bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] = (),
+) -> Picture:  # fmt: skip
+    """A picture with the title and the answer of its result."""
+    title = f"{stage.title or stage.kind} — {what}"
+    return Picture(
+        title, stage.answer, tuple(layers), tuple(legend), stage.eye, tuple(notes), bar, tuple(labels),
+        not stage.in_section,
+    )  # fmt: skip
+
+
+def measures(stage: Stage) -> str:
+    """Volume and height in words."""
+    geometry = stage.document.get("geometry") or {}
+    volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
+    parts = [] if volume is None else [f"volume {volume:.6g} m³"]
+    parts += [] if height is None else [f"total height {height:.4g} m"]
+    if stage.kind in ASSEMBLIES:
+        count = int(stage.free.sum())
+        parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
+    elif geometry.get("thickness_m"):
+        parts.append(f"a slice of {geometry['thickness_m']:g} m")
+    return ", ".join(parts)
+
+
+def block_legend(stage: Stage, rock: bool) -> Legend:
+    """What the colours of `Stage.block_colours` mean."""
+    legend: Legend = []
+    if stage.alone:
+        legend.append((stage.scene.shapes.names[0], BLOCK, 1.0))
+    else:
+        first, free = int((stage.scene.order == 1).sum()), int(stage.free.sum())
+        legend += [(f"moves first ({first})", BLOCK, 1.0)] if first else []
+        legend += [(f"other blocks ({free - first})", STANDS, 1.0)] if free > first else []
+        rock = bool(stage.scene.shapes.fixed.any())
+    return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
+
+
+def widened(stage: Stage, joint: int, by: float) -> Layer:
+    """A joint of one block as a plane wider than the block."""
+    contacts = stage.scene.shapes.contacts
+    own = np.flatnonzero(contacts.joint == joint)
+    corners = contacts.corners.copy()
+    for k in own.tolist():
+        at = slice(int(contacts.first[k]), int(contacts.first[k + 1]))
+        middle = corners[at].mean(axis=0)
+        corners[at] = middle + by * (corners[at] - middle)
+    name = stage.scene.shapes.joints[joint]
+    return layer(name, contacts_body(stage.scene.shapes, own, corners), joint_colour(joint), 0.55)
+
+
+def joint_faces(stage: Stage, moved: Floats) -> list[Layer]:
+    """Every contact on the faces of its two blocks, each where `moved` (n, 3) takes the block, coloured by joint."""
+    shapes = stage.scene.shapes
+    contacts = shapes.contacts
+    if len(contacts) == 0:
+        return []
+    middle, normal = middles(contacts.corners, contacts.first)
+    toward = shapes.centroids[contacts.plus] - middle
+    normal = normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]  # into the plus block
+    lift = _LIFTED * stage.size * normal
+    counts = np.diff(contacts.first)
+    moved = np.concatenate([moved, np.zeros((1, 3))])  # bedrock, -1, stays
+    found = []
+    for joint in range(len(shapes.joints)):
+        own = np.flatnonzero(contacts.joint == joint)
+        if len(own) == 0:
+            continue
+        sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
+        bodies = [contacts_body(shapes, own, contacts.corners + np.repeat(side, counts, axis=0)) for side in sides]
+        vertices = np.concatenate([bodies[0][0], bodies[1][0]])
+        triangles = np.concatenate([bodies[0][1], bodies[1][1] + len(bodies[0][0])])
+        found.append(layer(shapes.joints[joint], (vertices, triangles), joint_colour(joint)))
+    return found
+
+
+def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
+    """Mean corner and unit normal of polygons (k): (k, 3) each."""
+    counts = np.diff(first)
+    of = np.repeat(np.arange(len(counts)), counts)
+    middle = np.stack([np.bincount(of, corners[:, k], len(counts)) for k in range(3)], axis=1) / counts[:, None]
+    place = np.arange(len(of))
+    after = np.where(place + 1 == first[1:][of], first[:-1][of], place + 1)
+    arms = corners - middle[of]
+    part = cross(arms, arms[after])
+    normal = np.stack([np.bincount(of, part[:, k], len(counts)) for k in range(3)], axis=1)
+    return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
+
+
+def has_contacts(scene: BlockScene, joint: int) -> bool:
+    """Whether a joint has contacts at all."""
+    return bool((scene.shapes.contacts.joint == joint).any())
+
+
+def names(stage: Stage, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
+    """Names of blocks at their centroids, which `moved` (n, 3) takes with them, where there are few enough to read.
+
+    In a section every block is seen; in space a name could stand on another block, so only those that move have one.
+    """
+    chosen = stage.free & (np.ones_like(stage.free) if only is None else only)
+    if not stage.in_section:
+        chosen &= stage.scene.order > 0
+    if stage.alone or int(chosen.sum()) > (_MOST_LABELS if stage.in_section else _FEW_LABELS):
+        return []
+    shapes = stage.scene.shapes
+    at = shapes.centroids if moved is None else shapes.centroids + moved
+    return [(at[k], shapes.names[k]) for k in np.flatnonzero(chosen).tolist()]
+
+
+def balanced(stage: Stage) -> Bools:
+    """Blocks whose loads and contact forces are all known: they cancel. (n,)"""
+    scene = stage.scene
+    count = len(scene.shapes.names)
+    left, load = np.zeros((count + 1, 3)), np.zeros(count + 1)
+    force = scene.pairs.normal_kn[:, None] * scene.pairs.normals + scene.pairs.shear_kn
+    np.add.at(left, scene.pairs.plus, force)
+    np.subtract.at(left, scene.pairs.minus, force)
+    np.add.at(left, scene.loads.block, scene.loads.force_kn)
+    np.maximum.at(load, scene.loads.block, np.sqrt((scene.loads.force_kn**2).sum(axis=1)))
+    off = np.sqrt((left * left).sum(axis=1))
+    known: Bools = stage.free & touched(stage) & (off[:-1] < _BALANCED * np.maximum(load[:-1], 1e-300))
+    return known
+
+
+def touched(stage: Stage) -> Bools:
+    """Blocks that node pairs lie on, (n,)."""
+    found = np.zeros(len(stage.scene.shapes.names) + 1, dtype=bool)
+    found[stage.scene.pairs.plus] = found[stage.scene.pairs.minus] = True
+    return found[:-1]
+
+
+def neighbourhood(stage: Stage, shown: Bools) -> float:
+    """A length (m) that arrows and node pairs are drawn by: the extent of the blocks shown (n,), or a few of them."""
+    own = shown & (stage.sizes > 0.0)
+    if stage.alone or not own.any():
+        return stage.size
+    extent = np.ptp(stage.scene.shapes.solids.vertices[own[stage.of_vertex]], axis=0).max()
+    return min(float(extent), 2.5 * float(np.median(stage.sizes[own])))
+
+
+def spread(points: Floats, size: Floats) -> Ints:
+    """Those of the points (n, 3) with a size that may be drawn: all, or some hundreds spread evenly."""
+    own = np.flatnonzero(size > 0.0)
+    if len(own) <= _MOST_ARROWS:
+        return own
+    extent = np.ptp(points[own], axis=0)
+    edge = float(extent.max()) / math.sqrt(_MOST_ARROWS)
+    while True:
+        cells = np.floor((points[own] - points[own].min(axis=0)) / edge).astype(np.int64)
+        _, first = np.unique(cells, axis=0, return_index=True)
+        if len(first) <= _MOST_ARROWS:
+            return own[np.sort(first)]
+        edge *= 1.1
+
+
+def spacing(areas: Floats) -> float:
+    """How far apart node pairs are that control such areas (n,) in m²: m."""
+    return math.sqrt(float(np.median(areas))) if len(areas) else 1.0
+
+
+def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
+    """Forces of the joints on the blocks at the limit: points (k, 3) m, forces (k, 3) kN, joints (k,).
+
+    One for each of the blocks `shown` (n,) and joint, through the mean of its node pairs weighted by their forces.
+    """
+    pairs = stage.scene.pairs
+    force = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
+    parts = []
+    for side, sign in ((pairs.plus, 1.0), (pairs.minus, -1.0)):
+        own = np.flatnonzero(np.append(shown, False)[side])
+        parts.append((side[own], pairs.joint[own], sign * force[own], pairs.points_m[own], pairs.normal_kn[own]))
+    block, joint, forces, points, weight = (np.concatenate([part[k] for part in parts]) for k in range(5))
+    if len(block) == 0:
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
+    key = block * (int(joint.max()) + 1) + joint
+    _, first, of = np.unique(key, return_index=True, return_inverse=True)
+    of = of.ravel()
+    weight = np.maximum(weight, 0.0) + 1e-9 * max(float(np.abs(weight).max()), 1e-300)
+    total = np.bincount(of, weight)
+
+    def summed(values: Floats) -> Floats:
+        return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
+
+    return summed(points * weight[:, None]) / total[:, None], summed(forces), joint[first]
+
+
+def amount(name: str, sizes: Floats) -> str:
+    """A load in the legend: its size, or the sizes of several."""
+    if len(sizes) == 1:
+        return f"{name} {kilonewtons(float(sizes[0]))}"
+    return f"{name} up to {kilonewtons(float(sizes.max()))} ({len(sizes)})"
+
+
+def kilonewtons(force: float) -> str:
+    """A force in words.
+
+    >>> kilonewtons(5342524.8), kilonewtons(0.12345)
+    ('5,342,525 kN', '0.1235 kN')
+    """
+    return f"{force:,.0f} kN" if force >= 1000.0 else f"{force:.4g} kN"
+
+
+def nice(value: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not above a value.
+
+    >>> nice(2345.0), nice(0.8)
+    (2000.0, 0.5)
+    """
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(step * power for step in (5.0, 2.0, 1.0) if step * power <= value * (1.0 + 1e-12))
+
+
+def millimetres(metres: float) -> str:
+    """A displacement in words.
+
+    >>> millimetres(0.00185)
+    '1.85 mm'
+    """
+    return f"{metres * 1e3:.3g} mm"
+
+
+def ways(stage: Stage, step: int) -> dict[str, str]:
+    """How the blocks of a mechanism move, by name."""
+    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
+    if not 0 < step <= len(mechanisms):
+        return {}
+    return {str(block.get("name")): str(block.get("how")) for block in mechanisms[step - 1].get("blocks", [])}
+
+
+def counted(how: Mapping[str, str], named: Sequence[str], chosen: Bools) -> Iterator[tuple[str, int]]:
+    """The ways in which chosen blocks move, with how many do."""
+    found = [how.get(named[k], "") for k in np.flatnonzero(chosen).tolist()]
+    for way in dict.fromkeys(found):
+        yield way, found.count(way)
+
+
+def ends(values: Floats) -> tuple[float, float]:
+    """The ends of a colour bar for values."""
+    low, high = float(values.min()), float(values.max())
+    return (low, high) if high > low * (1.0 + 1e-9) else (0.95 * low, 1.05 * low)

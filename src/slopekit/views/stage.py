@@ -1,0 +1,204 @@
+"""What all scenes of one result share: the blocks with their sizes, the rock about them, where they are seen from."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.block_scene import BlockScene
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Line, parse_plane
+from slopekit.views.layers import (
+    Layer,
+    block_of_vertex,
+    blocks_layer,
+    ground_below,
+    layer,
+    rock_around,
+)
+from slopekit.views.picture import BLOCK, JOINTS, ROCK, STANDS
+
+_IN_SECTION = ("plane", "footing", "topple")
+_LETTERS = 72  # of a title
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The document of a result with its scene."""
+
+    document: Mapping[str, Any]
+    scene: BlockScene
+
+    @classmethod
+    def of(cls, document: Mapping[str, Any]) -> "Stage":
+        """The stage of a document.
+
+        Raises
+        ------
+        DesignError
+            E350 where it holds no scene.
+        """
+        if not isinstance(document.get("scene"), Mapping):
+            advice = "Scenes are drawn from a result: slopekit run DESIGN -o DIR, then DIR/result.json."
+            raise DesignError([Fault("E350", "the file holds no scene: there are no blocks to draw", "", advice)])
+        return cls(document, BlockScene.from_dict(document["scene"]))
+
+    @property
+    def kind(self) -> str:
+        """The kind of design."""
+        return str(self.document.get("kind", ""))
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is one block and the bedrock."""
+        return len(self.scene.shapes.names) == 1
+
+    @cached_property
+    def free(self) -> Bools:
+        """Blocks that are no bedrock, (n,)."""
+        return ~self.scene.shapes.fixed
+
+    @cached_property
+    def of_vertex(self) -> Ints:
+        """The block of each vertex, (v,)."""
+        return block_of_vertex(self.scene.shapes)
+
+    @cached_property
+    def size(self) -> float:
+        """The largest extent of the blocks that can move, m."""
+        vertices = self.scene.shapes.solids.vertices
+        own = self.free[self.of_vertex]
+        return float(np.ptp(vertices[own] if own.any() else vertices, axis=0).max())
+
+    @cached_property
+    def sizes(self) -> Floats:
+        """The extent of each block, (n,) m."""
+        count, vertices = len(self.scene.shapes.names), self.scene.shapes.solids.vertices
+        low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+        np.minimum.at(low, self.of_vertex, vertices)
+        np.maximum.at(high, self.of_vertex, vertices)
+        found: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
+        return found
+
+    @cached_property
+    def still(self) -> Floats:
+        """No offset of any vertex, (v, 3)."""
+        return np.zeros_like(self.scene.shapes.solids.vertices)
+
+    @property
+    def in_section(self) -> bool:
+        """Whether everything repeats along the strike."""
+        return self.kind in _IN_SECTION or (
+            self.kind == "blocks" and self._given("geometry", "thickness_m") is not None
+        )
+
+    def _given(self, part: str, key: str) -> Any:
+        found = self.document.get(part)
+        return found.get(key) if isinstance(found, Mapping) else None
+
+    # -- where it is seen from ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def out(self) -> Floats:
+        """(3,) unit and level: out of the slope."""
+        face = self._given("inputs", "face")
+        if isinstance(face, str):
+            return Line(parse_plane(face, "face").dip_direction_deg, 0.0).vector()
+        profile = self._given("inputs", "profile_m")
+        if profile:
+            ends = sorted(profile)
+            return np.array([1.0 if ends[-1][1] <= ends[0][1] else -1.0, 0.0, 0.0])
+        level = self.scene.velocity[:, :3].sum(axis=0) * [1.0, 1.0, 0.0]
+        length = math.sqrt(float(level @ level))
+        if length > 0.0:
+            unit: Floats = level / length
+            return unit
+        return np.array([-1.0 if self.kind == "topple" else 1.0, 0.0, 0.0])
+
+    @cached_property
+    def eye(self) -> Floats:
+        """(3,) unit, toward the eye: before the slope, or beside a section."""
+        if self.in_section:
+            along = cross(np.array([0.0, 0.0, 1.0]), self.out)
+            if not isinstance(self._given("inputs", "face"), str):
+                along = np.array([0.0, 1.0, 0.0])  # x to the right, z up
+            return _seen(-along, 12.0 if along @ cross(np.array([0.0, 0.0, 1.0]), self.out) > 0 else -12.0, 9.0)
+        return _seen(self.out, 32.0, 27.0)
+
+    # -- words --------------------------------------------------------------------------------------------------------
+
+    @property
+    def title(self) -> str:
+        """What was analysed."""
+        title = str(self.document.get("title") or "")
+        return title if len(title) <= _LETTERS else title[: _LETTERS - 1] + "…"
+
+    @property
+    def answer(self) -> str:
+        """Status, factor and check: never a bare factor of safety."""
+        fos = self.document.get("fos") or {}
+        limit, closed = fos.get("limit"), fos.get("closed_form")
+        parts = [str(self.document.get("status_text", ""))]
+        parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} (limit, PRE-IE)")
+        if closed is not None:
+            parts.append(f"closed form {closed:.4f}")
+        agree = self.document.get("agree")
+        parts.append({True: "agree", False: "DO NOT AGREE"}.get(agree, "not compared") if agree is not None else
+                     "no closed form to compare with")  # fmt: skip
+        if self.document.get("moments_govern"):
+            parts.append("moments govern")
+        return " · ".join(parts)
+
+    # -- what stands about the blocks ---------------------------------------------------------------------------------
+
+    def rock(self, opacity: float = 1.0) -> list[Layer]:
+        """The bedrock: that of the model, or what lies about its one block."""
+        shapes = self.scene.shapes
+        if not self.alone:
+            if not shapes.fixed.any():
+                return []
+            colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
+            return [blocks_layer("bedrock", shapes, shapes.fixed, colours, self.still, opacity)]
+        body = None
+        if self.kind in ("wedge", "plane", "footing"):
+            body = rock_around(shapes)
+        elif self.kind == "surface" and self._given("inputs", "profile_m"):
+            body = ground_below(shapes, self.document["inputs"]["profile_m"])
+        return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True)]
+
+    def block_colours(self) -> Ints:
+        """Blocks that move in the first mechanism, and the others, (n, 3)."""
+        colours = np.tile(np.array(STANDS), (len(self.scene.shapes.names), 1))
+        colours[self.scene.order == 1] = BLOCK
+        if self.alone:
+            colours[:] = BLOCK
+        return colours
+
+    def joint_names(self) -> list[str]:
+        """Joints as the legend has them: with their orientation where the design gives one."""
+        given: dict[str, Any] = {}
+        joints, sets = self._given("inputs", "joints"), self._given("inputs", "sets")
+        if isinstance(joints, Mapping):
+            given = dict(joints)
+        if isinstance(sets, list):
+            given = {part["name"]: part["plane"] for part in sets if isinstance(part, Mapping)}
+        return [f"{name} {given[name]}" if isinstance(given.get(name), str) else name
+                for name in self.scene.shapes.joints]  # fmt: skip
+
+
+def joint_colour(joint: int) -> tuple[int, int, int]:
+    """The colour of a joint by its index."""
+    return JOINTS[joint % len(JOINTS)]
+
+
+def _seen(before: Floats, turned_deg: float, above_deg: float) -> Floats:
+    """A direction turned about the vertical and raised."""
+    turn, rise = math.radians(turned_deg), math.radians(above_deg)
+    x, y = float(before[0]), float(before[1])
+    level = np.array([x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), 0.0])
+    found: Floats = math.cos(rise) * level + np.array([0.0, 0.0, math.sin(rise)])
+    return found

@@ -1,0 +1,457 @@
+/* The rotatable view of slopekit's report: WebGL 1, no library, no network. MIT licence, as slopekit. */
+(function () {
+  "use strict";
+  var box = document.getElementById("view");
+  if (!box) { return; }
+  var canvas = box.querySelector("canvas");
+  var still = document.getElementById("view-still");
+  var say = function (text) { var p = document.getElementById("view-none"); p.textContent = text; p.hidden = false; };
+  var gl = null;
+  try { gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true }); } catch (error) { gl = null; }
+  if (!gl) {
+    box.hidden = true;
+    say("This browser shows no WebGL: the scene cannot be turned here. The pictures below show it.");
+    return;
+  }
+
+  // -- data ---------------------------------------------------------------------------------------------------------
+  var data = JSON.parse(document.getElementById("view-data").textContent);
+  function unpack(packed) {
+    var text = atob(packed.base64), bytes = new Uint8Array(text.length);
+    for (var i = 0; i < text.length; i++) { bytes[i] = text.charCodeAt(i); }
+    return packed.type === "f32" ? new Float32Array(bytes.buffer) : new Int32Array(bytes.buffer);
+  }
+  Object.keys(data).forEach(function (key) {
+    if (data[key] && data[key].base64 !== undefined) { data[key] = unpack(data[key]); }
+  });
+  var count = data.names.length, size = data.size_m;
+  var moving = data.fixed.filter(function (fixed) { return !fixed; }).length;
+  function vec(array, i) { return [array[3 * i], array[3 * i + 1], array[3 * i + 2]]; }
+  function add(a, b) { return [a[0] + b[0], a[1] + b[1], a[2] + b[2]]; }
+  function sub(a, b) { return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]; }
+  function mul(a, s) { return [a[0] * s, a[1] * s, a[2] * s]; }
+  function dot(a, b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  function cross(a, b) { return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]; }
+  function unit(a) { var l = Math.sqrt(dot(a, a)); return l > 0 ? mul(a, 1 / l) : [0, 0, 1]; }
+  function away(block) { return block < 0 ? [0, 0, 0] : vec(data.explode, block); }
+  function moves(block, p) {  // u + w x (p - c)
+    if (block < 0) { return [0, 0, 0]; }
+    var v = data.velocity, k = 6 * block;
+    return add([v[k], v[k + 1], v[k + 2]], cross([v[k + 3], v[k + 4], v[k + 5]], sub(p, vec(data.centroids, block))));
+  }
+
+  // -- colours: those of the other pictures -------------------------------------------------------------------------
+  var PALETTE = data.palette;
+  var ROCK = "#c9c3b8", BLOCK = data.block_colour, GREY = "#b4b4b4";
+  var MODE = data.mode_colours;
+  var RAMP = { factor: ["#c8500a", "#f2d58a", "#0064a4"], order: ["#c8500a", "#e69f00", "#f0e442", "#56b4e9"],
+    kpa: ["#fff7bc", "#fe9929", "#8c2d04"] };
+  function rgb(hex) {
+    return [1, 3, 5].map(function (i) { return parseInt(hex.substr(i, 2), 16) / 255; });
+  }
+  function ramp(stops, t) {
+    t = Math.min(Math.max(t, 0), 1) * (stops.length - 1);
+    var i = Math.min(Math.floor(t), stops.length - 2), a = rgb(stops[i]), b = rgb(stops[i + 1]);
+    return add(a, mul(sub(b, a), t - i));
+  }
+  function css(colour) {
+    return "rgb(" + colour.map(function (part) { return Math.round(255 * part); }).join(",") + ")";
+  }
+  function figure(value) {
+    var size = Math.abs(value);
+    return size >= 1e5 || (size > 0 && size < 1e-3) ? value.toExponential(2) : String(Number(value.toPrecision(4)));
+  }
+  function range(values) {
+    var low = Infinity, high = -Infinity;
+    for (var i = 0; i < values.length; i++) {
+      if (values[i] !== null && isFinite(values[i])) { low = Math.min(low, values[i]); high = Math.max(high, values[i]); }
+    }
+    return [low, high];
+  }
+
+  // -- what is drawn ------------------------------------------------------------------------------------------------
+  function Group(mode) { this.mode = mode; this.p = []; this.n = []; this.c = []; this.e = []; this.m = []; }
+  Group.prototype.put = function (p, n, colour, block) {
+    var e = away(block), m = moves(block, p);
+    this.p.push(p[0], p[1], p[2]); this.n.push(n[0], n[1], n[2]); this.c.push(colour[0], colour[1], colour[2]);
+    this.e.push(e[0], e[1], e[2]); this.m.push(m[0], m[1], m[2]);
+  };
+  Group.prototype.load = function () {
+    var self = this;
+    self.count = self.p.length / 3;
+    self.buffers = ["p", "n", "c", "e", "m"].map(function (name) {
+      var buffer = gl.createBuffer();
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(self[name]), gl.STATIC_DRAW);
+      return buffer;
+    });
+    return self;
+  };
+  Group.prototype.recolour = function (colours) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[2]);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(colours), gl.STATIC_DRAW);
+  };
+
+  var groups = { rock: new Group(gl.TRIANGLES), blocks: new Group(gl.TRIANGLES), edges: new Group(gl.LINES),
+    rockEdges: new Group(gl.LINES), joints: new Group(gl.TRIANGLES), outline: new Group(gl.LINES),
+    loads: new Group(gl.TRIANGLES), contact: new Group(gl.TRIANGLES) };
+  data.modes.forEach(function (mode) { groups["pairs-" + mode] = new Group(gl.POINTS); });
+  var owner = { rock: [], blocks: [] };  // triangle of each drawn one
+  var i, k, block, corners, normal, colour;
+  for (i = 0; i < data.triangle_block.length; i++) {
+    block = data.triangle_block[i];
+    corners = [0, 1, 2].map(function (j) { return vec(data.vertices, data.triangles[3 * i + j]); });
+    normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+    k = data.fixed[block] ? "rock" : "blocks";
+    owner[k].push(i);
+    corners.forEach(function (corner) { groups[k].put(corner, normal, rgb(ROCK), block); });
+  }
+  var blockOf = new Int32Array(data.vertices.length / 3);
+  for (i = 0; i < data.triangles.length; i++) { blockOf[data.triangles[i]] = data.triangle_block[Math.floor(i / 3)]; }
+  for (i = 0; i < data.edges.length; i++) {
+    block = blockOf[data.edges[i]];
+    groups[data.fixed[block] ? "rockEdges" : "edges"].put(
+      vec(data.vertices, data.edges[i]), [0, 0, 0], data.fixed[block] ? [0.55, 0.53, 0.5] : [0.15, 0.15, 0.15], block);
+  }
+  for (i = 0; i < data.joint_of.length; i++) {
+    corners = [0, 1, 2].map(function (j) { return vec(data.joint_corners, 3 * i + j); });
+    normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+    colour = rgb(PALETTE[data.joint_of[i] % PALETTE.length]);
+    corners.forEach(function (corner) { groups.joints.put(corner, normal, colour, data.joint_block[i]); });
+  }
+  for (i = 0; i < data.joint_outline.length / 3; i++) {
+    groups.outline.put(vec(data.joint_outline, i), [0, 0, 0], [0.3, 0.3, 0.3], -1);
+  }
+  var pairsOf = data.modes.map(function () { return []; });
+  for (i = 0; i < data.pair_mode.length; i++) {
+    pairsOf[data.pair_mode[i]].push(i);
+    groups["pairs-" + data.modes[data.pair_mode[i]]].put(
+      vec(data.pairs, i), [0, 0, 0], rgb(MODE[data.pair_mode[i]]), data.pair_block[i]);
+  }
+  function arrow(group, tail, force, length, colour, block) {
+    var way = unit(force), side = unit(cross(way, Math.abs(way[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), up = cross(side, way);
+    var thick = Math.min(0.0035 * size, 0.06 * length), head = Math.min(0.3 * length, 9 * thick);
+    var neck = add(tail, mul(way, length - head)), tip = add(tail, mul(way, length)), ring = [], n = 8, j;
+    for (j = 0; j < n; j++) {
+      ring.push(add(mul(side, Math.cos(2 * Math.PI * j / n)), mul(up, Math.sin(2 * Math.PI * j / n))));
+    }
+    function at(centre, j, radius) { return add(centre, mul(ring[j % n], radius)); }
+    function face(a, b, c, normal) { [a, b, c].forEach(function (p) { group.put(p, normal, colour, block); }); }
+    for (j = 0; j < n; j++) {
+      normal = ring[j];
+      face(at(tail, j, thick), at(tail, j + 1, thick), at(neck, j, thick), normal);
+      face(at(tail, j + 1, thick), at(neck, j + 1, thick), at(neck, j, thick), normal);
+      face(at(neck, j, 3 * thick), at(neck, j + 1, 3 * thick), tip, normal);
+    }
+  }
+  function arrows(group, at, force, blocks, into, colours, what) {
+    var longest = 0, i, own;
+    for (i = 0; i < force.length / 3; i++) { longest = Math.max(longest, Math.sqrt(dot(vec(force, i), vec(force, i)))); }
+    for (i = 0; i < force.length / 3; i++) {
+      own = Math.sqrt(dot(vec(force, i), vec(force, i)));
+      if (own > 1e-3 * longest) {
+        var length = 0.25 * size * own / longest, tail = vec(at, i);
+        if (into) { tail = sub(tail, mul(unit(vec(force, i)), length)); }
+        arrow(group, tail, vec(force, i), length, rgb(colours[what ? what[i] % colours.length : 0]), blocks[i]);
+      }
+    }
+    return longest;
+  }
+  var LOADS = ["#333333", "#0072b2", "#009e73", "#cc79a7", "#e69f00"];
+  var longestLoad = arrows(groups.loads, data.load_at, data.load_kn, data.load_block, true, LOADS, data.load_what);
+  var longestContact = arrows(groups.contact, data.pairs, data.pair_kn, data.pair_block, false, ["#8a1a6b"], null);
+  Object.keys(groups).forEach(function (name) { groups[name].load(); });
+
+  // -- shaders ------------------------------------------------------------------------------------------------------
+  var VERTEX = "attribute vec3 p, n, c, e, m; uniform mat4 look; uniform vec3 eye; uniform float explode, along, lit," +
+    " bias, spot; varying vec3 colour; void main() { gl_Position = look * vec4(p + explode * e + along * m, 1.0);" +
+    " gl_Position.z -= bias; gl_PointSize = spot;" +
+    " colour = lit > 0.5 ? c * (0.5 + 0.5 * abs(dot(n, eye))) : c; }";
+  var FRAGMENT = "precision mediump float; varying vec3 colour; uniform float alpha, round; void main() {" +
+    " if (round > 0.5) { float r = length(gl_PointCoord - 0.5); if (r > 0.5) discard;" +
+    " gl_FragColor = vec4(r > 0.36 ? vec3(0.1) : colour, 1.0); } else gl_FragColor = vec4(colour, alpha); }";
+  function compiled(kind, source) {
+    var shader = gl.createShader(kind);
+    gl.shaderSource(shader, source); gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) { throw new Error(gl.getShaderInfoLog(shader)); }
+    return shader;
+  }
+  var program = gl.createProgram();
+  gl.attachShader(program, compiled(gl.VERTEX_SHADER, VERTEX));
+  gl.attachShader(program, compiled(gl.FRAGMENT_SHADER, FRAGMENT));
+  gl.linkProgram(program); gl.useProgram(program);
+  var slots = ["p", "n", "c", "e", "m"].map(function (name) { return gl.getAttribLocation(program, name); });
+  var uniform = {};
+  ["look", "eye", "explode", "along", "lit", "bias", "spot", "alpha", "round"].forEach(function (name) {
+    uniform[name] = gl.getUniformLocation(program, name);
+  });
+
+  // -- the eye: orthographic, so that the scale bar holds everywhere -------------------------------------------------
+  var start = { bearing: data.look_from[0], above: data.look_from[1], zoom: 1, pan: [0, 0, 0] };
+  var eye, waiting = false;
+  function reset() { eye = { bearing: start.bearing, above: start.above, zoom: 1, pan: [0, 0, 0] }; ask(); }
+  function axes() {
+    var a = eye.bearing * Math.PI / 180, e = eye.above * Math.PI / 180;
+    var back = [Math.sin(a) * Math.cos(e), Math.cos(a) * Math.cos(e), Math.sin(e)];
+    var right = [-Math.cos(a), Math.sin(a), 0];
+    return { right: right, up: cross(back, right), back: back };
+  }
+  var reach = [0.5 * size, 0.5 * size];  // how far the scene goes to the side and up, seen as at first
+  function measure() {
+    var axis, i, p;
+    eye = { bearing: start.bearing, above: start.above, zoom: 1, pan: [0, 0, 0] };
+    axis = axes(); reach = [1e-3 * size, 1e-3 * size];
+    for (i = 0; i < data.vertices.length / 3; i++) {
+      p = vec(data.vertices, i);
+      reach[0] = Math.max(reach[0], Math.abs(dot(p, axis.right))); reach[1] = Math.max(reach[1], Math.abs(dot(p, axis.up)));
+    }
+  }
+  function half() {  // metres from the middle of the view to its upper edge
+    return 1.2 * Math.max(reach[1], reach[0] * canvas.clientHeight / Math.max(canvas.clientWidth, 1)) / eye.zoom;
+  }
+  function ticked(id) { var input = document.getElementById(id); return !!input && input.checked; }
+  function value(id) { var input = document.getElementById(id); return input ? Number(input.value) : 0; }
+  function ask() { if (!waiting) { waiting = true; window.requestAnimationFrame(draw); } }
+
+  function show(name, options) {
+    var group = groups[name];
+    if (!group.count) { return; }
+    slots.forEach(function (slot, j) {
+      if (slot < 0) { return; }
+      gl.bindBuffer(gl.ARRAY_BUFFER, group.buffers[j]);
+      gl.enableVertexAttribArray(slot); gl.vertexAttribPointer(slot, 3, gl.FLOAT, false, 0, 0);
+    });
+    gl.uniform1f(uniform.lit, options.lit ? 1 : 0); gl.uniform1f(uniform.bias, options.bias || 0);
+    gl.uniform1f(uniform.alpha, options.alpha || 1); gl.uniform1f(uniform.round, group.mode === gl.POINTS ? 1 : 0);
+    var clear = options.alpha && options.alpha < 1;
+    if (clear) { gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA); gl.depthMask(false); }
+    gl.drawArrays(group.mode, 0, group.count);
+    gl.disable(gl.BLEND); gl.depthMask(true);
+  }
+
+  function draw() {
+    waiting = false;
+    var sharp = Math.min(window.devicePixelRatio || 1, 2);
+    var width = Math.max(Math.round(canvas.clientWidth * sharp), 1);
+    var height = Math.max(Math.round(canvas.clientHeight * sharp), 1);
+    if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(1, 1, 1, 1); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT); gl.enable(gl.DEPTH_TEST);
+   
+    var axis = axes(), h = half(), w = h * width / height, deep = 4 * size;
+    var r = mul(axis.right, 1 / w), u = mul(axis.up, 1 / h), b = mul(axis.back, -1 / deep), c = eye.pan;
+    gl.uniformMatrix4fv(uniform.look, false, new Float32Array([
+      r[0], u[0], b[0], 0, r[1], u[1], b[1], 0, r[2], u[2], b[2], 0, -dot(r, c), -dot(u, c), -dot(b, c), 1]));
+    gl.uniform3fv(uniform.eye, new Float32Array(unit(add(axis.back, mul(axis.up, 0.5)))));
+    gl.uniform1f(uniform.explode, value("v-explode")); gl.uniform1f(uniform.along, value("v-along"));
+    gl.uniform1f(uniform.spot, (data.pair_mode.length > 400 ? 5 : 9) * sharp);
+    var clear = ticked("v-clear");
+    if (ticked("v-rock")) { show("rock", { lit: true }); if (ticked("v-edges")) { show("rockEdges", { bias: 1e-3 }); } }
+    if (ticked("v-blocks") && !clear) { show("blocks", { lit: true }); }
+    if (ticked("v-joints")) { show("joints", { lit: true, bias: 3e-4 }); show("outline", { bias: 1e-3 }); }
+    if (ticked("v-blocks") && ticked("v-edges")) { show("edges", { bias: 1.2e-3 }); }
+    if (ticked("v-loads")) { show("loads", { lit: true }); }
+    if (ticked("v-contact")) { show("contact", { lit: true }); }
+    data.modes.forEach(function (mode) { if (ticked("v-" + mode)) { show("pairs-" + mode, { bias: 2e-3 }); } });
+    if (ticked("v-blocks") && clear) { show("blocks", { lit: true, alpha: 0.28 }); }
+    marks(axis, h);
+    canvas.setAttribute("data-drawn", String(Number(canvas.getAttribute("data-drawn") || 0) + 1));
+    canvas.setAttribute("aria-label", "The scene, seen from " + Math.round((eye.bearing + 360) % 360) + " degrees, " +
+      Math.round(eye.above) + " degrees above the horizon");
+  }
+
+  // north arrow, scale bar, names
+  var axisLines = ["east", "north", "up"].map(function (name) { return document.getElementById("axis-" + name); });
+  var axisNames = ["east", "north", "up"].map(function (name) { return document.getElementById("axis-" + name + "-name"); });
+  var tags = data.names.map(function (name, j) {
+    if (data.fixed[j] || moving > 60) { return null; }
+    var tag = document.createElement("span");
+    tag.textContent = name; tag.className = "tag"; box.querySelector(".stage").appendChild(tag);
+    return tag;
+  });
+  function marks(axis, h) {
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach(function (way, j) {
+      var x = 45 + 30 * dot(way, axis.right), y = 45 - 30 * dot(way, axis.up);
+      axisLines[j].setAttribute("x2", x); axisLines[j].setAttribute("y2", y);
+      axisNames[j].setAttribute("x", 45 + 1.3 * (x - 45)); axisNames[j].setAttribute("y", 45 + 1.3 * (y - 45) + 4);
+    });
+    var perPixel = 2 * h / Math.max(canvas.clientHeight, 1), wide = 110 * perPixel;
+    var power = Math.pow(10, Math.floor(Math.log(wide) / Math.LN10)), first = wide / power;
+    var length = power * (first >= 5 ? 5 : first >= 2 ? 2 : 1);
+    document.getElementById("scale-bar").style.width = length / perPixel + "px";
+    document.getElementById("scale-text").textContent = length >= 1 ? length + " m" : figure(length * 1000) + " mm";
+    var named = ticked("v-names"), explode = value("v-explode"), along = value("v-along");
+    tags.forEach(function (tag, j) {
+      if (!tag) { return; }
+      tag.hidden = !named;
+      if (!named) { return; }
+      var c = vec(data.centroids, j), p = sub(add(add(c, mul(away(j), explode)), mul(moves(j, c), along)), eye.pan);
+      tag.style.left = canvas.clientWidth / 2 + dot(p, axis.right) / perPixel + "px";
+      tag.style.top = canvas.clientHeight / 2 - dot(p, axis.up) / perPixel + "px";
+    });
+  }
+
+  // -- colour by ----------------------------------------------------------------------------------------------------
+  var legend = document.getElementById("view-legend");
+  function key(colour, text) {
+    var item = document.createElement("span"), spot = document.createElement("i");
+    spot.style.background = colour; item.appendChild(spot); item.appendChild(document.createTextNode(text));
+    return item;
+  }
+  function scale(stops, low, high, unit) {
+    if (low === high) { return key(css(ramp(stops, 0)), figure(low) + unit); }
+    var item = document.createElement("span"), bar = document.createElement("b");
+    bar.style.background = "linear-gradient(to right," + stops.join(",") + ")";
+    item.appendChild(document.createTextNode(figure(low))); item.appendChild(bar);
+    item.appendChild(document.createTextNode(figure(high) + unit));
+    return item;
+  }
+  function colours() {
+    var by = document.getElementById("v-colour").value, last = Math.max.apply(null, data.order.concat([0]));
+    var ends = range(data.factor), parts = [];
+    function of(triangle) {
+      var block = data.triangle_block[triangle], face = data.triangle_face[triangle];
+      if (by === "face") { return face < 0 ? rgb(BLOCK) : rgb(faceColour(face)); }
+      if (by === "block") { return rgb(PALETTE[block % PALETTE.length]); }
+      if (by === "factor") {
+        var own = data.factor[block];
+        return own === null ? rgb(GREY) : ramp(RAMP.factor, ends[1] > ends[0] ? (own - ends[0]) / (ends[1] - ends[0]) : 0);
+      }
+      if (by === "order") {
+        var place = data.order[block];
+        return place ? ramp(RAMP.order, last > 1 ? (place - 1) / (last - 1) : 0) : rgb(GREY);
+      }
+      return rgb(BLOCK);
+    }
+    var list = [];
+    owner.blocks.forEach(function (triangle) { var c = of(triangle); for (var j = 0; j < 3; j++) { list.push(c[0], c[1], c[2]); } });
+    groups.blocks.recolour(list);
+    if (by === "face") {
+      data.faces.forEach(function (name, j) { parts.push(key(faceColour(j), name)); });
+    } else if (by === "factor") {
+      if (isFinite(ends[0])) { parts.push(scale(RAMP.factor, ends[0], ends[1], " factor of safety")); }
+      if (data.factor.some(function (f, j) { return f === null && !data.fixed[j]; })) { parts.push(key(GREY, "no number")); }
+    } else if (by === "order") {
+      if (last > 1) { parts.push(scale(RAMP.order, 1, last, " (1 fails first)")); }
+      if (last === 1) { parts.push(key(css(ramp(RAMP.order, 0)), "fails first")); }
+      if (data.order.some(function (o, j) { return !o && !data.fixed[j]; })) {
+        parts.push(key(GREY, last ? "stays, or not asked" : "no mechanism"));
+      }
+    }
+    if (ticked("v-joints")) {
+      data.joints.forEach(function (name, j) {
+        if (by !== "face" || data.faces.indexOf(name) < 0) { parts.push(key(PALETTE[j % PALETTE.length], "joint " + name)); }
+      });
+    }
+    parts = parts.concat(pairColours());
+    if (ticked("v-loads") && longestLoad) { parts.push(key(LOADS[0], "loads (longest " + figure(longestLoad) + " kN): " + data.load_names.join(", "))); }
+    if (ticked("v-contact") && longestContact) { parts.push(key("#8a1a6b", "contact forces (longest " + figure(longestContact) + " kN)")); }
+    legend.textContent = "";
+    parts.forEach(function (part) { legend.appendChild(part); });
+  }
+  function faceColour(face) {
+    var joint = data.joints.indexOf(data.faces[face]);
+    return joint >= 0 ? PALETTE[joint % PALETTE.length] : face % 2 ? "#f0d3a8" : "#e8bd88";
+  }
+  function pairColours() {
+    var by = document.getElementById("v-pair").value, ends = range(data.pair_kpa), parts = [], any = false;
+    data.modes.forEach(function (mode, j) {
+      var list = [];
+      pairsOf[j].forEach(function (pair) {
+        var c = by === "mode" ? rgb(MODE[j]) : ramp(RAMP.kpa, ends[1] > ends[0] ? (data.pair_kpa[pair] - ends[0]) / (ends[1] - ends[0]) : 0);
+        list.push(c[0], c[1], c[2]);
+      });
+      groups["pairs-" + mode].recolour(list);
+      if (ticked("v-" + mode) && pairsOf[j].length) { any = true; if (by === "mode") { parts.push(key(MODE[j], "pairs: " + mode)); } }
+    });
+    if (any && by !== "mode" && isFinite(ends[0])) { parts.push(scale(RAMP.kpa, ends[0], ends[1], " kPa normal traction")); }
+    return parts;
+  }
+
+  // -- hands --------------------------------------------------------------------------------------------------------
+  function turn(dx, dy) {
+    eye.bearing = (eye.bearing + 0.5 * dx + 360) % 360;
+    eye.above = Math.min(Math.max(eye.above + 0.5 * dy, -90), 90);
+    ask();
+  }
+  function shift(dx, dy) {
+    var axis = axes(), perPixel = 2 * half() / canvas.clientHeight;
+    eye.pan = add(eye.pan, add(mul(axis.right, -dx * perPixel), mul(axis.up, dy * perPixel)));
+    ask();
+  }
+  function zoom(by) { eye.zoom = Math.min(Math.max(eye.zoom * by, 0.2), 50); ask(); }
+  var fingers = {}, apart = 0;
+  function spread() {
+    var ids = Object.keys(fingers), a = fingers[ids[0]], b = fingers[ids[1]];
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  }
+  canvas.addEventListener("pointerdown", function (event) {
+    try { canvas.setPointerCapture(event.pointerId); } catch (error) { /* a made-up pointer */ }
+    fingers[event.pointerId] = { x: event.clientX, y: event.clientY };
+    if (Object.keys(fingers).length === 2) { apart = spread(); }
+  });
+  canvas.addEventListener("pointermove", function (event) {
+    var finger = fingers[event.pointerId];
+    if (!finger) { return; }
+    var dx = event.clientX - finger.x, dy = event.clientY - finger.y, held = Object.keys(fingers).length;
+    finger.x = event.clientX; finger.y = event.clientY;
+    if (held === 1 && !event.shiftKey && event.buttons !== 2) { turn(dx, dy); return; }
+    shift(dx / held, dy / held);
+    if (held === 2) { var now = spread(); if (apart > 0 && now > 0) { zoom(now / apart); } apart = now; }
+  });
+  ["pointerup", "pointercancel"].forEach(function (name) {
+    canvas.addEventListener(name, function (event) { delete fingers[event.pointerId]; });
+  });
+  canvas.addEventListener("contextmenu", function (event) { event.preventDefault(); });
+  canvas.addEventListener("wheel", function (event) {
+    event.preventDefault(); zoom(Math.exp(-0.001 * event.deltaY));
+  }, { passive: false });
+  canvas.addEventListener("keydown", function (event) {
+    var step = { ArrowLeft: [-20, 0], ArrowRight: [20, 0], ArrowUp: [0, 20], ArrowDown: [0, -20] }[event.key];
+    if (step) { if (event.shiftKey) { shift(step[0], -step[1]); } else { turn(step[0], step[1]); } }
+    else if (event.key === "+" || event.key === "=") { zoom(1.2); }
+    else if (event.key === "-") { zoom(1 / 1.2); }
+    else if (event.key === "0") { reset(); }
+    else { return; }
+    event.preventDefault();
+  });
+  function on(id, act) { document.getElementById(id).addEventListener("click", act); }
+  on("v-reset", function () {
+    ["v-explode", "v-along"].forEach(function (id) { document.getElementById(id).value = 0; });
+    reset();
+  });
+  on("v-in", function () { zoom(1.25); });
+  on("v-out", function () { zoom(0.8); });
+  on("v-top", function () { eye.bearing = 180; eye.above = 90; ask(); });
+  on("v-side", function () { eye.bearing = (eye.bearing + 90) % 360; eye.above = 0; ask(); });
+  box.querySelectorAll("input, select").forEach(function (input) {
+    input.addEventListener("input", function () { colours(); ask(); });
+  });
+  window.addEventListener("resize", ask);
+  if (window.ResizeObserver) { new ResizeObserver(ask).observe(canvas); }
+  canvas.addEventListener("webglcontextlost", function () {
+    say("The browser has taken the view's memory away: load the page again to turn it.");
+  });
+
+  // what is printed is what was looked at last
+  function keep() { draw(); still.src = canvas.toDataURL("image/png"); still.hidden = false; }
+  window.addEventListener("beforeprint", keep);
+
+  data.modes.forEach(function (mode, j) {
+    document.getElementById("v-" + mode).parentNode.appendChild(document.createTextNode("\u00a0(" + pairsOf[j].length + ")"));
+  });
+
+  // -- at first -----------------------------------------------------------------------------------------------------
+  function set(id, checked) { var input = document.getElementById(id); if (input) { input.checked = checked; } }
+  var alone = moving <= 1, hasFaces = data.faces.length > 0;
+  ["blocks", "rock", "edges"].forEach(function (name) { set("v-" + name, true); });
+  ["clear", "joints", "loads"].concat(data.modes).forEach(function (name) { set("v-" + name, alone); });
+  set("v-contact", false); set("v-names", moving > 1 && moving <= 20);
+  document.getElementById("v-colour").value = alone ? (hasFaces ? "face" : "plain") :
+    range(data.factor)[1] > 1.02 * range(data.factor)[0] ? "factor" : "order";
+  document.getElementById("v-pair").value = "mode";
+  document.getElementById("v-names").disabled = moving > 60;
+  document.getElementById("v-along").disabled = !data.velocity.some(function (v) { return v !== 0; });
+  document.querySelector('#v-colour option[value="face"]').disabled = !hasFaces;
+  measure(); reset(); colours(); keep();
+})();

@@ -1,0 +1,234 @@
+"""The scene of a result as the rotatable view of the report takes it: local float32 about the middle, edges, motions.
+
+Map coordinates have seven digits before the point, float32 has seven in all: the middle is taken off in float64 first.
+"""
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
+from slopekit.views.layers import ground_below, rock_around
+from slopekit.views.picture import BLOCK, JOINTS, MODE_COLOURS
+
+#: Kinds whose scene is a section: looked at along the strike.
+_SECTIONS = ("topple", "blocks", "plane", "footing")
+_SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
+_FLAT = np.cos(np.radians(1.0))
+_FARTHEST = 0.25  # of the scene's size: the most that the mechanism's slider moves a block
+_AWAY = 0.7  # of its distance from the middle: how far the exploded view moves a block
+
+
+def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
+    """What the view draws, as JSON values; arrays are `{"type": ..., "base64": ...}`, little-endian, C order.
+
+    Parameters
+    ----------
+    document : the JSON of a result
+
+    Raises
+    ------
+    DesignError
+        E350 where its scene cannot be read. KeyError, TypeError, ValueError, IndexError where it is damaged.
+    """
+    kind = document["kind"]
+    scene = _with_rock(BlockScene.from_dict(document["scene"]), document)
+    shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
+    vertices, triangles, owner = _owned(shapes.solids)
+    middle, size = _middle(vertices if len(vertices) else shapes.contacts.corners)
+    moved = _at(vertices, shapes.centroids, scene.velocity, owner)
+    fastest = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
+    scale = _FARTHEST * size / fastest if fastest > 0.0 else 0.0
+    corners, joint, minus, outline = _surfaces(shapes.contacts)
+    area = np.where(pairs.control_area_m2 > 0.0, pairs.control_area_m2, np.nan)
+    return {
+        "middle_m": [float(value) for value in middle],
+        "size_m": size,
+        "look_from": _look_from(scene, kind),
+        "names": list(shapes.names), "faces": list(shapes.solids.faces), "joints": list(shapes.joints),
+        "palette": [_hex(colour) for colour in JOINTS], "block_colour": _hex(BLOCK),
+        "mode_colours": [_hex(MODE_COLOURS[mode]) for mode in MODES],
+        "modes": list(MODES), "load_names": list(loads.names),
+        "fixed": shapes.fixed.astype(int).tolist(), "order": scene.order.astype(int).tolist(),
+        "factor": [float(value) if np.isfinite(value) else None for value in scene.factor],
+        "centroids": _single(shapes.centroids - middle),
+        "explode": _single(_explode(scene, middle, size)),
+        "velocity": _single(scene.velocity * scale),
+        "vertices": _single(vertices - middle), "triangles": _whole(triangles),
+        "triangle_block": _whole(shapes.solids.block), "triangle_face": _whole(shapes.solids.face),
+        "edges": _whole(_edges(vertices, triangles, shapes.solids.block, shapes.solids.face)),
+        "joint_corners": _single(corners - middle), "joint_of": _whole(joint), "joint_block": _whole(minus),
+        "joint_outline": _single(outline - middle),
+        "pairs": _single(pairs.points_m - middle), "pair_mode": _whole(pairs.mode),
+        "pair_block": _whole(np.where(pairs.plus >= 0, pairs.plus, pairs.minus)),
+        "pair_kpa": _single(pairs.normal_kn / area),
+        "pair_kn": _single(pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn),
+        "load_what": _whole(loads.what), "load_block": _whole(loads.block), "load_kn": _single(loads.force_kn),
+        "load_at": _single(loads.at_m - middle),
+    }  # fmt: skip
+
+
+def _with_rock(scene: BlockScene, document: Mapping[str, Any]) -> BlockScene:
+    """The scene with the rock about a lone block, which the analysis needs no block for, as one of bedrock."""
+    shapes, kind = scene.shapes, document["kind"]
+    body = None
+    if kind in ("wedge", "plane", "footing"):
+        body = rock_around(shapes)
+    elif kind == "surface" and document["inputs"].get("profile_m"):
+        body = ground_below(shapes, document["inputs"]["profile_m"])
+    if body is None:
+        return scene
+    own = shapes.solids
+    vertices, triangles, of = joined([(own.vertices, own.triangles), body])
+    block = np.where(of == 0, np.append(own.block, np.zeros(len(body[1]), dtype=np.int64)), len(shapes.names))
+    face = np.append(own.face, np.full(len(body[1]), -1))
+    none = np.zeros((1, 6))
+    return replace(
+        scene,
+        shapes=Shapes(
+            (*shapes.names, "rock"), np.append(shapes.fixed, True),
+            np.concatenate([shapes.centroids, body[0].mean(axis=0)[None, :]]), shapes.joints,
+            Solids(vertices, triangles, block, face, own.faces), shapes.contacts,
+        ),
+        velocity=np.concatenate([scene.velocity, none]), order=np.append(scene.order, 0),
+        factor=np.append(scene.factor, np.nan),
+    )  # fmt: skip
+
+
+def _hex(colour: Sequence[int]) -> str:
+    return "#" + "".join(f"{part:02x}" for part in colour)
+
+
+def _single(values: Floats) -> dict[str, str]:
+    return {"type": "f32", "base64": base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()}
+
+
+def _whole(values: Ints) -> dict[str, str]:
+    return {"type": "i32", "base64": base64.b64encode(np.ascontiguousarray(values, dtype="<i4").tobytes()).decode()}
+
+
+def _middle(points: Floats) -> tuple[Floats, float]:
+    """The middle of the box about points (n, 3), and its diagonal."""
+    if not len(points):
+        return np.zeros(3), 1.0
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 1e-9)
+
+
+def _owned(solids: Solids) -> tuple[Floats, Ints, Ints]:
+    """Vertices (v, 3) that belong to one block each, triangles (t, 3), and the block of each vertex (v,)."""
+    if not len(solids.triangles):
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    keys = np.stack([np.repeat(solids.block, 3), solids.triangles.ravel()], axis=1)
+    used, index = np.unique(keys, axis=0, return_inverse=True)
+    return solids.vertices[used[:, 1]], index.reshape(-1, 3), used[:, 0]
+
+
+def _at(points: Floats, centroids: Floats, velocity: Floats, block: Ints) -> Floats:
+    """What points (n, 3) of blocks (n,) move by: u + ω × (x - c), small rotations."""
+    if not len(points):
+        return np.zeros((0, 3))
+    moved: Floats = velocity[block, :3] + np.cross(velocity[block, 3:], points - centroids[block])
+    return moved
+
+
+def _explode(scene: BlockScene, middle: Floats, size: float) -> Floats:
+    """How far each block (n, 3) goes in the exploded view: away from the middle, a lone one off its joints."""
+    shapes = scene.shapes
+    free = ~shapes.fixed
+    away = np.zeros_like(shapes.centroids)
+    if int(free.sum()) > 1:
+        away[free] = _AWAY * (shapes.centroids[free] - shapes.centroids[free].mean(axis=0))
+    elif len(scene.pairs):
+        own = scene.pairs.normals * scene.pairs.control_area_m2[:, None]
+        lift = np.where(scene.pairs.plus[:, None] >= 0, own, -own).sum(axis=0)
+        if (length := float(np.linalg.norm(lift))) > 0.0:
+            away[free] = 0.3 * size * lift / length
+    return away
+
+
+def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
+    """Edges (e, 2) worth drawing: where faces meet at an angle, or a triangle has no neighbour.
+
+    Triangles of one known face are a curved surface: there only bends of more than 30° count.
+    """
+    if not len(triangles):
+        return np.zeros((0, 2), dtype=np.int64)
+    corner = vertices[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    whole = length > 0.0
+    normal[whole] /= length[whole, None]
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    of = np.tile(np.arange(len(triangles)), 3)
+    kept = whole[of]
+    ends, of = ends[kept], of[kept]
+    order = np.lexsort((ends[:, 1], ends[:, 0]))
+    ends, of = ends[order], of[order]
+    starts = np.flatnonzero(np.append(True, (ends[1:] != ends[:-1]).any(axis=1)))
+    count = np.diff(np.append(starts, len(ends)))
+    one, two = of[starts], of[np.minimum(starts + 1, len(of) - 1)]
+    cosine = (normal[one] * normal[two]).sum(axis=1)
+    same = (face[one] == face[two]) & (face[one] >= 0)
+    drawn = (count != 2) | (cosine < np.where(same, _SMOOTH, _FLAT))
+    found: Ints = ends[starts[drawn]]
+    return found
+
+
+def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:
+    """The interfaces as triangles: corners (3t, 3), joint (t,), block they stay with (t,), outlines (2o, 3)."""
+    corners: list[Floats] = [np.zeros((0, 3))]
+    outline: list[Floats] = [np.zeros((0, 3))]
+    joint: list[int] = []
+    block: list[int] = []
+    for k in range(len(contacts)):
+        polygon = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
+        index = _triangulated(polygon)
+        corners.append(polygon[index].reshape(-1, 3))
+        outline.append(np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1).reshape(-1, 3))
+        joint += [int(contacts.joint[k])] * len(index)
+        block += [int(contacts.minus[k])] * len(index)
+    whole = np.array(joint, dtype=np.int64), np.array(block, dtype=np.int64)
+    # of a curved surface the outlines of its hundreds of triangles say nothing
+    lines = np.concatenate(outline) if len(contacts) <= 60 or len(set(joint)) > 1 else np.zeros((0, 3))
+    return np.concatenate(corners), *whole, lines
+
+
+def _triangulated(polygon: Floats) -> Ints:
+    """Triangles (t, 3) of a flat polygon (k, 3): a fan where it is convex."""
+    count = len(polygon)
+    if count < 3:
+        return np.zeros((0, 3), dtype=np.int64)
+    fan = np.array([(0, i, i + 1) for i in range(1, count - 1)], dtype=np.int64)
+    sides = np.roll(polygon, -1, axis=0) - polygon
+    turns = np.cross(sides, np.roll(sides, -1, axis=0))
+    normal = turns.sum(axis=0)
+    if count == 3 or bool((turns @ normal >= -1e-9 * float(normal @ normal)).all()):
+        return fan
+    from manifold3d import triangulate
+
+    across = int(np.argmax(np.abs(np.cross(sides, np.roll(sides, -1, axis=0)).sum(axis=0))))
+    flat = np.delete(polygon, across, axis=1)
+    x, y = flat.T
+    turned = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) < 0.0
+    index = np.asarray(triangulate([(flat[::-1] if turned else flat) - flat.mean(axis=0)]), dtype=np.int64)
+    return count - 1 - index if turned else index
+
+
+def _look_from(scene: BlockScene, kind: str) -> list[float]:
+    """Bearing of the eye and its height above the horizon, degrees: from where the blocks move to, or the south."""
+    if kind in _SECTIONS and _is_section(scene.shapes.solids.vertices):
+        return [160.0, 15.0]
+    moving: Bools = ~scene.shapes.fixed
+    way = scene.velocity[moving, :3].sum(axis=0) if moving.any() else np.zeros(3)
+    if float(np.hypot(way[0], way[1])) < 1e-6:
+        return [150.0, 25.0]
+    return [float((np.degrees(np.arctan2(way[0], way[1])) + 30.0) % 360.0), 25.0]
+
+
+def _is_section(vertices: Floats) -> bool:
+    return bool(len(vertices) and np.ptp(vertices[:, 1]) < 0.3 * np.ptp(vertices[:, [0, 2]], axis=0).max())

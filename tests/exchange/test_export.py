@@ -1,0 +1,248 @@
+"""What `slopekit export` refuses and says, and designs that read the meshes it wrote."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.exchange.picking import Body
+from slopekit.exchange.reading import read_blocks
+from slopekit.exchange.source import source_of
+from slopekit.exchange.split import _slab
+from slopekit.exchange.strengths import joints_of, pairs_of
+from tests.exchange.conftest import TEMPLATES
+
+
+def refused(*arguments, **options) -> sk.Fault:
+    with pytest.raises(sk.DesignError) as caught:
+        sk.export(*arguments, **options)
+    assert len(caught.value.faults) == 1
+    return caught.value.faults[0]
+
+
+@pytest.mark.parametrize(
+    ("file", "options", "code", "says"),
+    [
+        ("x.step", {}, "E360", "the suffix .step is no format"),
+        ("x", {}, "E360", "a file without suffix"),
+        ("x.stl", {"blocks": ["B1", "B999"]}, "E363", "there is no block B999"),
+        ("x.stl", {"what": "pairs"}, "E364", "STL files hold no pairs"),
+        ("x.stl", {"what": "blocks,interfaces"}, "E364", "one part at a time"),
+        ("x.stl", {"what": "joints"}, "E364", "joints is not a part"),
+        ("x.stl", {"what": ","}, "E364", "no part to write"),
+        ("x.vtu", {"what": "pairs"}, "E365", "there are no pairs to write"),
+        ("x.stl", {"blocks": ["B1"], "moving": True}, "E365", "there are no blocks to write"),
+        ("x.obj", {"binary": True}, "E366", "--binary is for STL"),
+        (None, {}, "E366", "no file to write"),
+        (None, {"split": "here", "split_as": "dxf"}, "E366", "files of a mesh each, not .dxf"),
+        ("no/x.stl", {}, "E129", "cannot be written"),
+        (None, {"split": "file"}, "E129", "cannot be written"),
+    ],
+)  # fmt: skip
+def test_what_is_refused(result, tmp_path, monkeypatch, file, options, code, says) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("")
+    fault = refused(result("bench"), file, **options)
+    assert fault.code == code
+    assert says in fault.message
+    assert not Path("x.stl").exists()
+
+
+def test_advice_lists_and_guesses(result, tmp_path) -> None:
+    assert ".stl .obj .glb .gltf .vtu .dxf" in refused(result("bench"), tmp_path / "x.stp").advice
+    assert refused(result("bench"), tmp_path / "x.stl", blocks=["b17"]).advice == "Did you mean B17?"
+    assert refused(result("bench"), tmp_path / "x.stl", what="block").advice == "Did you mean blocks?"
+    assert ".vtu" in refused(result("bench"), tmp_path / "x.stl", what="pairs").advice
+
+
+@pytest.mark.parametrize(
+    ("content", "code", "says"),
+    [
+        ("kind: wedge\n", "E361", "it is no JSON"),
+        ("[1]", "E361", "no keys"),
+        ('{"a": 1}', "E361", "no key slopekit"),
+        ('{"slopekit": "0", "errors": []}', "E361", "the faults of a run"),
+        ('{"slopekit": "0", "study": "sweep", "points": []}', "E362", "the result of sweep, it holds no blocks"),
+        ('{"slopekit": "0", "kind": "wedge", "geometry": {}}', "E362", "holds no scene"),
+        ('{"slopekit": "0", "kind": "wedge", "geometry": {}, "scene": {"shapes": 1}}', "E350", "cannot be read"),
+    ],
+)
+def test_files_that_hold_no_scene(tmp_path, content, code, says) -> None:
+    (tmp_path / "result.json").write_text(content)
+    fault = refused(tmp_path / "result.json", tmp_path / "x.stl")
+    assert fault.code == code
+    assert says in fault.message
+    assert fault.advice
+
+
+def test_a_result_that_is_not_there(tmp_path) -> None:
+    assert refused(tmp_path / "result.json", tmp_path / "x.stl").code == "E147"
+
+
+def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
+    """E140: `cad` to write or read DXF, `plot` to read VTU; writing VTU needs none."""
+    sk.export(result("wedge"), tmp_path / "there.dxf")
+    for module in ("ezdxf", "pyvista"):
+        monkeypatch.setitem(sys.modules, module, None)
+    fault = refused(result("wedge"), tmp_path / "x.dxf")
+    assert (fault.code, "extra cad (ezdxf)" in fault.message) == ("E140", True)
+    assert not (tmp_path / "x.dxf").exists()
+    sk.export(result("wedge"), tmp_path / "x.vtu", what="blocks,interfaces,pairs")
+    for name, extra in (("there.dxf", "cad"), ("x.vtu", "plot")):
+        with pytest.raises(sk.DesignError, match=f"extra {extra}") as caught:
+            read_blocks(tmp_path / name)
+        assert caught.value.codes == ("E140",)
+    design = {
+        "slopekit": 1, "kind": "surface", "slip": {"mesh": str(tmp_path / "there.dxf")}, "rock": {"unit_weight": 25},
+        "slope": {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}, "strength": {"joint": {"c": 1, "phi": 30}},
+    }  # fmt: skip
+    with pytest.raises(sk.DesignError, match="extra cad"):
+        sk.run(design)
+
+
+def test_files_that_are_no_meshes(tmp_path) -> None:
+    for name in ("x.dxf", "x.vtu", "x.stl", "x.glb"):
+        (tmp_path / name).write_text("nothing")
+        with pytest.raises(sk.DesignError) as caught:
+            read_blocks(tmp_path / name)
+        assert caught.value.codes == ("E172",), name
+
+
+def test_moving_leaves_bedrock_out(result, tmp_path) -> None:
+    done = sk.export(result("bench"), tmp_path / "x.obj", what="blocks,interfaces", moving=True)
+    assert done.written[0].blocks == 132 - 93
+    assert done.written[0].volume_m3 == pytest.approx(987.4750107200935, rel=1e-12)
+    one = sk.export(result("bench"), tmp_path / "x.obj", what=["interfaces"], blocks=["B103"])
+    assert (one.written[0].interfaces, one.written[0].volume_m3) == (4, None)
+
+
+def test_curved_bodies_say_what_flat_triangles_leave_out(result, tmp_path) -> None:
+    """W377; and no design is written whose slip surface would be facets, W376."""
+    done = sk.export(result("sphere"), tmp_path / "x.stl", split=tmp_path / "split")
+    codes = [notice.code for notice in done.warnings]
+    assert codes == ["W377", "W376"]
+    flat, true = done.written[0].volume_m3, result("sphere")["geometry"]["volume_m3"]
+    assert f"{(1 - flat / true) * 100:.2g} % less" in done.warnings[0].message
+    assert [path.name for path in done.written[1].files] == ["mass.stl"]
+
+
+@pytest.mark.parametrize(("template", "changes", "tolerance"), [
+    ("blocks", {"loads.seismic.k": 0.1, "water.pressures": {"base/B1": "3 kPa"}}, 1e-6),
+    ("plane", {}, 1e-6),
+    ("wedge", {"loads.seismic.k": 0.1, "water.mode": "full", "loads.forces": ["900kN@200/10"]}, 3e-5),
+])  # fmt: skip
+def test_the_loop_gives_the_same_factor(tmp_path, template, changes, tolerance) -> None:
+    """result -> meshes and blocks.yaml -> run. Two joints of a wedge: single block and assembly agree to 2e-5."""
+    first = sk.run(TEMPLATES / f"{template}.yaml", set=changes)
+    done = sk.export(first, split=tmp_path)
+    assert done.warnings == ()
+    assert done.files[0].name == "blocks.yaml"
+    again = sk.run(done.files[0])
+    assert again.fos.limit == pytest.approx(first.fos.limit, rel=tolerance)
+    assert again.geometry.volume_m3 == pytest.approx(first.geometry.volume_m3, rel=1e-12)
+
+
+def test_the_loop_of_a_bench(tmp_path) -> None:
+    """Rows that slide on one plane between smooth walls: tan φ / tan 45° whatever the node pairs; 1e-6.
+
+    Contacts come back with the same areas. Where normal forces share themselves out over the node pairs, limits differ
+    by up to 0.7 %: quadrilaterals are fanned from their first corner, which a mesh does not keep.
+    """
+    changes = {
+        "slope.height": 6, "slope.length": 12, "slope.depth": 5, "slope.origin": [4e6, 5.5e6, 300.0],
+        "sets.S1.plane": "45/180", "sets.S2.plane": "90/270", "sets.S3.plane": "80/000", "strength.joint.phi": 0,
+    }  # fmt: skip
+    first = sk.run(TEMPLATES / "bench.yaml", set=changes)
+    done = sk.export(first, split=tmp_path, split_as="obj")
+    again = sk.run(done.files[0])
+    assert first.fos.limit == pytest.approx(0.9004040442978399, rel=1e-6)  # tan 42°
+    assert again.fos.limit == pytest.approx(first.fos.limit, rel=1e-6)
+    areas = first.geometry.areas_m2
+    assert again.geometry.areas_m2["bedding"] == pytest.approx(areas["S1"], rel=1e-6)
+
+
+def test_passive_bolts_do_not_carry_over(tmp_path) -> None:
+    first = sk.wedge(dips=("45/115", "45/245"), bolts=["900kN@000/05,passive"])
+    done = sk.export(first, split=tmp_path)
+    assert [(notice.code, "1 passive bolt" in notice.message) for notice in done.warnings] == [("W376", True)]
+
+
+def test_risers_of_columns_do_not_carry_over(tmp_path) -> None:
+    """Kind topple leaves them out of the limit; the template's factor is 0.35 % higher with them."""
+    design = {"columns.heights": [3, 5, 4]}
+    done = sk.export(sk.run(TEMPLATES / "topple.yaml", set=design), split=tmp_path)
+    assert [(notice.code, "risers" in notice.message) for notice in done.warnings] == [("W376", True)]
+    assert "polygon: [[" in done.files[0].read_text()
+
+
+def test_runs_load_nothing_of_exports() -> None:
+    heavy = ["ezdxf", "pyvista", "matplotlib", "slopekit.exchange"]
+    program = (
+        f"import sys; sys.argv = ['slopekit', 'run', {str(TEMPLATES / 'blocks.yaml')!r}, '--json']\n"
+        "from slopekit.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert run.stdout.splitlines()[-1] == "[]"
+    assert "scene" in json.loads(run.stdout.rpartition("[]")[0])
+
+
+def test_split_of_some_blocks_says_so(result, tmp_path) -> None:
+    done = sk.export(result("bench"), split=tmp_path, moving=True)
+    assert "none of these blocks is bedrock" in done.warnings[0].message
+    assert len(done.files) == 39
+
+
+def test_the_command(tmp_path) -> None:
+    def slopekit(*arguments: str) -> "subprocess.CompletedProcess[str]":
+        command = [sys.executable, "-m", "slopekit.cli", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=tmp_path)
+
+    (tmp_path / "result.json").write_text(json.dumps(sk.wedge(dips=("45/115", "45/245")).to_dict()))
+    run = slopekit("export", "result.json", "-o", "wedge.stl", "--split", "parts")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.splitlines() == [
+        "WROTE     wedge.stl",
+        "          STL, metres: 1 block, 209461.496 m³",
+        "PRECISION text, every digit of a double",
+        "WROTE     parts/blocks.yaml, parts/wedge.stl, parts/bedrock_J1.stl, parts/bedrock_J2.stl",
+        "          STL, metres: 1 block, 209461.496 m³",
+        "PRECISION text, every digit of a double",
+        "try: slopekit run parts/blocks.yaml",
+    ]
+    wrong = slopekit("export", "result.json", "-o", "wedge.stp", "--json")
+    assert wrong.returncode == 2
+    assert json.loads(wrong.stdout)["errors"][0]["code"] == "E360"
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_slabs_of_bedrock_lie_behind_their_joint(turn) -> None:
+    """Either way round the joint's corners: 0.25 of 2 m thick, outside the block, not inside out."""
+    box = np.array([[x, y, z] for x in (0.0, 2.0) for y in (0.0, 2.0) for z in (0.0, 2.0)])
+    floor = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])[::turn]
+    slab = _slab(floor, Body(0, "box", box, np.zeros((0, 3), dtype=np.int64)), "bedrock")
+    assert slab.volume == pytest.approx(2.0, rel=1e-12)
+    assert (slab.vertices[:, 2].min(), slab.vertices[:, 2].max()) == (-0.5, 0.0)
+
+
+def test_interfaces_with_several_strengths_have_that_of_the_largest_part() -> None:
+    """B1 lies on the base with 7.07 m² of `joint`; 5 m² of `smooth` are put beside it."""
+    source = source_of(sk.run(TEMPLATES / "blocks.yaml"))
+    shapes = source.scene.shapes
+    contacts = shapes.contacts
+    first = next(k for k in range(3) if {contacts.plus[k], contacts.minus[k]} == {0, 1})
+    other = next(k for k in range(3) if {contacts.plus[k], contacts.minus[k]} == {1, 2})
+    plus, minus = contacts.plus.copy(), contacts.minus.copy()
+    plus[other], minus[other] = plus[first], minus[first]
+    contacts = replace(contacts, plus=plus, minus=minus)
+    mixed = replace(source, scene=replace(source.scene, shapes=replace(shapes, contacts=contacts)))
+    found = pairs_of(mixed, {}, joints_of(mixed))
+    assert found.mixed == ("B1/base",)
+    assert found.joint["B1", "base"] == "joint"

@@ -1,0 +1,190 @@
+"""Each format written and read back, by slopekit and by an independent reader: trimesh, pyvista, ezdxf."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+import slopekit as sk
+from slopekit.block_scene import BlockScene
+from slopekit.exchange.panels import panel_states
+from slopekit.exchange.picking import volume_of
+from slopekit.exchange.reading import read_blocks
+from slopekit.geometry.meshes import read_mesh
+from tests.exchange.conftest import EAST, NORTH
+
+ezdxf = pytest.importorskip("ezdxf")
+SCENES = ("map", "map-bench", "goodman-bray", "paper-ellipsoid")
+#: Largest error of a coordinate, in parts of a block's size: float32 has 24 bits; text and VTU hold doubles.
+EXACT = {".stl": 0.0, ".obj": 0.0, ".vtu": 0.0, ".dxf": 0.0, ".glb": 2.0**-23, ".gltf": 2.0**-23}
+
+
+@pytest.mark.parametrize("suffix", EXACT)
+@pytest.mark.parametrize("scene", SCENES)
+def test_blocks_come_back(result, tmp_path, scene, suffix) -> None:
+    """Names, vertices, volume and centroid of every block, at small and at map coordinates.
+
+    A double at 5.5e6 m has a grain of 1e-9 m, which sums of a GLB's nodes may round by.
+    """
+    if suffix == ".vtu":
+        pytest.importorskip("pyvista")
+    shapes = BlockScene.from_dict(result(scene)["scene"]).shapes
+    chosen = shapes.names if len(shapes.names) < 20 else shapes.names[::13]
+    sk.export(result(scene), tmp_path / f"x{suffix}", blocks=chosen)
+    found = {name: (vertices, triangles) for name, vertices, triangles in read_blocks(tmp_path / f"x{suffix}")}
+    assert set(found) == set(chosen)
+    grain = 2e-9 if scene.startswith("map") and EXACT[suffix] else 1e-15
+    for name in chosen:
+        vertices, triangles = shapes.solids.of(shapes.names.index(name))
+        middle, size = vertices.mean(axis=0), float(np.ptp(vertices, axis=0).max())
+        apart = cKDTree(found[name][0] - middle).query(vertices - middle)[0].max()
+        assert apart <= EXACT[suffix] * size + (grain if EXACT[suffix] else 0.0)
+        assert volume_of(*found[name]) == pytest.approx(volume_of(vertices, triangles), rel=1e-12 + 20 * EXACT[suffix])
+        assert len(found[name][1]) == len(triangles)
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".glb", ".dxf"])
+def test_meshes_of_designs_keep_map_coordinates(result, tmp_path, suffix) -> None:
+    sk.export(result("map"), tmp_path / f"x{suffix}")
+    vertices, triangles, closed = read_mesh(tmp_path / f"x{suffix}", "x")
+    assert closed
+    assert volume_of(vertices, triangles) == pytest.approx(209461.4964585, rel=3e-6 if suffix == ".glb" else 1e-9)
+    toe = np.array([EAST, NORTH, 300.0])
+    assert np.abs(vertices - toe).max(axis=1).min() <= (1e-5 if suffix == ".glb" else 0.0)
+
+
+def test_a_mesh_at_map_coordinates_that_is_inside_out_is_turned(tmp_path) -> None:
+    """The sign of a volume of 1 m³ among products of three numbers of 5e6."""
+    box = trimesh.creation.box()
+    corners = np.asarray(box.vertices) + np.array([EAST, NORTH, 300.0])
+    text = [f"v {x!r} {y!r} {z!r}" for x, y, z in corners.tolist()]
+    text += [f"f {a} {c} {b}" for a, b, c in (np.asarray(box.faces) + 1).tolist()]
+    (tmp_path / "box.obj").write_text("\n".join(text))
+    vertices, triangles, closed = read_mesh(tmp_path / "box.obj", "box")
+    assert closed
+    assert volume_of(vertices, triangles) == pytest.approx(1.0, rel=1e-8)
+
+
+def test_stl_by_trimesh_and_by_its_text(result, tmp_path) -> None:
+    sk.export(result("bench"), tmp_path / "x.stl", moving=True)
+    lines = (tmp_path / "x.stl").read_text().splitlines()
+    assert [line[6:] for line in lines if line.startswith("solid ")][:2] == ["B51", "B52"]
+    scene = trimesh.load(tmp_path / "x.stl")
+    assert sum(mesh.volume for mesh in scene.geometry.values()) == pytest.approx(987.4750107200935, rel=1e-12)
+    assert all(mesh.is_watertight for mesh in scene.geometry.values())
+    facet = next(k for k, line in enumerate(lines) if line.startswith("facet"))
+    a, b, c = (np.array([float(word) for word in lines[facet + k].split()[1:]]) for k in (2, 3, 4))
+    normal = np.array([float(word) for word in lines[facet].split()[2:]])
+    assert np.cross(b - a, c - a) @ normal == pytest.approx(np.linalg.norm(np.cross(b - a, c - a)), rel=1e-5)
+
+
+def test_binary_stl_rounds_and_says_how_far(result, tmp_path) -> None:
+    """W370: float32 at 5.5e6 m has a grain of 0.5 m; near the origin nothing is said."""
+    far = sk.export(result("map"), tmp_path / "far.stl", binary=True)
+    assert [notice.code for notice in far.warnings] == ["W370"]
+    vertices = BlockScene.from_dict(result("map")["scene"]).shapes.solids.vertices
+    back = np.asarray(trimesh.load(tmp_path / "far.stl").vertices)
+    rounding = cKDTree(back - vertices[0]).query(vertices - vertices[0], p=np.inf)[0].max()
+    assert 0.01 < rounding <= 0.25
+    assert f"by up to {rounding:.2g} m" in far.warnings[0].message
+    near = sk.export(result("wedge"), tmp_path / "near.stl", binary=True)
+    assert near.warnings == ()
+    assert trimesh.load(tmp_path / "near.stl").volume == pytest.approx(209461.4964585, rel=1e-6)
+
+
+def test_names_that_stl_readers_take_for_words(tmp_path, result) -> None:
+    document = json.loads(json.dumps(result("wedge")))
+    document["scene"]["shapes"]["names"] = ["solid vertex 1"]
+    sk.export(document, tmp_path / "x.stl")
+    ((name, vertices, _),) = read_blocks(tmp_path / "x.stl")
+    assert (name, len(vertices)) == ("s_olid v_ertex 1", 4)
+
+
+def test_obj_has_faces_and_interfaces_by_name(result, tmp_path) -> None:
+    sk.export(result("wedge"), tmp_path / "x.obj", what="blocks,interfaces")
+    lines = (tmp_path / "x.obj").read_text().splitlines()
+    assert [line[2:] for line in lines if line.startswith("o ")] == ["wedge", "J1", "J2"]
+    assert {line for line in lines if line.startswith("g ")} == {
+        "g wedge J1", "g wedge J2", "g wedge face", "g wedge upper_slope",
+    }  # fmt: skip
+    areas = {name: trimesh.Trimesh(v, t, process=False).area for name, v, t in read_blocks(tmp_path / "x.obj")}
+    assert areas["J1"] == pytest.approx(result("wedge")["geometry"]["areas_m2"]["J1"], rel=1e-12)
+
+
+def test_glb_turns_z_up_and_keeps_the_offset_in_its_nodes(result, tmp_path) -> None:
+    """glTF 2.0, 3.4: y is up. The offset is a double of the JSON, vertices are small."""
+    sk.export(result("map"), tmp_path / "x.gltf", what="blocks,interfaces,pairs")
+    document = json.loads((tmp_path / "x.gltf").read_text())
+    offset = next(node["matrix"][12:15] for node in document["nodes"] if node["name"] == "map origin")
+    assert offset[:2] == pytest.approx([EAST, NORTH], abs=200.0)
+    assert max(max(map(abs, one["max"])) for one in document["accessors"] if one["type"] == "VEC3") < 200.0
+    block = next(mesh for mesh in document["meshes"] if mesh["name"] == "wedge")
+    assert block["extras"]["factor_of_safety"] == pytest.approx(1.5574, abs=1e-4)
+    assert {node["name"] for node in document["nodes"]} >= {"wedge", "interface J1", "interface J2", "node pairs, slip"}
+    bounds = trimesh.load_scene(tmp_path / "x.gltf").bounds  # east, up, -north
+    geometry = BlockScene.from_dict(result("map")["scene"]).shapes.solids.vertices
+    assert bounds[:, 1] == pytest.approx([geometry[:, 2].min(), geometry[:, 2].max()], abs=1e-4)
+    assert bounds[:, 2] == pytest.approx([-geometry[:, 1].max(), -geometry[:, 1].min()], abs=1e-4)
+
+
+def test_vtu_by_pyvista(result, tmp_path) -> None:
+    """Volumes and fields, by VTK; the stresses against the forces of the sheet."""
+    pyvista = pytest.importorskip("pyvista")
+    document = result("map")
+    done = sk.export(document, tmp_path / "x.vtu", what="blocks,interfaces,pairs")
+    assert [path.name for path in done.files] == ["x.vtu", "x-interfaces.vtu", "x-pairs.vtu"]
+    blocks, interfaces, pairs = (pyvista.read(path) for path in done.files)
+    assert blocks.points.dtype == np.float64
+    assert blocks.cell_data["volume_m3"] == pytest.approx([209461.4964585], rel=1e-9)
+    assert blocks.celltypes.tolist() == [42]
+    assert blocks.cell_data["factor_of_safety"] == pytest.approx([document["fos"]["limit"]], rel=0)
+    assert list(blocks.field_data["block_names"]) == ["wedge"]
+    assert np.linalg.norm(blocks.cell_data["velocity"]) == pytest.approx(1.0)
+    names = list(interfaces.field_data["joint_names"])
+    for joint, area, stress in zip(
+        interfaces.cell_data["joint"], interfaces.cell_data["area_m2"], interfaces.cell_data["normal_stress_kpa"],
+        strict=True,
+    ):  # fmt: skip
+        assert area == pytest.approx(document["geometry"]["areas_m2"][names[joint]], rel=1e-9)
+        assert stress * area == pytest.approx(document["forces_kn"]["normal"][names[joint]], rel=1e-6)
+    assert float(pairs.cell_data["control_area_m2"].sum()) == pytest.approx(2 * 9057.538338, rel=1e-8)
+    assert pairs.cell_data["shear_kn"].shape == (len(pairs.points), 3)
+    assert {pairs.field_data["mode_names"][mode] for mode in pairs.cell_data["mode"]} == {"slip"}
+
+
+def test_panels_share_out_the_forces_of_all_pairs(result) -> None:
+    """The mean stresses of the slip surface's triangles add up to the normal forces, none is lost."""
+    scene = BlockScene.from_dict(result("sphere")["scene"])
+    states = panel_states(scene)
+    assert np.isfinite(states.normal_stress_kpa).all()
+    assert float(states.area_m2.sum()) == pytest.approx(float(scene.pairs.control_area_m2.sum()), rel=0.01)
+    assert float((states.normal_stress_kpa * states.area_m2).sum()) == pytest.approx(
+        float(scene.pairs.normal_kn.sum()), rel=0.01
+    )  # areas of flat and of curved triangles
+
+
+def test_dxf_by_ezdxf(result, tmp_path) -> None:
+    sk.export(result("map"), tmp_path / "x.dxf", what="blocks,interfaces,pairs")
+    drawing = ezdxf.readfile(tmp_path / "x.dxf")
+    assert drawing.units == 6
+    audit = drawing.audit()
+    assert (audit.errors, audit.fixes) == ([], [])
+    layers = {entity.dxf.layer for entity in drawing.modelspace()}
+    assert layers == {"BLOCKS-MOVING", "INTERFACE-J1", "INTERFACE-J2", "PAIRS-SLIP", "LINE-OF-INTERSECTION"}
+    (line,) = drawing.modelspace().query("LINE")
+    assert (line.dxf.end - line.dxf.start).magnitude == pytest.approx(256.9123443880054, rel=1e-9)
+    assert min(line.dxf.start.z, line.dxf.end.z) == 300.0
+
+
+def test_outlines_of_a_section(result, tmp_path) -> None:
+    """LWPOLYLINEs stand upright in the middle of the section; their areas by the shoelace formula."""
+    sk.export(result("blocks"), tmp_path / "x.dxf")
+    lines = list(ezdxf.readfile(tmp_path / "x.dxf").modelspace().query("LWPOLYLINE"))
+    corners = [np.array([tuple(point) for point in line.vertices_in_wcs()]) for line in lines]
+    assert [len(own) for own in corners] == [5, 3, 4]
+    assert np.abs(np.concatenate(corners)[:, 1]).max() < 1e-15
+    x, z = corners[1][:, 0], corners[1][:, 2]
+    assert abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2.0 == pytest.approx(12.5, rel=1e-12)
+    assert {tuple(corner) for corner in corners[1].round(12).tolist()} == {(0, 0, 0), (0, 0, 5), (-5, 0, 5)}

@@ -1,0 +1,176 @@
+"""The command plot as a user runs it: what it writes, what it refuses and says instead."""
+
+import json
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import slopekit as sk
+from slopekit.cli import main
+from slopekit.design.templates import path_of
+from slopekit.explanations import explanation
+from slopekit.views import drawing
+
+pytest.importorskip("matplotlib")
+
+WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command: exit code, stdout, stderr."""
+
+    def plot(*arguments: str | Path) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["slopekit", "plot", *map(str, arguments)])
+        with pytest.raises(SystemExit) as left:
+            main()
+        out = capsys.readouterr()
+        return int(left.value.code or 0), out.out, out.err
+
+    return plot
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with a sweep, a result and a kinematic study."""
+    made = tmp_path_factory.mktemp("plot")
+    swept = sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")
+    for name, study in (("sweep", swept), ("result", sk.run(WEDGE)),
+                        ("kinematic", sk.kinematic(["40/175", "35/090"], face="65/180"))):  # fmt: skip
+        (made / f"{name}.json").write_text(json.dumps(study.to_dict()))
+    return made
+
+
+def test_it_lists_and_draws(run, folder) -> None:
+    code, out, _ = run(folder / "sweep.json")
+    assert (code, out.splitlines()[0]) == (0, "sweep.json can give")
+    assert out.splitlines()[1].split()[0] == "curve"
+    code, out, _ = run(folder / "sweep.json", "curve")
+    assert (code, out.strip()) == (0, f"wrote {folder / 'sweep-curve.png'}")
+    assert (folder / "sweep-curve.png").read_bytes().startswith(b"\x89PNG")
+    target = folder / "a.svg"
+    assert run(folder / "kinematic.json", "stereonet", "--test", "planar", "--equal-angle", "-o", target)[0] == 0
+    assert "<svg" in target.read_text(encoding="utf-8")
+
+
+def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
+    """`sweep --picture` and `plot sweep.json curve` are one function: the same bytes."""
+    assert run(folder / "sweep.json", "curve", "-o", tmp_path / "a.png")[0] == 0
+    sk.plot(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form"), "curve", tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("swep.json",), "E147", "Did you mean {folder}/sweep.json?"),
+        (("sweep.json", "curves"), "E342", "Did you mean curve? sweep.json can give curve."),
+        (("sweep.json", "histogram"), "E343", "prob.json: slopekit prob design.yaml -o DIR"),
+        (("sweep.json", "scene"), "E343", "result.json: slopekit run design.yaml -o DIR"),
+        (("result.json", "contour"), "E343", "it wants sweep.json of two keys"),
+        (("sweep.json", "curve", "-o", "a.gif"), "E345", "Known: .png, .svg, .pdf."),
+        (("sweep.json", "curve", "-o", "a.glb"), "E345", "curve cannot be written as .glb"),
+        (("sweep.json", "curve", "-o", "nowhere/a.png"), "E129", "there is no folder"),
+        (("sweep.json", "curve", "--equal-angle"), "E347", "--equal-angle says nothing of this curve"),
+        (("result.json", "stereonet", "--test", "planar"), "E347", "--test says nothing of this stereonet"),
+        (("kinematic.json", "stereonet", "--test", "planer"), "E347", "Known: planar, wedge, toppling."),
+        (("sweep.json", "curve", "--step", "x"), "E106", "--step is 'x'"),
+    ],
+)
+def test_wrong_use(arguments, code, says, run, folder) -> None:
+    given = [folder / arguments[0], *arguments[1:]]
+    left, out, err = run(*given)
+    assert (left, out) == (2, "")
+    assert err.startswith(f"{code} ")
+    assert says.format(folder=folder) in err
+    assert explanation(code)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "says"),
+    [
+        ("", "E340", "is not JSON"),
+        ("slopekit: 1\nkind: wedge\n", "E340", "is not JSON"),
+        ('{"slopekit": "0.1.0", "kind": "wedge", "fos": NaN}', "E340", "NaN is no number of JSON"),
+        ('{"slopekit": "0.1.0", "kind": "wedge", "fos": 1e999}', "E340", "1e999 is no number of JSON"),
+        ("[1, 2]", "E341", "is not of slopekit"),
+        ('{"kind": "wedge"}', "E341", "it has no key slopekit"),
+        ('{"slopekit": "0.1.0", "errors": [{"code": "E101"}]}', "E341", "faults of a run that failed (E101)"),
+        ('{"slopekit": "0.1.0", "study": "sweep", "keys": [{}]}', "E344", "x.json cannot be drawn as curve"),
+        ('{"slopekit": "0.1.0", "study": "sweep", "keys": [7], "points": 3}', "E344", "Make it again"),
+    ],
+)
+def test_wrong_files(text, code, says, run, tmp_path) -> None:
+    """Never a traceback: what is wrong with the file, on one line."""
+    file = tmp_path / "x.json"
+    file.write_text(text)
+    left, _, err = run(file, "curve")
+    assert left == 2
+    assert err.startswith(f"{code} ")
+    assert says in err
+    assert explanation(code)
+
+
+def test_a_key_that_is_missing_is_named(run, folder, tmp_path) -> None:
+    """Any one key left out of a document is E344 or does not matter; nothing else happens."""
+    whole = json.loads((folder / "sweep.json").read_text())
+    codes = set()
+    for key in whole:
+        if key in ("slopekit", "timing_s", "warnings", "counts", "shape", "disagree"):
+            continue
+        file = tmp_path / "x.json"
+        file.write_text(json.dumps({name: value for name, value in whole.items() if name != key}))
+        left, _, err = run(file, "curve", "-o", tmp_path / "x.svg")
+        assert left in (0, 2)
+        codes.add(err[:4])
+    assert codes == {"", "E343", "E344"}
+
+
+def test_scenes_are_handed_on(run, tmp_path, monkeypatch) -> None:
+    """The eight 3-D words go to `views.scenes` with the options."""
+    called = []
+    from slopekit.views import scenes
+
+    monkeypatch.setattr(scenes, "draw", lambda *what, **options: called.append((what[1:], options)))
+    file = tmp_path / "r.json"
+    file.write_text(json.dumps({"slopekit": "0.1.0", "kind": "wedge", "scene": {}}))
+    assert run(file, "exploded", "-o", tmp_path / "r.glb", "--explode", "0.5", "--step", "2")[0] == 0
+    assert called == [
+        (("exploded", tmp_path / "r.glb"), {"show": False, "explode": 0.5, "magnify": None, "step": 2}),
+    ]  # fmt: skip
+
+
+def test_without_the_extra(run, folder, monkeypatch) -> None:
+    monkeypatch.setattr(drawing, "find_spec", lambda name: None)
+    left, _, err = run(folder / "sweep.json", "curve")
+    assert left == 2
+    assert err.startswith("E140 drawing needs the extra plot")
+
+
+def test_show_without_a_display(run, folder, monkeypatch) -> None:
+    """A backend that opens no window is said, not silently passed over."""
+    pyplot = ModuleType("matplotlib.pyplot")
+    pyplot.figure, pyplot.close, pyplot.get_backend = (lambda: None), (lambda _: None), (lambda: "agg")
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", pyplot)
+    import matplotlib as mpl
+
+    monkeypatch.setattr(mpl, "pyplot", pyplot, raising=False)
+    left, out, err = run(folder / "sweep.json", "curve", "--show")
+    assert (left, out) == (2, "")
+    assert err.startswith("E346 no window can be opened")
+    assert explanation("E346")
+
+
+def test_prob_and_kinematic_draw_with_their_folder(monkeypatch, capsys, tmp_path) -> None:
+    """histogram.png lies beside prob.json, which keeps what it draws."""
+    arguments = ["prob", path_of("wedge-scatter"), "-n", "200", "--confirm", "2", "--near", "0", "--quiet"]
+    monkeypatch.setattr("sys.argv", ["slopekit", *map(str, arguments), "-o", str(tmp_path / "p")])
+    with pytest.raises(SystemExit):
+        main()
+    assert capsys.readouterr().err == ""
+    assert {file.name for file in (tmp_path / "p").iterdir()} == {
+        "prob.json", "prob.txt", "samples.csv", "histogram.png",
+    }  # fmt: skip
+    assert len(json.loads((tmp_path / "p" / "prob.json").read_text())["histogram"]["pre_ie_at_random"]) == 2

@@ -1,0 +1,275 @@
+"""The charts: what is drawn is what the JSON says; figures are looked at by their artists, not their files."""
+
+import copy
+import json
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.design.templates import path_of
+from slopekit.errors import DesignError
+from slopekit.orientation import Line
+from slopekit.studies import ladders
+from slopekit.views.stereonet import project
+
+pytest.importorskip("matplotlib")
+from slopekit.views.check_charts import draw_normals, draw_speed_errors
+from slopekit.views.drawing import new_figure
+from slopekit.views.kinematic_charts import draw_kinematic
+from slopekit.views.net_parts import cells
+from slopekit.views.orientation_charts import draw_orientations, orientations_of
+from slopekit.views.plots import EVERY, offers
+from slopekit.views.probability_charts import draw_histogram
+from slopekit.views.reduction_charts import draw_reduction
+from slopekit.views.sweep_charts import draw_contour, draw_curve, draw_tornado
+
+WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+
+
+def plain(study) -> dict:
+    """The JSON as it comes back from a file."""
+    return json.loads(json.dumps(study.to_dict(), allow_nan=False))
+
+
+def figure_of(draw, document, *options):
+    figure = new_figure("x")
+    draw(figure, document, *options)
+    return figure
+
+
+def labelled(axes, begins: str) -> np.ndarray:
+    """Points (n, 2) of the lines of an axes whose label begins so."""
+    found = [line.get_xydata() for line in axes.lines if str(line.get_label()).startswith(begins)]
+    assert found, [line.get_label() for line in axes.lines]
+    return np.concatenate(found)
+
+
+def legend(figure) -> str:
+    holders = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
+    return " | ".join(text.get_text() for holder in holders for text in holder.get_texts())
+
+
+# -- sweeps -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_curve_from_its_json() -> None:
+    """Factors at their values, one line for each method, the place where the level is passed, E203 without a number."""
+    document = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [20, 60, 80]}, fos=1.5))
+    axes = figure_of(draw_curve, document).axes[0]
+    expected = [[p["values"][0], p["limit"]] for p in document["points"] if p["limit"]]
+    assert [at for at, _ in expected] == [60.0, 80.0]
+    drawn = [line.get_xydata().tolist() for line in axes.lines if len(line.get_xydata()) == 2]
+    assert drawn.count(expected) == 2  # markers and line; the closed form has its own
+    diamond = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "D" and len(line.get_xydata())]
+    assert diamond == [pytest.approx([document["critical"][0]["at"], 1.5])]
+    assert labelled(axes, "no block")[:, 0].tolist() == [20.0]
+
+
+def test_a_contour_and_a_tornado_from_their_json() -> None:
+    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]},
+                          methods="closed-form"))  # fmt: skip
+    axes = figure_of(draw_contour, grid).axes[0]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
+    study = plain(sk.tornado(sk.load(WEDGE), methods="closed-form"))
+    axes = figure_of(draw_tornado, study).axes[0]
+    first, base = study["bars"][0], study["base"]["closed_form"]
+    widths = [bar.get_width() for bar in axes.patches[:2]]
+    assert widths == pytest.approx([first[end]["closed_form"] - base for end in ("at_low", "at_high")], rel=1e-12)
+    assert [text.get_text() for text in axes.texts[:2]] == first["shown"]
+    assert axes.get_yticklabels()[0].get_text() == first["key"]
+
+
+def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:
+    """A single point is a curve of one marker; no point with a factor is E273."""
+    single = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60]}, methods="closed-form"))
+    assert len(labelled(figure_of(draw_curve, single).axes[0], "closed form")) == 0  # the entry of the legend
+    none = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20]}, methods="closed-form"))
+    with pytest.raises(DesignError) as caught:
+        draw_curve(new_figure("x"), none)
+    assert caught.value.codes == ("E273",)
+
+
+# -- probability ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def scattered() -> dict:
+    return plain(sk.prob(sk.load(path_of("wedge-scatter")), 600, target=1.2, confirm=4, near=0.0))
+
+
+def test_a_histogram(scattered) -> None:
+    """Bars hold all samples; the diamond is P(F < target) with its limits, and the cumulated line passes by it."""
+    figure = figure_of(draw_histogram, scattered)
+    axes, right = figure.axes[:2]
+    share, bins = scattered["probability_of_failure"]["all_samples"], scattered["histogram"]
+    tops: dict[float, float] = {}
+    for bar in axes.patches:
+        if bar.get_width() and bar.get_height():
+            edge = max(edge for edge in bins["edges"] if edge <= bar.get_x() + 1e-12)
+            tops[edge] = bar.get_height()
+    assert sum(tops.values()) + bins["below"] + bins["above"] == scattered["fos"]["samples"] == 600
+    diamond = right.containers[0]
+    assert diamond[0].get_xydata().tolist() == [pytest.approx([1.2, 100.0 * share["probability"]])]
+    low, high = diamond[2][0].get_segments()[0][:, 1]
+    assert [low, high] == pytest.approx([100.0 * share["low"], 100.0 * share["high"]])
+    line = labelled(right, "cumulated")
+    within = 100.0 * max(bins["counts"]) / 600
+    assert abs(np.interp(1.2, *line.T) - 100.0 * share["probability"]) < within
+    assert line[-1, 1] == pytest.approx(100.0 * (1.0 - bins["above"] / 600))
+    assert f"P(FoS < 1.2) = {100 * share['probability']:.3g} %" in axes.get_title()
+    assert len(labelled(axes, "4 at random by PRE-IE")) == len(bins["pre_ie_at_random"]) == 4
+
+
+def test_histograms_of_odd_samples(scattered) -> None:
+    """All factors equal: one bar, one step. None at all: E273 with the outcomes."""
+    alike = copy.deepcopy(scattered)
+    alike["fos"] |= {"min": 1.5, "max": 1.5}
+    alike["histogram"] |= {"edges": [1.0, 2.0], "counts": [600], "below": 0, "above": 0}
+    axes, right = figure_of(draw_histogram, alike).axes[:2]
+    assert [(bar.get_x() + bar.get_width() / 2, bar.get_height()) for bar in axes.patches] == [
+        (pytest.approx(1.5), 600.0)
+    ]
+    assert labelled(right, "cumulated").tolist() == [[1.5, 0.0], [1.5, 100.0]]
+    none = scattered | {"histogram": None, "fos": None, "outcomes": {"lifted": 600}}
+    with pytest.raises(DesignError, match="no sample has a factor of safety: lifted 600") as caught:
+        draw_histogram(new_figure("x"), none)
+    assert caught.value.codes == ("E273",)
+
+
+# -- checks and results -----------------------------------------------------------------------------------------------
+
+
+def test_speed_against_error(monkeypatch) -> None:
+    """Every rung of a method with its own time."""
+    monkeypatch.setattr(ladders, "_REPEATS", 1)
+    monkeypatch.setattr(ladders, "_MOST_REFINED", 1)
+    document = plain(sk.check(sk.load(path_of("plane"))))
+    axes = figure_of(draw_speed_errors, document).axes[0]
+    times = {line.get_xdata()[0] for line in axes.lines if len(line.get_xdata()) == 1}
+    expected = {
+        timing["seconds"]
+        for rung, timing in zip(document["ladder"], document["timing_s"]["ladder"], strict=True)
+        if rung["error"] is not None
+    }
+    assert times == expected
+    assert document["normals"] == []
+
+
+def test_facet_normals_against_true_ones() -> None:
+    """METHOD.md: facets interlock. With cohesion kept they lie above the surface's factor, falling with the edge."""
+    design = sk.load(path_of("cylinder"), set={"slip.edge": 4})
+    result = sk.analyse(design)
+    rungs = ladders.normals_rungs(design, result, [
+        ladders.Rung("mesh", "as analysed", result.model.node_pairs, 0, result.fos.limit, 0.1, result.geometry.edge_m)
+    ])  # fmt: skip
+    facets = sorted((rung.edge_m, rung.cohesive, rung.factor) for rung in rungs if rung.normals == "facet")
+    true = [rung for rung in rungs if rung.normals == "true"]
+    assert len(facets) >= 2
+    assert len(true) == 1
+    assert all(rung.factor == pytest.approx(result.fos.limit, rel=1e-5) and rung.cohesive is None for rung in true)
+    kept = [value for _, value, _ in facets]
+    assert kept == sorted(kept)
+    assert kept[0] > 1.2 * result.fos.limit
+    document = plain(result) | {"normals": [
+        {"normals": rung.normals, "edge_m": rung.edge_m, "fos": rung.factor, "fos_cohesion_kept": rung.cohesive}
+        for rung in rungs
+    ]}  # fmt: skip
+    axes = figure_of(draw_normals, document).axes[0]
+    assert labelled(axes, "facet normals, cohesion kept").tolist() == [[edge, value] for edge, value, _ in facets]
+    assert labelled(axes, "true normals")[:, 1] == pytest.approx(result.fos.limit, rel=1e-5)
+    assert axes.get_xlabel().startswith("mean edge of the triangles of the slip surface, m")
+
+
+def test_reduction_is_the_papers_figure() -> None:
+    """Sheng et al. 2023, table 3: from 0 to all nine pairs at 1.334, where the block no longer stands."""
+    document = plain(sk.run(path_of("paper-footing")))
+    left, right = figure_of(draw_reduction, document).axes[:2]
+    pairs = dict(labelled(right, "failed node pairs").tolist())
+    assert (pairs[1.0], pairs[1.2], pairs[1.333]) == (0.0, 4.0, 8.0)
+    assert labelled(right, "no longer stands").tolist() == [[at, 9.0] for at in (1.334, 1.34, 1.35, 1.36, 1.37)]
+    moved = labelled(left, "displacement")
+    step = document["series"][0]["displacement_m"]
+    assert moved[0] == pytest.approx([1.0, 1e3 * np.linalg.norm(step)])
+    assert "limit 1.333" in [text.get_text() for text in left.texts]
+
+
+# -- stereonets -------------------------------------------------------------------------------------------------------
+
+
+def test_the_stereonet_of_a_wedge() -> None:
+    """The line of intersection of Hoek & Bray's wedge stands where its trend and plunge are; friction in the legend."""
+    document = plain(sk.run(WEDGE))
+    figure = figure_of(draw_orientations, document)
+    line = document["geometry"]["line"]
+    expected = project(Line(line["trend_deg"], line["plunge_deg"]).vector()[None])[0]
+    assert labelled(figure.axes[0], "line J1 x J2: 180/22.9")[0] == pytest.approx(expected, abs=1e-12)
+    assert "J1 45/115, φ 20°" in legend(figure)
+    assert "face 60/180" in legend(figure)
+    circle = labelled(figure.axes[0], "friction circle of lines, φ 20°")
+    assert np.hypot(*circle.T) == pytest.approx(np.sqrt(2.0) * np.sin(np.radians(35.0)), abs=1e-12)
+
+
+def test_orientations_of_other_documents() -> None:
+    plane, bench = plain(sk.run(path_of("plane"))), sk.load(path_of("bench")).inputs()
+    assert [str(joint) for joint in orientations_of(plane).joints.values()] == ["35/180"]
+    found = orientations_of({"kind": "bench", "inputs": json.loads(json.dumps(bench))})
+    assert list(found.joints) == ["S1", "S2", "S3"]
+    assert found.frictions == [40.0, 42.0]
+    assert orientations_of(plain(sk.run(path_of("footing")))) is None
+
+
+def test_the_stereonets_of_a_survey() -> None:
+    """Counts in the legend are the study's; the shaded share of the net is that of the critical cells."""
+    net = "angle"
+    study = sk.kinematic("examples/joints.csv", face="65/180", phi=30)
+    document, counts = plain(study), study.counts
+    figure = figure_of(draw_kinematic, document, net)
+    said = legend(figure)
+    assert len(figure.axes) == 4
+    assert f"slides ({counts['planar']})" in said or not counts["planar"]
+    assert f"primary: line steeper than friction ({counts['wedge_primary']})" in said
+    assert f"topples ({counts['flexural']})" in said
+    assert f"lines, direct ({counts['direct']})" in said
+    assert "mean of S1: 55/227" in said
+    ringed = labelled(figure.axes[2], "topples")
+    critical = -study.joints.normals()[study.modes.flexural]
+    assert ringed == pytest.approx(project(critical, net), abs=1e-12)
+    image = figure.axes[0].images[-1].get_array()
+    assert image.shape[:2] == cells(net)[1].shape
+    assert 0.0 < (image[..., 3] > 0).mean() < 0.2
+
+
+@pytest.mark.parametrize("joints", [["45/170"], ["0/0", "90/0", "90/90"]])
+@pytest.mark.parametrize("face", ["0/180", "90/180", "25/000"])
+def test_stereonets_of_odd_surveys(joints, face) -> None:
+    """One joint, level and upright ones; a face that is level, upright, or lets nothing slide: all are drawn."""
+    document = plain(sk.kinematic(joints, face=face, phi=30))
+    figure = figure_of(draw_kinematic, document, "area", "planar")
+    assert len(figure.axes) == 1
+    at = labelled(figure.axes[0], "poles")
+    assert len(at) == len(joints)
+    assert (np.hypot(*at.T) <= 1.0 + 1e-12).all()
+
+
+# -- what a document can give -----------------------------------------------------------------------------------------
+
+
+def test_offers(scattered) -> None:
+    assert set(offers(scattered)) == {"stereonet", "histogram"}
+    assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")))
+    assert set(offers(plain(sk.run(path_of("paper-footing"))))) >= {"scene", "reduction"}
+    assert offers({"slopekit": "0"}) == {}
+    assert len(set(EVERY)) == len(EVERY) == 16
+
+
+def test_plot_from_python(tmp_path, scattered) -> None:
+    """A dict, a study or a path; the same bytes twice; beside the JSON by default."""
+    first = sk.plot(scattered, "histogram", tmp_path / "a.png")
+    file = tmp_path / "prob.json"
+    file.write_text(json.dumps(scattered))
+    assert sk.plot(file, "histogram") == tmp_path / "prob-histogram.png"
+    assert (tmp_path / "prob-histogram.png").read_bytes() == first.read_bytes()
+    with pytest.raises(DesignError) as caught:
+        sk.plot(3, "histogram")
+    assert caught.value.codes == ("E341",)

@@ -1,0 +1,379 @@
+"""The report of a result, without a browser: what stands in the page, what it refuses, what it does without extras."""
+
+import base64
+import html
+import json
+import re
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.cli import app
+from slopekit.design.templates import path_of
+from slopekit.errors import DesignError
+from slopekit.explanations import EXPLANATIONS
+from slopekit.views import report as room
+from slopekit.views.report import report_of
+from slopekit.views.report_inputs import input_tables, value_text
+from slopekit.views.report_pictures import still_pictures
+from slopekit.views.sheet import document_of, sheet
+from slopekit.views.verification_excerpt import excerpt, shipped
+from slopekit.views.viewer_data import viewer_data
+from tests.views import scenes
+
+pytest.importorskip("jinja2")
+
+ROOT = Path(__file__).parents[2]
+CHEAP = ("wedge", "plane", "footing", "blocks", "goodman-bray", "cylinder")
+VOID = {"meta", "link", "img", "input", "br", "line"}
+
+
+def wet_wedge(**more):
+    """A wedge with everything that a page shows: water, crack, bolt, earthquake, acceptance, defaults."""
+    given = {
+        "dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30.0, "c": (24.0, 48.0),
+        "phi": (20.0, 30.0), "unit_weight": 25.0, "water": "50%", "seismic": 0.08, "bolts": ["800@005/10,passive"],
+        "crack": "80/185@3m", "accept": 1.3,
+    }  # fmt: skip
+    return sk.wedge(**(given | more))
+
+
+@cache
+def document(name: str) -> dict:
+    """The JSON of a template as the commands write it."""
+    return json.loads(json.dumps(document_of(wet_wedge() if name == "wet" else sk.run(path_of(name)))))
+
+
+@cache
+def page(name: str) -> str:
+    return report_of(document(name), with_pictures=False).html
+
+
+def words(text: str) -> str:
+    """What a reader sees of a page."""
+    body = re.sub(r"<(script|style)\b.*?</\1>", " ", text, flags=re.S)
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", " ", body)))
+
+
+class Tags(HTMLParser):
+    """Every tag closed by its own, and the references of the page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.references: list[str] = []
+        self.ids: list[str] = []
+
+    def handle_starttag(self, tag, attrs) -> None:
+        if tag not in VOID:
+            self.open.append(tag)
+        self.references += [value for name, value in attrs if name in ("src", "href", "srcset", "action", "data")]
+        self.ids += [value for name, value in attrs if name == "id"]
+
+    def handle_startendtag(self, tag, attrs) -> None:
+        self.ids += [value for name, value in attrs if name == "id"]
+
+    def handle_endtag(self, tag) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.mark.parametrize("name", CHEAP)
+def test_each_kind_makes_a_whole_page_that_loads_nothing(name) -> None:
+    text, found = page(name), document(name)
+    tags = Tags()
+    tags.feed(text)
+    assert tags.open == []
+    assert len(tags.ids) == len(set(tags.ids))
+    assert all(one.startswith("data:") for one in tags.references), tags.references
+    assert not re.search(r"url\(\s*['\"]?(https?:|//)|@import|fetch\(|XMLHttpRequest|WebSocket", text)
+    assert "default-src 'none'" in text
+    seen = words(text)
+    assert found["input_sha256"] in seen
+    assert f"slopekit {found['slopekit']}" in seen
+    for value in found["fos"].values():
+        assert value is None or f"{value:.4f}" in seen
+    for one in found["warnings"]:
+        assert one["code"] in seen
+        assert re.sub(r"\s+", " ", one["message"]) in seen
+    for one in found["model"]["left_out"]:
+        assert one in seen
+    assert str(found["model"]["node_pairs"]) in seen
+    assert "of the source" in seen  # where the whole verification is
+    assert "None" not in seen.replace("None of", "")
+
+
+def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
+    found, seen = document("wet"), words(page("wet"))
+    forces, geometry = found["forces_kn"], found["geometry"]
+    for joint in ("J1", "J2"):
+        assert f"{forces['normal'][joint]:.6g}"[:5] in seen
+        assert f"{forces['normal'][joint] / geometry['areas_m2'][joint]:.4g}" in seen
+        assert f"{forces['water'][joint]:.6g}"[:5] in seen
+    for text in (
+        "dips 45° toward 105 (ESE), strike 015", "65/185", "crack", "mean σ' / kPa", "water / kN", "area / m²",
+        f"weight {forces['weight']:.1f} kN", "unit weight of rock 25 kN/m³", "fill 50 %", "coefficient 0.08",
+        "800 kN; toward 005/10.0; acts passive", "height 30 m", "fos >= 1.3 (limit)", "c / kPa", "φ / °",
+        "share no code", "displacement of the centroid", "largest unbalanced force of a block",
+    ):  # fmt: skip
+        assert text in seen, text
+    assert ("acceptance MET" in seen) == found["accepted"]
+    assert f"driving, along the slide {forces['driving']:.1f} kN" in seen
+
+
+def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
+    """A tall slice whose moments govern; the fields are set by hand, the words follow from them alone."""
+    found = document("wet") | {"moments_govern": True, "forces_only": 1.9876}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "moments govern" in seen
+    assert "the limit is the number to use" in seen
+    assert seen.count("1.9876") == 2
+
+
+@pytest.mark.parametrize(
+    ("agree", "difference", "status", "said"),
+    [(False, 0.5, "slides_on_both", "neither number is to be used before that is explained"),
+     (False, None, "slides_on_both", "the other none"), (None, None, "not_converged", "did not converge"),
+     (True, None, "lifted", "for the same reason"), (None, None, "slides_on_both", "Nothing independent was compared")],
+)  # fmt: skip
+def test_what_the_check_says(agree, difference, status, said) -> None:
+    found = document("wedge") | {"agree": agree, "difference": difference, "status": status}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert said in seen
+    assert {True: "methods AGREE", False: "methods DISAGREE"}.get(agree, "") in seen
+
+
+def test_tables_of_many_blocks() -> None:
+    found, seen = document("goodman-bray"), words(page("goodman-bray"))
+    for one in found["assembly"]["table"]:
+        assert f"{one['P_kn']:.2f}" in seen
+        assert f"{one['R_kn']:.2f}" in seen
+    first = found["assembly"]["mechanisms"][0]
+    assert f"{first['interfaces'][0]['name']} {first['interfaces'][0]['joint']}" in seen
+    assert "10: topples (C4 to C13); 3: slides (C1 to C3)" in seen
+    assert "The modes are the same in 16 of 16 columns" in seen
+    assert "Factor by block" in seen
+
+
+def test_a_bench_without_shapes_has_its_tables() -> None:
+    """A result made by hand, without a single triangle: the page stands, the view is empty."""
+    design = sk.load(path_of("bench"))
+    names = [f"B{k}" for k in range(1, 8)]
+    first = scenes.mechanism("slides", 1.25, scenes.motions(names[:3], "slides"), interfaces=scenes.interfaces(5))
+    second = scenes.mechanism("topples", 1.75, scenes.motions(names[3:4], "topples"))
+    found = document_of(scenes.result(design, [first, second], names, fixed=names[5:]))
+    seen = words(report_of(json.loads(json.dumps(found)), with_pictures=False).html)
+    for text in (
+        "3: slides (B1 to B3)", "1.2500 3 B1 to B3", "1.7500 1 B4", "33.3 %", "S1 30/175 dips 30° toward 175 (S)",
+        "spacing 3 m", "c / kPa", "bedding 0 42 0 0", "no closed form to compare", "No published bench is among them",
+    ):  # fmt: skip
+        assert text in seen, text
+
+
+def test_titles_are_texts_and_never_html() -> None:
+    evil = "<script>alert(1)</script> & </title><img src=x onerror=alert(2)>"
+    found = json.loads(json.dumps(document("blocks")))
+    found["title"] = evil
+    found["warnings"] = [{"code": "W999", "message": evil}]
+    found["sheet"]["STATUS"] = [evil]
+    text = report_of(found, with_pictures=False).html
+    assert html.escape(evil, quote=False) in text
+    assert evil in html.unescape(text)
+    assert "<img src=x" not in text
+    assert text.count("<script") == 2  # the data and the program of the view
+    names = found["scene"]["shapes"]["names"]
+    names[0] = "</script><script>alert(3)</script>"
+    text = report_of(found, with_pictures=False).html
+    assert text.count("</script>") == 2
+
+
+def test_the_sheets_words_are_in_the_json_without_times() -> None:
+    result = wet_wedge()
+    said = document_of(result)["sheet"]
+    assert "TIME" not in said
+    folded = re.sub(r"\s+", "", sheet(result))
+    for label, entries in said.items():
+        assert label.replace(" ", "") + re.sub(r"\s+", "", entries[0]) in folded
+        assert all(re.sub(r"\s+", "", entry) in folded for entry in entries)
+
+
+def test_map_coordinates_lose_nothing_in_the_view() -> None:
+    """float32 has seven digits: half a million metres east the view must be the one at the origin."""
+    near, far = (viewer_data(document_of(wet_wedge(origin=at))) for at in ((0, 0, 0), (512345.6, 5412345.6, 321.0)))
+    for key in ("vertices", "pairs", "load_at", "joint_corners", "velocity"):
+        one, two = (np.frombuffer(base64.b64decode(data[key]["base64"]), "<f4") for data in (near, far))
+        if key == "vertices":  # those of the wedge come first; the rock about it may be cut into other triangles
+            one, two = one[:18], two[:18]
+        np.testing.assert_allclose(one, two, atol=2e-6 * near["size_m"])
+    np.testing.assert_allclose(np.subtract(far["middle_m"], near["middle_m"]), (512345.6, 5412345.6, 321.0), atol=1e-6)
+
+
+def test_edges_and_motions_of_the_view() -> None:
+    """A tetrahedron has six edges, a box twelve (each column is one); the mechanism moves nothing of the bedrock."""
+    wedge = viewer_data(document("wedge"))
+    owner = np.frombuffer(base64.b64decode(wedge["triangle_block"]["base64"]), "<i4")
+    triangles = np.frombuffer(base64.b64decode(wedge["triangles"]["base64"]), "<i4").reshape(-1, 3)
+    edges = np.frombuffer(base64.b64decode(wedge["edges"]["base64"]), "<i4").reshape(-1, 2)
+    assert np.isin(edges[:, 0], triangles[owner == 0]).sum() == 6
+    columns = viewer_data(document("goodman-bray"))
+    triangles = np.frombuffer(base64.b64decode(columns["triangles"]["base64"]), "<i4").reshape(-1, 3)
+    owner = np.frombuffer(base64.b64decode(columns["triangle_block"]["base64"]), "<i4")
+    edges = np.frombuffer(base64.b64decode(columns["edges"]["base64"]), "<i4").reshape(-1, 2)
+    for block in range(16):
+        assert np.isin(edges[:, 0], triangles[owner == block]).sum() == 12
+    velocity = np.frombuffer(base64.b64decode(columns["velocity"]["base64"]), "<f4").reshape(-1, 6)
+    assert not velocity[np.array(columns["fixed"], dtype=bool)].any()
+    assert velocity[:13].any(axis=1).all()
+
+
+def test_without_a_sheet_or_a_scene_the_page_says_so(tmp_path) -> None:
+    bare = wet_wedge().to_dict()
+    made = report_of(bare, with_pictures=False)
+    assert [notice.code for notice in made.notices] == ["W371"]
+    assert "W371" in words(made.html)
+    made = report_of(document("wet") | {"scene": {"shapes": 3}}, with_pictures=False)
+    assert [notice.code for notice in made.notices] == ["W372"]
+    assert "view-data" not in made.html
+    made = report_of({key: value for key, value in document("wet").items() if key != "scene"}, with_pictures=False)
+    assert [notice.code for notice in made.notices] == ["W372"]
+
+
+@pytest.mark.parametrize(("name", "junk"), [("wedge", (None, "x", [3], "gone")), ("goodman-bray", ({"x": 1}, [None]))])
+def test_damage_never_gives_a_traceback(name, junk, monkeypatch) -> None:
+    """Each key taken away, or replaced by something else: a page or a fault with a code."""
+    whole = document(name)
+    codes = set[str]()
+
+    def tried(broken) -> None:
+        try:
+            report_of(broken, with_pictures=False)
+        except DesignError as error:
+            codes.update(error.codes)
+
+    for key in ("kind", "scene"):
+        for one in junk:
+            tried(whole | {key: one})
+    monkeypatch.setattr(room, "viewer_data", lambda document: {})
+    for key in whole:
+        for one in junk:
+            tried(
+                {other: value for other, value in whole.items() if other != key} | ({} if one == "gone" else {key: one})
+            )
+    for group in ("fos", "inputs", "forces_kn", "model", "geometry", "assembly"):
+        for key in whole[group] or ():
+            for one in junk[:2]:
+                tried(whole | {group: whole[group] | {key: one}})
+    assert {"E372"} <= codes <= {"E371", "E372"}
+
+
+def test_studies_are_refused_by_name() -> None:
+    for study, said in (({"slopekit": "0.1.0", "study": "sweep"}, "a study \\(sweep\\)"),
+                        ({"slopekit": "0.1.0", "kind": "wedge"}, "another document")):  # fmt: skip
+        with pytest.raises(DesignError, match=said) as caught:
+            report_of(study)
+        assert caught.value.codes == ("E371",)
+
+
+def test_without_jinja_the_extra_is_named(monkeypatch) -> None:
+    monkeypatch.setattr(room, "find_spec", lambda name: None)
+    with pytest.raises(DesignError, match=r"\[report\]") as caught:
+        report_of(document("wedge"))
+    assert caught.value.codes == ("E140",)
+
+
+def test_without_the_extra_plot_the_page_names_what_is_missing(monkeypatch) -> None:
+    from slopekit.views import report_pictures
+
+    def refuse(found, what):
+        raise DesignError([sk.Fault("E140", "drawing needs the extra plot (pyvista)")])
+
+    monkeypatch.setattr(report_pictures, "_drawn", refuse)
+    pictures, missing = still_pictures(document("wedge"))
+    assert pictures == []
+    assert missing == ["scene, stereonet, tractions, mechanism: E140 drawing needs the extra plot (pyvista)"]
+    made = report_of(document("wedge"))
+    assert "Not drawn: scene, stereonet" in words(made.html)
+    assert "view-data" in made.html
+
+
+def test_pictures_stand_in_the_page() -> None:
+    pytest.importorskip("matplotlib")
+    made = report_of({key: value for key, value in document("wedge").items() if key != "scene"})
+    assert made.pictures == ("stereonet",)
+    assert 'src="data:image/svg+xml;base64,' in made.html
+
+
+def test_the_excerpt_is_of_the_verification_page() -> None:
+    whole = json.loads((ROOT / "docs" / "verification.json").read_text(encoding="utf-8"))
+    assert shipped() == excerpt(whole), "python -m slopekit.views.verification_excerpt docs/verification.json"
+
+
+def test_inputs_of_many_values_are_counted() -> None:
+    assert value_text("heights_m", [1.5] * 30).endswith("... and 6 more (in the JSON) m")
+    tables = {table.title: table for table in input_tables(document("blocks")["inputs"])}
+    assert ("B1/B2", "smooth") not in tables["Shape"].rows
+    assert any("polygon (0, 0) (0, 5) (-5, 5) m" in row[1] for row in tables["Shape"].rows)
+
+
+@pytest.fixture
+def run(capsys, monkeypatch):
+    """A command in this process: exit code, stdout, stderr."""
+
+    def command(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["slopekit", *arguments])
+        from slopekit.cli import main
+
+        with pytest.raises(SystemExit) as left:
+            main()
+        out, err = capsys.readouterr()
+        return int(left.value.code or 0), out, err
+
+    assert app is not None
+    return command
+
+
+def test_the_command(run, tmp_path) -> None:
+    path = tmp_path / "result.json"
+    path.write_text(json.dumps(document("wedge")), encoding="utf-8")
+    code, out, err = run("report", str(tmp_path), "--no-pictures")
+    assert (code, err) == (0, "")
+    assert out.startswith(f"wrote {tmp_path / 'report.html'} (")
+    code, out, _ = run("report", str(path), "-o", str(tmp_path / "new" / "a.html"), "--no-pictures", "--json")
+    assert code == 0
+    assert json.loads(out)["bytes"] == (tmp_path / "new" / "a.html").stat().st_size < 1_000_000
+    code, out, err = run("report", str(path), "-o", str(tmp_path / "a.pdf"))
+    assert (code, out) == (2, "")
+    assert err.startswith("E373")
+    code, out, err = run("report", str(tmp_path / "none.json"))
+    assert (code, out) == (2, "")
+    assert err.startswith("E147")
+    for content, wanted in (
+        ("slopekit: 1", "E340"),
+        ("[]", "E341"),
+        ('{"slopekit": "0.1.0", "kind": "wedge"}', "E371"),
+    ):
+        path.write_text(content, encoding="utf-8")
+        code, out, err = run("report", str(path), "-o", str(tmp_path / "b.html"))
+        assert (code, out, err[:4]) == (2, "", wanted)
+        assert not (tmp_path / "b.html").exists()
+
+
+def test_from_python(tmp_path) -> None:
+    result = wet_wedge()
+    one = sk.report(result, tmp_path / "a.html", pictures=False)
+    two = sk.report(document_of(result), tmp_path, pictures=False)
+    assert (one.name, two.name) == ("a.html", "report.html")
+    assert one.read_text(encoding="utf-8") == two.read_text(encoding="utf-8")
+    (tmp_path / "result.json").write_text(json.dumps(document_of(result)), encoding="utf-8")
+    assert sk.report(tmp_path / "result.json", tmp_path / "c.html", pictures=False).read_bytes() == one.read_bytes()
+    with pytest.raises(DesignError) as caught:
+        sk.report({"x": 1}, tmp_path / "d.html")
+    assert caught.value.codes == ("E341",)
+
+
+@pytest.mark.parametrize("code", ["E371", "E372", "E373", "W371", "W372"])
+def test_every_code_is_explained(code) -> None:
+    assert len(EXPLANATIONS[code]) > 40

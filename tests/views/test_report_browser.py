@@ -1,0 +1,231 @@
+"""The report in a real browser: Debian's chromium, headless, WebGL by software. Skipped where there is none."""
+
+import base64
+import io
+import json
+import shutil
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.design.templates import path_of
+
+pytest.importorskip("jinja2")
+pytest.importorskip("selenium", reason="selenium is not installed (extra: test)")
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+if not CHROMIUM or not DRIVER:
+    pytest.skip("no chromium with its chromedriver on this machine", allow_module_level=True)
+image = pytest.importorskip("PIL.Image", reason="pictures are read with pillow (extra: plot)")
+
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver.chrome.options import Options  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
+
+ARGUMENTS = (
+    "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--window-size=1000,900",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("reports")
+    columns = sk.run(path_of("topple"))
+    return {
+        "wedge": sk.report(sk.wedge(dips=("45/115", "45/245")), folder / "wedge.html", pictures=False),
+        "columns": sk.report(columns, folder / "columns.html", pictures=False),
+    }
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    options = Options()
+    options.binary_location = CHROMIUM
+    for argument in (*ARGUMENTS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    driver = webdriver.Chrome(options=options, service=Service(DRIVER))
+    driver.set_page_load_timeout(60)
+    yield driver
+    driver.quit()
+
+
+class Page:
+    """A page that is open, and what its canvas shows."""
+
+    def __init__(self, browser, path: Path, width: int = 1000, mobile: bool = False) -> None:
+        self.browser = browser
+        for kind in ("browser", "performance"):
+            browser.get_log(kind)
+        self.command("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=mobile)
+        self.command("Emulation.setTouchEmulationEnabled", enabled=mobile)
+        browser.get(path.as_uri())
+        self.settled()
+
+    def command(self, name: str, **given):
+        return self.browser.execute_cdp_cmd(name, given)
+
+    def script(self, text: str, *given):
+        return self.browser.execute_script(text, *given)
+
+    def settled(self) -> None:
+        """Wait until two frames have passed."""
+        self.browser.set_script_timeout(20)
+        self.browser.execute_async_script("var d = arguments[0]; requestAnimationFrame(function () {"
+                                          " requestAnimationFrame(function () { d(); }); });")  # fmt: skip
+
+    def canvas(self) -> np.ndarray:
+        """The pixels of the view (h, w, 3)."""
+        self.settled()
+        uri = self.script("return document.querySelector('#view canvas').toDataURL('image/png')")
+        picture = image.open(io.BytesIO(base64.b64decode(uri.partition(",")[2]))).convert("RGB")
+        return np.asarray(picture, dtype=np.int16)
+
+    def middle(self) -> tuple[float, float]:
+        box = self.script("var c = document.querySelector('#view canvas'); c.scrollIntoView({block: 'center'});"
+                          " var b = c.getBoundingClientRect();"
+                          " return [b.left + b.width / 2, b.top + b.height / 2];")  # fmt: skip
+        return box[0], box[1]
+
+    def set(self, name: str, value) -> None:
+        """A slider, choice or check-box, as a user sets it."""
+        self.script(
+            "var i = document.getElementById(arguments[0]); if (i.type === 'checkbox') { i.checked = arguments[1]; }"
+            " else { i.value = arguments[1]; } i.dispatchEvent(new Event('input', {bubbles: true}));", name, value
+        )  # fmt: skip
+
+    def complaints(self) -> list[str]:
+        return [entry["message"] for entry in self.browser.get_log("browser")]
+
+    def requests(self) -> list[str]:
+        """What was asked for from a network; the browser's own first page (chrome://) is not this one's."""
+        messages = [json.loads(entry["message"])["message"] for entry in self.browser.get_log("performance")]
+        found = [m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"]
+        return [url for url in found if url.startswith(("http", "ws", "ftp"))]
+
+
+def changed(one: np.ndarray, two: np.ndarray) -> float:
+    """The part of the pixels that differ visibly."""
+    return float((np.abs(one - two).max(axis=2) > 12).mean())
+
+
+@pytest.mark.parametrize("name", ["wedge", "columns"])
+def test_the_page_opens_without_a_complaint_or_a_request(browser, pages, name) -> None:
+    page = Page(browser, pages[name])
+    drawn = page.canvas()
+    assert (drawn.min(axis=2) < 235).mean() > 0.08  # not the white behind
+    assert len(np.unique(drawn.reshape(-1, 3), axis=0)) > 20
+    assert page.complaints() == []
+    assert page.requests() == []
+    assert page.script("return document.getElementById('scale-text').textContent").endswith(" m")
+    assert page.script("return document.getElementById('view-none').hidden")
+
+
+def test_it_turns_by_mouse_wheel_keyboard_and_comes_back(browser, pages) -> None:
+    page = Page(browser, pages["wedge"])
+    first = page.canvas()
+    x, y = page.middle()
+    page.command("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", buttons=1, clickCount=1)
+    for step in range(1, 6):
+        page.command("Input.dispatchMouseEvent", type="mouseMoved", x=x + 20 * step, y=y + 5 * step, button="left",
+                     buttons=1)  # fmt: skip
+    page.command("Input.dispatchMouseEvent", type="mouseReleased", x=x + 100, y=y + 25, button="left", clickCount=1)
+    turned = page.canvas()
+    assert changed(first, turned) > 0.02
+    page.command("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-300)
+    time.sleep(0.2)
+    nearer = page.canvas()
+    assert (nearer.min(axis=2) < 235).mean() > (turned.min(axis=2) < 235).mean()
+    page.script("document.querySelector('#view canvas').focus()")
+    page.command("Input.dispatchKeyEvent", type="keyDown", key="ArrowLeft", code="ArrowLeft", windowsVirtualKeyCode=37)
+    assert changed(nearer, page.canvas()) > 0.02
+    page.script("document.getElementById('v-reset').click()")
+    assert changed(first, page.canvas()) == 0.0
+
+
+def test_it_turns_by_touch(browser, pages) -> None:
+    page = Page(browser, pages["wedge"], 390, mobile=True)
+    first = page.canvas()
+    x, y = page.middle()
+    page.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+    for step in range(1, 6):
+        page.command("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x + 15 * step, "y": y}])
+    page.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    turned = page.canvas()
+    assert changed(first, turned) > 0.02
+    for step in range(6):
+        fingers = [{"x": x + side * (20 + 8 * step), "y": y, "id": k} for k, side in enumerate((-1, 1))]
+        page.command("Input.dispatchTouchEvent", type="touchMove" if step else "touchStart", touchPoints=fingers)
+    page.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+    assert (page.canvas().min(axis=2) < 235).mean() > 1.2 * (turned.min(axis=2) < 235).mean()
+    page.script("document.getElementById('v-reset').click()")
+    assert changed(first, page.canvas()) == 0.0
+
+
+CONTROLS = {
+    "wedge": {"explode": 1, "along": 1, "blocks": False, "rock": False, "clear": False, "slip": False, "loads": False,
+              "contact": True, "pair": "kpa", "colour": "plain", "edges": False},
+    "columns": {"along": 1, "explode": 1, "joints": True, "colour": "block", "edges": False, "names": False},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["wedge", "columns"])
+def test_every_control_changes_the_view(browser, pages, name) -> None:
+    """What is set back to what it was shows the same again; joints behind opaque blocks need them apart."""
+    page = Page(browser, pages[name])
+    for control, value in CONTROLS[name].items():
+        page.set("v-explode", float(control == "joints"))
+        first = page.canvas()
+        was = page.script("var i = document.getElementById(arguments[0]);"
+                          " return i.type === 'checkbox' ? i.checked : i.value;", f"v-{control}")  # fmt: skip
+        page.set(f"v-{control}", value)
+        page.settled()
+        if control == "names":
+            assert page.script("return document.querySelectorAll('.tag:not([hidden])').length") == 0
+        else:
+            assert changed(first, page.canvas()) > 2e-4, control
+        page.set(f"v-{control}", was)
+        assert changed(first, page.canvas()) == 0.0, control
+    assert page.complaints() == []
+
+
+@pytest.mark.parametrize("name", ["wedge", "columns"])
+def test_no_page_is_wider_than_a_phone(browser, pages, name) -> None:
+    page = Page(browser, pages[name], 390, mobile=True)
+    assert page.script("return document.documentElement.scrollWidth") <= 390
+    assert page.script("return document.documentElement.clientWidth") == 390
+
+
+def test_it_prints(browser, pages) -> None:
+    """A PDF of A4 pages, the view as it was seen last on it and its controls not."""
+    page = Page(browser, pages["wedge"])
+    page.settled()
+    assert page.script("return document.getElementById('view-still').src").startswith("data:image/png;base64,")
+    printed = page.command("Page.printToPDF", preferCSSPageSize=True, printBackground=False)
+    data = base64.b64decode(printed["data"])
+    assert data.startswith(b"%PDF-")
+    assert b"/Subtype /Image" in data
+    assert 2 <= data.count(b"/Type /Page\n") <= 10
+    page.command("Emulation.setEmulatedMedia", media="print")
+    try:
+        assert page.script("return getComputedStyle(document.getElementById('view')).display") == "none"
+        assert page.script("return document.getElementById('view-still').getBoundingClientRect().width") > 200
+    finally:
+        page.command("Emulation.setEmulatedMedia", media="")
+
+
+def test_without_webgl_the_page_says_so(browser, pages) -> None:
+    added = browser.execute_cdp_cmd(
+        "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null;"}
+    )
+    try:
+        page = Page(browser, pages["wedge"])
+        assert "no WebGL" in page.script("return document.getElementById('view-none').textContent")
+        assert page.script("return document.getElementById('view').hidden")
+        assert page.complaints() == []
+    finally:
+        browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)

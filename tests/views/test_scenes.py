@@ -1,0 +1,276 @@
+"""Scenes: what is drawn stands where the result has it; PNG, GLB and glTF hold it."""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+
+import slopekit as sk
+from slopekit.arrays import Floats
+from slopekit.block_scene import BlockScene, packed
+from slopekit.design.templates import path_of
+from slopekit.views.layers import arrows, free_normal, rigid, rock_around, spheres
+from slopekit.views.picture import MODE_COLOURS, Bar, Picture
+from slopekit.views.rendering import Camera
+from slopekit.views.scene_parts import balanced, resultants
+from slopekit.views.scenes import SCENES, Asked, compose, draw
+from slopekit.views.stage import Stage
+
+KINDS = ("wedge", "plane", "footing", "cylinder", "blocks", "goodman-bray", "wall")
+
+
+@cache
+def document(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(json.dumps(sk.run(path_of(name)).to_dict()))
+    return found
+
+
+def made(name: str, what: str, **asked: Any) -> Picture:
+    return compose(document(name), what, Asked(**asked))
+
+
+def part(picture: Picture, name: str) -> Floats:
+    """The corners (t, 3, 3) of the triangles of a layer."""
+    layer = next(layer for layer in picture.layers if layer.name == name)
+    return layer.vertices[layer.triangles]
+
+
+def volume(corners: Floats) -> float:
+    about = corners - corners.mean(axis=(0, 1))
+    return float(np.einsum("ij,ij->", about[:, 0], np.cross(about[:, 1], about[:, 2]))) / 6.0
+
+
+@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("what", [what for what in SCENES if what != "displacement"])
+def test_every_kind_gives_every_scene(name: str, what: str) -> None:
+    picture = made(name, what)
+    moving = document(name)["geometry"]["volume_m3"]
+    whole = [layer.name for layer in picture.layers]
+    assert {"blocks", "moving"} & set(whole)
+    if what in ("scene", "exploded", "factors", "ravelling"):
+        blocks = volume(part(picture, "blocks"))
+        fixed = volume(part(picture, "bedrock")) if "bedrock" in whole and what == "exploded" else 0.0
+        assert blocks >= moving * 0.98 - fixed
+    for layer in picture.layers:
+        assert np.isfinite(layer.vertices).all()
+        assert layer.colours.shape == layer.triangles.shape
+    assert "FoS" in picture.subtitle
+    assert document(name)["status_text"] in picture.subtitle
+    assert len(picture.legend) == len({text for text, _, _ in picture.legend})
+
+
+@pytest.mark.parametrize("name", ["wedge", "plane", "footing"])
+def test_the_rock_and_its_block_fill_the_slope(name: str) -> None:
+    """Together they are convex, and neither lies in the other."""
+    scene = BlockScene.from_dict(document(name)["scene"])
+    rock = rock_around(scene.shapes)
+    assert rock is not None
+    mesh = trimesh.Trimesh(*rock)
+    assert mesh.is_watertight
+    both = trimesh.convex.convex_hull(np.concatenate([rock[0], scene.shapes.solids.vertices]))
+    assert both.volume == pytest.approx(mesh.volume + document(name)["geometry"]["volume_m3"], rel=1e-6)
+    assert free_normal(scene.shapes)[2] > 0.3
+
+
+def test_exploded_blocks_move_out_and_keep_their_shape() -> None:
+    picture = made("goodman-bray", "exploded", explode=1.0)
+    scene = BlockScene.from_dict(document("goodman-bray")["scene"])
+    rock = scene.shapes.centroids[scene.shapes.fixed].mean(axis=0)
+    first = scene.shapes.solids.triangles[scene.shapes.solids.block == 0]
+    corners = part(picture, "blocks")[: len(first)]
+    expected = scene.shapes.solids.vertices[first] + (scene.shapes.centroids[0] - rock)
+    np.testing.assert_allclose(corners, expected, atol=1e-9)
+
+
+def test_contacts_are_coloured_on_both_blocks() -> None:
+    picture = made("blocks", "exploded", explode=0.5)
+    scene = BlockScene.from_dict(document("blocks")["scene"])
+    count = sum(len(contact) for contact in (np.flatnonzero(scene.shapes.contacts.joint == 0),))
+    assert len(part(picture, "joint")) == 2 * 2 * count  # two triangles, on two blocks
+
+
+def test_tractions_are_forces_by_area() -> None:
+    picture = made("plane", "tractions")
+    pairs = BlockScene.from_dict(document("plane")["scene"]).pairs
+    force = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
+    longest = np.linalg.norm(force / pairs.control_area_m2[:, None], axis=1).max()
+    assert any(f"longest {longest:.4g} kPa" in text for text, _, _ in picture.legend)
+    assert any(text == "slip: 3 of 3 node pairs" for text, _, _ in picture.legend)
+
+
+def test_modes_have_their_colours() -> None:
+    picture = made("goodman-bray", "tractions")
+    counts = document("goodman-bray")["assembly"]["mechanisms"][0]["pairs_by_mode"]
+    for mode, count in counts.items():
+        layer = next(layer for layer in picture.layers if layer.name == f"node pairs: {mode}")
+        assert len(layer.triangles) == 32 * count
+        assert (layer.colours == MODE_COLOURS[mode]).all()
+
+
+def test_forces_on_a_block_cancel() -> None:
+    stage = Stage.of(document("plane"))
+    _, force, joint = resultants(stage, stage.free)
+    assert joint.tolist() == [0]
+    np.testing.assert_allclose(force.sum(axis=0), -stage.scene.loads.force_kn.sum(axis=0), atol=1e-6)
+    texts = " ".join(text for text, _, _ in made("plane", "forces").legend)
+    for load in ("weight", "water on J1", "water on crack", "J1 on the block"):
+        assert load in texts
+
+
+def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
+    stage = Stage.of(document("wall"))
+    assert balanced(stage).sum() == stage.free.sum()
+    changed = document("wall") | {
+        "scene": document("wall")["scene"] | {"pairs": dict(document("wall")["scene"]["pairs"])}
+    }
+    scene = BlockScene.from_dict(changed["scene"])
+    halved = scene.pairs.normal_kn.copy()
+    halved[scene.pairs.plus == scene.pairs.plus[0]] *= 0.5
+    changed["scene"]["pairs"]["normal_kn"] = packed(halved)
+    assert not balanced(Stage.of(changed))[scene.pairs.plus[0]]
+
+
+def test_displacement_is_magnified_as_said() -> None:
+    picture = made("wedge", "displacement", magnify=5000.0)
+    scene = BlockScene.from_dict(document("wedge")["scene"])
+    assert scene.displacement is not None
+    moved, rest = part(picture, "displaced"), part(picture, "at rest")
+    np.testing.assert_allclose(
+        (moved - rest).mean(axis=(0, 1)), 5000.0 * scene.displacement[0, :3], rtol=1e-3, atol=1e-9
+    )
+    assert "5,000 times" in picture.notes[0]
+    size = np.linalg.norm(scene.displacement[0, :3])
+    assert f"centroid {size * 1e3:.3g} mm" in picture.notes[0]
+
+
+def test_a_mechanism_keeps_proportions_and_shape() -> None:
+    picture = made("goodman-bray", "mechanism", magnify=4.0)
+    scene = BlockScene.from_dict(document("goodman-bray")["scene"])
+    moved, rest = part(picture, "moving"), part(picture, "where they were")
+    own = scene.order[scene.shapes.solids.block] == 1
+    of = scene.shapes.solids.block[own]
+    for block in (0, 9):
+        centre = np.linalg.norm(scene.velocity[block, :3])
+        shift = (moved - rest)[of == block]
+        assert np.abs(np.linalg.norm(shift.mean(axis=(0, 1))) / (4.0 * centre) - 1.0) < 0.3
+        lengths = [np.linalg.norm(body[of == block][:, 1] - body[of == block][:, 0], axis=1) for body in (moved, rest)]
+        np.testing.assert_allclose(lengths[0], lengths[1], rtol=1e-9)  # turned, not stretched
+    words = {text for text, _, _ in picture.legend}
+    assert {"slides: 3", "topples: 10", "at rest"} <= words
+
+
+def test_rigid_motion_about_the_centroid() -> None:
+    shapes = BlockScene.from_dict(document("wedge")["scene"]).shapes
+    motion = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, np.pi / 2]])
+    point = shapes.centroids + np.array([2.0, 0.0, 0.0])
+    np.testing.assert_allclose(rigid(shapes, motion, point, np.array([0])), [[1.0 - 2.0, 2.0, 0.0]], atol=1e-12)
+    assert not rigid(shapes, motion, point, np.array([-1])).any()
+
+
+def test_factors_colour_by_value() -> None:
+    picture = made("wall", "factors")
+    assert picture.bar is not None
+    limit = document("wall")["fos"]["limit"]
+    assert picture.bar.low <= limit <= picture.bar.high
+    assert Bar("", 1.0, 3.0).colours(np.array([1.0, 3.0, 9.0])).tolist() == [
+        [68, 1, 84],
+        [253, 231, 37],
+        [253, 231, 37],
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "asked", "code"),
+    [
+        ("wall", "displacement", {}, "E351"),
+        ("goodman-bray", "mechanism", {"step": 2}, "E353"),
+        ("wedge", "exploded", {"explode": -1.0}, "E354"),
+        ("wedge", "displacement", {"magnify": float("nan")}, "E354"),
+    ],
+)
+def test_what_cannot_be_drawn(name: str, what: str, asked: dict[str, Any], code: str) -> None:
+    with pytest.raises(sk.DesignError, match=code):
+        made(name, what, **asked)
+
+
+def test_nothing_moves() -> None:
+    stands = document("wedge")
+    still = dict(stands) | {"scene": dict(stands["scene"]) | {"order": packed(np.zeros(1, dtype=np.int64))}}
+    for what in ("mechanism", "ravelling"):
+        with pytest.raises(sk.DesignError, match="E352"):
+            compose(still, what)
+    with pytest.raises(sk.DesignError, match="E350"):
+        compose({"kind": "wedge"}, "scene")
+
+
+def test_arrows_reach_from_start_to_tip() -> None:
+    starts, vectors = np.array([[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]), np.array([[0.0, 0.0, 2.0], [0.0, 0.0, 0.0]])
+    vertices, triangles, of = arrows(starts, vectors, 0.1)
+    assert set(of.tolist()) == {0}  # an arrow without length is none
+    assert vertices[:, 2].min() == pytest.approx(0.0)
+    assert vertices[:, 2].max() == pytest.approx(2.0)
+    assert trimesh.Trimesh(vertices, triangles).volume > 0.0
+    points, faces, ball = spheres(np.array([[0.0] * 3, [9.0] * 3]), 0.5)
+    assert trimesh.Trimesh(points, faces).volume == pytest.approx(2 * 4 / 3 * np.pi * 0.125, rel=0.4)
+    assert np.bincount(ball).tolist() == [32, 32]
+
+
+def test_the_frame_holds_every_layer() -> None:
+    for name in ("wedge", "goodman-bray"):
+        picture = made(name, "scene")
+        camera = Camera.of(picture)
+        seen = [camera.seen(point) for layer in picture.layers for point in layer.vertices[layer.triangles.ravel()]]
+        assert max(abs(above) for _, above in seen) <= camera.height / 2.0
+        np.testing.assert_allclose(np.cross(camera.right, camera.up), camera.eye, atol=1e-12)
+
+
+def test_map_coordinates_make_the_same_picture() -> None:
+    far = sk.wedge(dips=("45/115", "45/245"), origin=(4e6, 5.5e6, 300.0)).to_dict()
+    near = sk.wedge(dips=("45/115", "45/245")).to_dict()
+    offset = np.array([4e6, 5.5e6, 300.0])
+    for a, b in zip(compose(far, "exploded").layers, compose(near, "exploded").layers, strict=True):
+        np.testing.assert_allclose(np.sort(a.vertices - offset, axis=0), np.sort(b.vertices, axis=0), atol=1e-6)
+
+
+def test_png_glb_and_gltf(tmp_path: Path) -> None:
+    import matplotlib.image
+
+    draw(document("wedge"), "exploded", tmp_path / "a.png")
+    pixels = matplotlib.image.imread(tmp_path / "a.png")[:, :, :3]
+    assert pixels.shape == (800, 1130, 3)
+    scene = pixels[90:730, :800]
+    blue = (scene[:, :, 2] > scene[:, :, 0] + 0.15) & (scene[:, :, 2] > scene[:, :, 1] + 0.1)
+    tan = scene[:, :, 0] > scene[:, :, 2] + 0.25
+    assert blue.mean() > 0.005  # J1 in the notch
+    assert tan.mean() > 0.03  # the wedge
+    for name in ("a.glb", "a.gltf"):
+        draw(document("wedge"), "exploded", tmp_path / name)
+        loaded = trimesh.load(tmp_path / name)
+        assert {"blocks", "rock", "J1", "J2"} <= set(loaded.graph.nodes)
+        size = np.ptp(np.concatenate([part.vertices for part in made("wedge", "exploded").layers]), axis=0)
+        np.testing.assert_allclose(loaded.extents, size[[0, 2, 1]], rtol=1e-5)  # y is up there
+
+
+def test_run_draws_into_its_folder(tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from slopekit.cli import app
+
+    out = tmp_path / "out"
+    run = CliRunner().invoke(app, ["run", str(path_of("paper-footing")), "--quiet", "-o", str(out)])
+    assert run.exit_code == 0
+    assert {path.name for path in out.iterdir()} == {
+        "result.json", "sheet.txt", "scene.png", "mechanism.png", "reduction.png",
+    }  # fmt: skip
+    bare = CliRunner().invoke(
+        app, ["run", str(path_of("paper-footing")), "--quiet", "--no-pictures", "-o", str(tmp_path / "b")]
+    )
+    assert bare.exit_code == 0
+    assert {path.name for path in (tmp_path / "b").iterdir()} == {"result.json", "sheet.txt"}
+    one = CliRunner().invoke(app, ["run", str(path_of("footing")), "--quiet", "--picture", str(tmp_path / "one.glb")])
+    assert one.exit_code == 1  # the acceptance rule of the template is not met, and it is drawn all the same
+    assert (tmp_path / "one.glb").stat().st_size > 1000
