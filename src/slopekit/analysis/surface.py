@@ -332,9 +332,7 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
 def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> list[Notice]:
     found = []
     if design.slip.normals == "facet":
-        message = (
-            "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        )
+        message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
         found.append(Notice("W326", message))
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
