@@ -39,8 +39,8 @@ IN_DEGREES = {
 
 
 @pytest.fixture(scope="module")
-def verification() -> suite.Verification:
-    return the_suite()
+def verification(tmp_path_factory: pytest.TempPathFactory) -> suite.Verification:
+    return the_suite(tmp_path_factory.getbasetemp())
 
 
 def listed() -> list[references.Case]:

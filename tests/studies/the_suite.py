@@ -2,7 +2,6 @@
 
 import os
 import pickle
-import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -10,17 +9,16 @@ from slopekit.studies.suite import Verification, verify
 
 
 @cache
-def the_suite() -> Verification:
-    """Every case of the suite."""
-    run = os.environ.get("PYTEST_XDIST_TESTRUNUID")
-    if run is None:
+def the_suite(own: Path) -> Verification:
+    """Every case of the suite; `own` is the temporary folder of this worker, beside those of the others."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
         return verify()
-    kept = Path(tempfile.gettempdir()) / f"slopekit-suite-{run}.pickle"
+    kept = own.parent / "suite.pickle"
     if kept.exists():
         found: Verification = pickle.loads(kept.read_bytes())
         return found
     found = verify()
-    with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
-        file.write(pickle.dumps(found))
-    Path(file.name).replace(kept)  # whole, or not there
+    part = own / "suite.pickle"
+    part.write_bytes(pickle.dumps(found))
+    part.replace(kept)  # whole, or not there
     return found

@@ -17,8 +17,8 @@ _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 
 
 @pytest.fixture(scope="module")
-def verification() -> Verification:
-    return the_suite()
+def verification(tmp_path_factory: pytest.TempPathFactory) -> Verification:
+    return the_suite(tmp_path_factory.getbasetemp())
 
 
 def without_times(page: str) -> list[str]:
