@@ -208,8 +208,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "needs the extra `cad`.",
     "E350": "Scenes are made of the blocks, interfaces and node pairs that result.json keeps under `scene`, packed. "
     "The file has none (that of a study, or of an older slopekit), or they were changed: slopekit run DESIGN -o DIR.",
-    "E351": "The displacement at full strength, on the elastic bed of the joints, is found for one block that stands "
-    "there. For a slope that fails, and for assemblies, draw the mechanism.",
+    "E351": "The displacement at full strength, on the elastic bed of the joints, is found for blocks that stand "
+    "there, up to 300 of them. For a slope that fails draw the mechanism.",
     "E352": "Nothing moves, so there is no mechanism to draw: the blocks stand without any strength, or the analysis "
     "did not converge.",
     "E353": "Mechanisms are counted from 1 in the order in which they happen. `analysis: {mechanisms: N}` in the "

@@ -127,11 +127,17 @@ class Movement:
 
 @dataclass(frozen=True, slots=True)
 class AtFactorOne:
-    """The block at rest at full strength: movement in m and radians, node pairs by contact mode."""
+    """The blocks at rest at full strength on the elastic bed.
+
+    `movement` in m and radians of the block, of many blocks that of the one that moves most: `block` then names it, and
+    `every` (n, 6) has the displacements and rotations of all; `failed_pairs` slip or are open.
+    """
 
     movement: Movement
     failed_pairs: int
     residual: float
+    block: str | None = None
+    every: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,6 +262,9 @@ class Result:
                     velocity[at], order[at] = np.concatenate([block.displacement, block.rotation]), number
             for name, value in self.findings.factor_by_block.items():
                 factor[index[name]] = np.nan if value is None else value
+            if self.at_factor_one is not None and self.at_factor_one.every is not None:
+                displacement = np.zeros((count, 6))
+                displacement[: len(self.at_factor_one.every)] = self.at_factor_one.every
         else:
             if self.mechanism is not None:
                 velocity[0], order[0] = self.mechanism.vector(), 1
@@ -326,6 +335,7 @@ class Result:
                 "rotation_rad": one.movement.rotation.tolist(),
                 "failed_pairs": one.failed_pairs,
                 "residual": one.residual,
+                "block": one.block,
             },
             "all_pairs": None if pairs is None else {
                 "bracket": [end if math.isfinite(end) else None for end in pairs.bracket],

@@ -367,3 +367,37 @@ def test_nothing_stands_on_an_incline_without_strength(phi) -> None:
 def test_cohesion_does_not_keep_a_block_from_tipping(c) -> None:
     """Joints carry no tension: beyond 45° a square block tips whatever its cohesion."""
     assert sk.run(on_incline({"B": SQUARE}, 45.1, 60, c=c)).status == "topples"
+
+
+def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
+    """The same block as kind plane and as one of two polygons; there the hyperbola is followed in steps, here at once."""
+    both = {"slopekit": 1, "strength": {"joint": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 25}}
+    plane = sk.run(both | {
+        "kind": "plane", "slope": {"face": "60/090", "height": "12 m", "upper": "0/090"},
+        "joints": {"J1": {"plane": "35/090", "strength": "joint"}},
+    })  # fmt: skip
+    outline = np.asarray(plane.geometry.outline_m)
+    back, top = outline[-1].tolist()
+    blocks = sk.run(both | {
+        "kind": "blocks", "interfaces": {"default": "joint"},
+        "blocks": {
+            "base": {"polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]], "fixed": True},
+            "B1": {"polygon": outline.tolist()},
+        },
+    })  # fmt: skip
+    one, many = plane.at_factor_one, blocks.at_factor_one
+    assert one is not None
+    assert many is not None
+    assert many.block == "B1"
+    np.testing.assert_allclose(many.movement.displacement[[0, 2]], one.movement.displacement[[0, 2]], rtol=5e-3)
+    np.testing.assert_allclose(many.movement.rotation[1], one.movement.rotation[1], rtol=1e-6)
+    np.testing.assert_array_equal(blocks.scene.displacement[1], many.movement.vector())
+    fails = sk.run(both | {
+        "kind": "blocks", "interfaces": {"default": "joint"}, "strength": {"joint": {"c": 2, "phi": 20}},
+        "blocks": {
+            "base": {"polygon": [[-40, -10], [5, -10], [0, 0], [back, top], [-40, top]], "fixed": True},
+            "B1": {"polygon": outline.tolist()},
+        },
+    })  # fmt: skip
+    assert fails.fos.limit < 1.0
+    assert (fails.at_factor_one, fails.scene.displacement) == (None, None)

@@ -147,6 +147,15 @@ def test_displacement_is_magnified_as_said() -> None:
     assert f"centroid {size * 1e3:.3g} mm" in picture.notes[0]
 
 
+def test_displacement_of_many_blocks() -> None:
+    picture = made("wall", "displacement", magnify=1.0)
+    one = document("wall")["at_factor_one"]
+    size = np.linalg.norm(one["displacement_m"])
+    assert f"centroid of {one['block']} {size * 1e3:.3g} mm" in picture.notes[0]
+    shift = np.linalg.norm(part(picture, "displaced") - part(picture, "at rest"), axis=2)
+    assert size * 0.99 < shift.max() < 1.5 * size
+
+
 def test_a_mechanism_keeps_proportions_and_shape() -> None:
     picture = made("goodman-bray", "mechanism", magnify=4.0)
     scene = BlockScene.from_dict(document("goodman-bray")["scene"])
@@ -186,7 +195,7 @@ def test_factors_colour_by_value() -> None:
 @pytest.mark.parametrize(
     ("name", "what", "asked", "code"),
     [
-        ("wall", "displacement", {}, "E351"),
+        ("goodman-bray", "displacement", {}, "E351"),
         ("goodman-bray", "mechanism", {"step": 2}, "E353"),
         ("wedge", "exploded", {"explode": -1.0}, "E354"),
         ("wedge", "displacement", {"magnify": float("nan")}, "E354"),

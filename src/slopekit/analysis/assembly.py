@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene
-from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state
+from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state, at_full_strength
 from slopekit.analysis.motions import mechanism
 from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.arrays import frozen
@@ -80,6 +80,9 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     status = found[0].status if found else "no_driving_force"
     sure = bool(found) and found[0].status != "not_converged"
     limit, bound = (found[0].fos, found[0].static_bound) if sure else (None, None)
+    with clock("displacements"):
+        stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
+        settled = at_full_strength(design, scene, loads) if stands else None
     with clock("closed_form"):
         closed, table = _closed_form(design, found)
     difference, agree = compare(limit, status, closed, design.agree_within)
@@ -103,7 +106,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
         static_bound_proved=bound is not None and not any(part.held or part.at_rest for part in first),
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
-        model=size, mechanism=None, at_factor_one=None, governs=(),
+        model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
         warnings=tuple(_notices(design, scene, ravelling, found, closed, balance, others)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads),

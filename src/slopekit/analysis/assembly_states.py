@@ -5,11 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from slopekit.analysis.assembly_scene import AssemblyScene
+from slopekit.analysis.stages import joint_stiffness, joint_strength
 from slopekit.analysis.states import CLOSED, SLIPS, TURNS
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
+from slopekit.design.blocky import AssemblyDesign
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.parts import Part
+from slopekit.preie.ravelling import whole_model
+from slopekit.preie.rest import rest
+from slopekit.result import AtFactorOne, Movement
+
+_MOST_SETTLED = 300  # moving blocks: beyond that the bed would take seconds
 
 
 def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
@@ -103,3 +110,23 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads) -> Arrows:
         frozen(np.concatenate([np.zeros((0, 3)), *(force for *_, force, _ in parts)])),
         frozen(np.concatenate([np.zeros((0, 3)), *(at for *_, at in parts)]) + scene.origin),
     )  # fmt: skip
+
+
+def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads) -> AtFactorOne | None:
+    """Where the blocks come to rest on their elastic contacts; None where they do not, or are too many."""
+    assembly = scene.assembly
+    if int((~assembly.fixed).sum()) > _MOST_SETTLED:
+        return None
+    model = whole_model(assembly, loads, joint_strength(scene.strengths))
+    if model is None:
+        return None
+    found = rest(model, 1.0, joint_stiffness(design))
+    if not found.stands:
+        return None
+    every = np.zeros((len(assembly), 6))
+    every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = found.displacement
+    size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
+    most = int(np.argmax(size))
+    failed = int((~found.sticks)[model.group_of_pair].sum())
+    movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
+    return AtFactorOne(movement, failed, found.residual, scene.names[most], frozen(every))

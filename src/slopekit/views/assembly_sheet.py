@@ -217,7 +217,7 @@ def _factors(result: Result) -> list[str]:
 def _moves(result: Result, first: Mechanism | None) -> list[str]:
     """The first mechanism: the fastest block, the interfaces that govern, the node pairs."""
     if first is None or not first.blocks:
-        return []
+        return _settles(result)
     fastest = first.blocks[0]
     goes = ""
     if float(np.abs(fastest.displacement).max()) > 0.0:
@@ -226,7 +226,17 @@ def _moves(result: Result, first: Mechanism | None) -> list[str]:
     entries = [f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}"]
     entries += _governing(first.interfaces)
     entries += _pairs(first.pairs_by_mode)
-    return entries
+    return entries + _settles(result)
+
+
+def _settles(result: Result) -> list[str]:
+    """The block that moves most at full strength."""
+    one = result.at_factor_one
+    if one is None or one.block is None:
+        return []
+    size = float(np.sqrt(one.movement.displacement @ one.movement.displacement))
+    bed = result.design.stiffness.in_words()
+    return [f"at full strength {one.block} settles most, by {1e3 * size:.3g} mm (elastic bed: {bed})"]
 
 
 def _governing(interfaces: Sequence[GoverningInterface]) -> list[str]:

@@ -233,24 +233,29 @@ def _forces(stage: Stage, _: Asked) -> Picture:
 def _displacement(stage: Stage, asked: Asked) -> Picture:
     scene = stage.scene
     if scene.displacement is None:
-        why = "an assembly's is not computed" if not stage.alone else "it does not stand at full strength"
+        limit = (stage.document.get("fos") or {}).get("limit")
+        stands = stage.document.get("status") == "no_driving_force" or (limit is not None and limit > 1.0)
+        many = "the blocks are too many, or " if not stage.alone and stands else ""
+        why = f"{many}they do not come to rest" if stands else "at full strength it does not stand"
         advice = "How it moves as it fails: slopekit plot result.json mechanism"
         raise DesignError([Fault("E351", f"there is no displacement at full strength: {why}", "displacement", advice)])
     true = rigid(scene.shapes, scene.displacement, scene.shapes.solids.vertices, stage.of_vertex)
     most = float(np.sqrt((true * true).sum(axis=1)).max())
     times = asked.magnify if asked.magnify is not None else nice(_DRAWN * stage.size / max(most, 1e-300))
     moved = rigid(scene.shapes, scene.displacement * times, scene.shapes.solids.vertices, stage.of_vertex)
-    centroid = scene.displacement[0, :3]
-    size = math.sqrt(float(centroid @ centroid))
+    centroids = np.sqrt((scene.displacement[:, :3] ** 2).sum(axis=1))
+    first = int(np.argmax(centroids))
     layers = [*stage.rock(), blocks_layer("at rest", scene.shapes, stage.free, stage.block_colours(), stage.still, 0.2)]
     layers.append(blocks_layer("displaced", scene.shapes, stage.free, stage.block_colours(), moved))
     legend = [("as it was", BLOCK, 0.3), (f"displaced, {times:,.6g} times", BLOCK, 1.0)]
-    turned = math.degrees(math.sqrt(float(scene.displacement[0, 3:] @ scene.displacement[0, 3:])))
+    down = millimetres(-float(scene.displacement[first, 2]))
+    turned = math.degrees(math.sqrt(float(scene.displacement[first, 3:] @ scene.displacement[first, 3:])))
+    whose = "centroid" if stage.alone else f"centroid of {scene.shapes.names[first]}"
     notes = (
         f"displacement at full strength on the elastic bed, magnified {times:,.6g} times: largest {millimetres(most)}, "
-        f"centroid {millimetres(size)} ({millimetres(-float(centroid[2]))} down), turned by {turned:.3g}°",
+        f"{whose} {millimetres(float(centroids[first]))} ({down} down), turned by {turned:.3g}°",
     )
-    return picture(stage, "displacement", layers, legend, notes=notes)
+    return picture(stage, "displacement", layers, legend, notes=notes, labels=names(stage))
 
 
 def _mechanism(stage: Stage, asked: Asked) -> Picture:
