@@ -370,7 +370,7 @@ def test_cohesion_does_not_keep_a_block_from_tipping(c) -> None:
 
 
 def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
-    """The same block as kind plane and as one of two polygons; there the hyperbola is followed in steps, here at once."""
+    """The same block as kind plane and as one of two polygons; the law is followed in steps there, at once here."""
     both = {"slopekit": 1, "strength": {"joint": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 25}}
     plane = sk.run(both | {
         "kind": "plane", "slope": {"face": "60/090", "height": "12 m", "upper": "0/090"},

@@ -95,8 +95,9 @@ def motion_table(document: Document) -> Table | None:
              _toward(mechanism["displacement"]), _vector(mechanism["rotation"], 3) + " per m")
         )  # fmt: skip
     if one is not None:
+        whose = f" (block {one['block']}, which moves most)" if one.get("block") else ""
         rows.append(
-            ("at full strength on the elastic bed", _vector([1e3 * v for v in one["displacement_m"]], 4) + " mm",
+            (f"at full strength on the elastic bed{whose}", _vector([1e3 * v for v in one["displacement_m"]], 4) + " mm",
              _toward(one["displacement_m"]), _vector(one["rotation_rad"], 3) + " rad")
         )  # fmt: skip
     head = ("", "displacement of the centroid (east, north, up)", "toward", "rotation about it")
