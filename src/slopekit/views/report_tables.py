@@ -97,8 +97,9 @@ def motion_table(document: Document) -> Table | None:
     if one is not None:
         whose = f" (block {one['block']}, which moves most)" if one.get("block") else ""
         rows.append(
-            (f"at full strength on the elastic bed{whose}", _vector([1e3 * v for v in one["displacement_m"]], 4) + " mm",
-             _toward(one["displacement_m"]), _vector(one["rotation_rad"], 3) + " rad")
+            (f"at full strength on the elastic bed{whose}",
+             _vector([1e3 * v for v in one["displacement_m"]], 4) + " mm", _toward(one["displacement_m"]),
+             _vector(one["rotation_rad"], 3) + " rad")
         )  # fmt: skip
     head = ("", "displacement of the centroid (east, north, up)", "toward", "rotation about it")
     return Table("Movement", head, tuple(rows), left=4) if rows else None
