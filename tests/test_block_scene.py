@@ -59,17 +59,32 @@ def test_the_forces_of_the_node_pairs_carry_the_loads(name: str) -> None:
     np.testing.assert_allclose(carried[free], -load[free], atol=1e-6 * np.abs(load).max())
 
 
-@pytest.mark.parametrize("name", ["wedge-scatter", "plane", "cylinder"])
-def test_moments_of_loads_and_pairs_about_the_centroid(name: str) -> None:
-    """Points and forces stand in the same axes: the moments cancel too, wherever moments were balanced."""
-    scene = solved(name).scene
+def bolted() -> Result:
+    return sk.wedge(
+        dips=("45/115", "45/245"), water="50%", bolts=["2000000@000/10,passive", "100000@010/20,active"],
+        origin=(300.0, -200.0, 50.0),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["wedge-scatter", "plane", "cylinder", "surface", "bolted"])
+def test_forces_and_moments_of_loads_and_pairs_cancel(name: str) -> None:
+    """Points and forces stand in the same axes; passive bolts pull with what the limit leaves them."""
+    scene = (bolted() if name == "bolted" else solved(name)).scene
     middle = scene.shapes.centroids[0]
     pairs, loads = scene.pairs, scene.loads
     forces = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
     turning = np.cross(pairs.points_m - middle, forces).sum(axis=0)
     turning = turning + np.cross(loads.at_m - middle, loads.force_kn).sum(axis=0)
-    size = np.abs(loads.force_kn).sum() * np.ptp(pairs.points_m, axis=0).max()
-    assert np.abs(turning).max() < 1e-6 * size
+    size = np.abs(loads.force_kn).sum()
+    assert np.abs(forces.sum(axis=0) + loads.force_kn.sum(axis=0)).max() < 1e-6 * size
+    assert np.abs(turning).max() < 1e-6 * size * np.ptp(pairs.points_m, axis=0).max()
+
+
+def test_without_a_limit_state_the_node_pairs_carry_nothing() -> None:
+    scene = sk.wedge(dips=("45/115", "45/245"), water="u=900kPa", bolts=["100@000/10,passive"]).scene
+    assert not scene.pairs.normal_kn.any()
+    assert not scene.pairs.shear_kn.any()
+    assert "passive bolt 1, full capacity" in scene.loads.names
 
 
 @pytest.mark.parametrize("name", [*ONE_BLOCK, *MANY])

@@ -48,7 +48,7 @@ class Solids:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Contacts:
-    """Flat pieces of the interfaces: polygons between two blocks.
+    """Flat pieces of the interfaces: convex polygons between two blocks.
 
     Attributes
     ----------

@@ -87,7 +87,7 @@ def block_loads(
         moment += cross(at - block.centroid, force)
     for name, push in (pushes or {}).items():
         parts[name] = push.force
-        acting.append((name, push.force, block.centroid if push.at is None else push.at))
+        acting.append((name, push.force, block.centroid + _line_of_action(push) if push.at is None else push.at))
         if push.at is not None:
             moment += cross(push.at - block.centroid, push.force)
         if push.couple is not None:
@@ -108,6 +108,15 @@ def block_loads(
         frozen(np.reshape([load.force for load in passive], (-1, 3))), frozen(np.reshape(points, (-1, 3))),
         tuple(acting),
     )  # fmt: skip
+
+
+def _line_of_action(push: PointForce) -> Floats:
+    """From the centroid to the line on which a force has the moment of its couple (all but what turns about it)."""
+    size = float(push.force @ push.force)
+    if push.couple is None or not size > 0.0:
+        return np.zeros(3)
+    arm: Floats = cross(push.force, push.couple) / size
+    return arm
 
 
 def _water(polygon: Floats, pressure: WaterPressure) -> tuple[Floats, Floats]:

@@ -13,6 +13,7 @@ import slopekit as sk
 from slopekit.arrays import Floats
 from slopekit.block_scene import BlockScene, packed
 from slopekit.design.templates import path_of
+from slopekit.views import rendering
 from slopekit.views.layers import arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.picture import MODE_COLOURS, Bar, Picture
 from slopekit.views.rendering import Camera
@@ -90,7 +91,7 @@ def test_contacts_are_coloured_on_both_blocks() -> None:
     picture = made("blocks", "exploded", explode=0.5)
     scene = BlockScene.from_dict(document("blocks")["scene"])
     count = sum(len(contact) for contact in (np.flatnonzero(scene.shapes.contacts.joint == 0),))
-    assert len(part(picture, "joint")) == 2 * 2 * count  # two triangles, on two blocks
+    assert len(part(picture, "joint")) == 2 * 2 * 2 * count  # two triangles, on two blocks, and a ribbon on their sides
 
 
 def test_tractions_are_forces_by_area() -> None:
@@ -119,6 +120,18 @@ def test_forces_on_a_block_cancel() -> None:
     texts = " ".join(text for text, _, _ in made("plane", "forces").legend)
     for load in ("weight", "water on J1", "water on crack", "J1 on the block"):
         assert load in texts
+
+
+def test_each_flank_of_a_column_has_its_own_force() -> None:
+    """Goodman & Bray's P on column 7 from column 6 below it: normal and shear of one side, not the sum of both."""
+    stage = Stage.of(document("goodman-bray"))
+    _, force, joint = resultants(stage, stage.free)
+    sides = np.linalg.norm(force[joint == 1], axis=1)
+    table = {row["n"]: row for row in document("goodman-bray")["assembly"]["table"]}
+    largest = max(row["P_kn"] for row in table.values())
+    shear = np.tan(np.radians(38.15)) / document("goodman-bray")["fos"]["limit"]
+    assert sides.max() == pytest.approx(largest * np.hypot(1.0, shear), rel=1e-4)
+    assert len(sides) == 2 * 15
 
 
 def test_forces_are_shown_of_blocks_in_equilibrium() -> None:
@@ -182,14 +195,91 @@ def test_rigid_motion_about_the_centroid() -> None:
 
 def test_factors_colour_by_value() -> None:
     picture = made("wall", "factors")
-    assert picture.bar is not None
     limit = document("wall")["fos"]["limit"]
-    assert picture.bar.low <= limit <= picture.bar.high
+    assert picture.bar is None  # one value needs no scale
+    assert picture.legend[0][0] == f"fails at {limit:.4f} (12)"
+    scene = BlockScene.from_dict(document("wall")["scene"])
+    two = np.where(np.arange(len(scene.factor)) % 2 == 0, scene.factor, 2.0 * scene.factor)
+    spread = dict(document("wall")) | {"scene": dict(document("wall")["scene"]) | {"factor": packed(two)}}
+    bar = compose(spread, "factors").bar
+    assert bar is not None
+    assert (bar.low, bar.high) == pytest.approx((limit, 2.0 * limit))
     assert Bar("", 1.0, 3.0).colours(np.array([1.0, 3.0, 9.0])).tolist() == [
         [68, 1, 84],
         [253, 231, 37],
         [253, 231, 37],
     ]
+
+
+FALLING = {
+    "slopekit": 1, "kind": "blocks", "strength": {"joint": {"c": 0, "phi": 30}}, "rock": {"unit_weight": 20},
+    "blocks": {
+        "base": {"polygon": [[0, 0], [10, 0], [10, -2], [0, -2]], "fixed": True},
+        "B1": {"polygon": [[2, 0], [4, 0], [4, 2], [2, 2]]}, "B2": {"polygon": [[20, 0], [22, 0], [22, 2], [20, 2]]},
+    },
+}  # fmt: skip
+
+
+def test_what_falls_is_not_shown_as_standing() -> None:
+    picture = compose(sk.run(FALLING).to_dict(), "factors")
+    words = [text for text, _, _ in picture.legend]
+    assert "fails whatever the strength (1)" in words
+    assert any(text.startswith("no factor: it stands") and text.endswith("(1)") for text in words)
+
+
+def test_a_mechanism_that_did_not_settle_is_not_shown_as_fact() -> None:
+    changed = json.loads(json.dumps(document("wall")))
+    changed["assembly"]["mechanisms"][0] |= {"status": "not_converged"}
+    scene = BlockScene.from_dict(changed["scene"])
+    changed["scene"]["factor"] = packed(np.full(len(scene.factor), np.nan))
+    for what in ("factors", "ravelling"):
+        words = " ".join(text for text, _, _ in compose(changed, what).legend)
+        assert "did not settle (12)" in words
+        assert "stands, or was not looked at (12)" not in words
+
+
+def test_a_later_mechanism_has_its_own_factor() -> None:
+    result = sk.run(path_of("wall"), set={"analysis.mechanisms": 2})
+    later = result.findings.mechanisms[1].fos
+    picture = compose(result.to_dict(), "mechanism", Asked(step=2))
+    factor = "no factor of safety" if later is None else f"FoS {later:.4f}"
+    assert factor in picture.subtitle
+    assert picture.subtitle.startswith("mechanism 2: ")
+
+
+def test_columns_in_several_rows_are_seen_in_space() -> None:
+    one = Stage.of(sk.run(path_of("topple")).to_dict())
+    rows = Stage.of(sk.run(path_of("topple"), set={"columns.rows": 2}).to_dict())
+    assert (one.in_section, rows.in_section) == (True, False)
+    assert abs(one.eye @ [0.0, 1.0, 0.0]) > 0.9
+    assert abs(rows.eye @ [0.0, 1.0, 0.0]) < 0.9
+
+
+def test_the_answer_says_what_decides() -> None:
+    base = document("wedge")
+    for more, word in (
+        ({"lowest_limit": 0.91}, "lowest limit state found 0.9100"), ({"accepted": False}, "acceptance NOT MET"),
+        ({"fos": base["fos"] | {"all_pairs_failed": 1.55}}, "all pairs failed 1.5500"),
+        ({"agree": False}, "DO NOT AGREE"),
+    ):  # fmt: skip
+        assert word in Stage.of(base | more).answer
+    lost = Stage.of(base | {"status": "not_converged", "agree": False, "fos": base["fos"] | {"limit": None}}).answer
+    assert "AGREE" not in lost
+    assert "no factor of safety" in lost
+
+
+def test_without_a_limit_state_only_loads_are_drawn() -> None:
+    lifted = sk.wedge(dips=("45/115", "45/245"), water="u=900kPa").to_dict()
+    picture = compose(lifted, "forces")
+    assert "no limit state" in " ".join(picture.notes)
+    assert not any("J1 on the block" in text for text, _, _ in picture.legend)
+    assert "no limit state" in " ".join(compose(lifted, "tractions").notes)
+
+
+def test_arrows_stand_in_front_in_stills_alone() -> None:
+    fronts = {layer.name: layer.front for layer in made("plane", "forces").layers}
+    assert fronts["weight"] == 1
+    assert fronts["blocks"] == 0
 
 
 @pytest.mark.parametrize(
@@ -264,12 +354,12 @@ def test_png_glb_and_gltf(tmp_path: Path) -> None:
         np.testing.assert_allclose(loaded.extents, size[[0, 2, 1]], rtol=1e-5)  # y is up there
 
 
-def test_run_draws_into_its_folder(tmp_path: Path) -> None:
+def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from typer.testing import CliRunner
 
     from slopekit.cli import app
 
-    out = tmp_path / "out"
+    out, arguments = tmp_path / "out", ["run", str(path_of("paper-footing")), "--quiet"]
     run = CliRunner().invoke(app, ["run", str(path_of("paper-footing")), "--quiet", "-o", str(out)])
     assert run.exit_code == 0
     assert {path.name for path in out.iterdir()} == {
@@ -280,6 +370,15 @@ def test_run_draws_into_its_folder(tmp_path: Path) -> None:
     )
     assert bare.exit_code == 0
     assert {path.name for path in (tmp_path / "b").iterdir()} == {"result.json", "sheet.txt"}
+    (tmp_path / "b" / "scene.png").write_bytes(b"of another result")
+    again = CliRunner().invoke(app, [*arguments, "--no-pictures", "-o", str(tmp_path / "b")])
+    assert "removed: scene.png" in again.stderr
+    assert not (tmp_path / "b" / "scene.png").exists()
+    monkeypatch.setattr(rendering, "find_spec", lambda name: None)
+    without = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "c")])
+    assert without.exit_code == 0
+    assert "result.json and sheet.txt are written, pictures are left out: E140" in without.stderr
+    assert {path.name for path in (tmp_path / "c").iterdir()} == {"result.json", "sheet.txt"}
     one = CliRunner().invoke(app, ["run", str(path_of("footing")), "--quiet", "--picture", str(tmp_path / "one.glb")])
     assert one.exit_code == 1  # the acceptance rule of the template is not met, and it is drawn all the same
     assert (tmp_path / "one.glb").stat().st_size > 1000

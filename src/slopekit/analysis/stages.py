@@ -248,7 +248,10 @@ def result(
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
         governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
         node_pairs=pair_state(solved.scene.pairs, model, limit, [part.key for part in interfaces], origin, turn),
-        acting=arrows(loads, {f"water {face}": f"water on {name}" for face, name in (wet or {}).items()}, origin, turn),
+        acting=arrows(
+            loads, {f"water {face}": f"water on {name}" for face, name in (wet or {}).items()}, origin, turn,
+            None if limit.pulls is None else limit.pulls * model.force_scale,
+        ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=block_balance(model, analysis), timing_s=clock.done(),

@@ -18,7 +18,6 @@ from slopekit.cli.common import (
     image_of,
     json_text,
     load_design,
-    print_faults,
     write,
 )
 from slopekit.errors import DesignError, Fault
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
 SCENE_ENDINGS = (".png", ".glb", ".gltf")
 _PICTURE = typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot).")
 _NO_PICTURES = typer.Option("--no-pictures", help="With -o: draw nothing.")
+_PICTURES = ("scene", "mechanism", "stereonet", "reduction")
 
 
 def add_to(app: typer.Typer) -> None:
@@ -192,23 +192,39 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bo
     typer.echo(document if as_json else _one_line(result) if quiet else sheet)
     if image is not None:
         draw_to(record, "scene", image)
-    if folder is not None and not plain:
-        _draw_all(record, folder)
+    if folder is not None:
+        _draw_all(record, folder, plain)
     raise typer.Exit(result.exit_code)
 
 
-def _draw_all(record: dict[str, Any], folder: Path) -> None:
-    """The pictures that say most of a result, those of them that it can give."""
+def _draw_all(record: dict[str, Any], folder: Path, plain: bool) -> None:
+    """The pictures that say most of a result, those of them that it can give; those of an earlier result go."""
+    old = [name for name in _PICTURES if (folder / f"{name}.png").exists()]
+    try:
+        for name in old:
+            (folder / f"{name}.png").unlink()
+    except OSError as error:
+        message = f"{folder} holds pictures of an earlier result: {error.strerror or error}"
+        raise DesignError([Fault("E129", message, str(folder))]) from None
+    if plain:
+        if old:
+            typer.echo(
+                f"pictures of an earlier result were removed: {', '.join(f'{name}.png' for name in old)}", err=True
+            )
+        return
     from slopekit.views.plots import offers
     from slopekit.views.rendering import require_drawing
 
     try:
         require_drawing(folder)
     except DesignError as error:  # everything else is there: say once what is missing
-        print_faults(error, plainly=True)
+        (fault,) = error.faults
+        typer.echo(
+            f"result.json and sheet.txt are written, pictures are left out: {fault.code} {fault.message}", err=True
+        )
         return
     given = offers(record)
-    for what in ("scene", "mechanism", "stereonet", "reduction"):
+    for what in _PICTURES:
         if what in given:
             draw_to(record, what, folder / f"{what}.png")
 

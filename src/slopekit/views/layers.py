@@ -22,7 +22,8 @@ class Layer:
     Attributes
     ----------
     name : what they are; vertices : (v, 3) m; triangles : (t, 3); colours : (t, 3) 0 to 255
-    opacity : 0 to 1; outlined : whether their edges are drawn
+    opacity : 0 to 1; outlined : whether their edges are drawn, those longer than `shortest` (m)
+    front : how far before the rest a still draws them: 0 where they are, 1, 2, ... on top of each other
     """
 
     name: str
@@ -31,12 +32,18 @@ class Layer:
     colours: Ints
     opacity: float = 1.0
     outlined: bool = False
+    front: int = 0
+    shortest: float = 0.0
 
 
-def layer(name: str, body: tuple[Floats, Ints], colour: Colour, opacity: float = 1.0, outlined: bool = False) -> Layer:
+def layer(
+    name: str, body: tuple[Floats, Ints], colour: Colour, opacity: float = 1.0, outlined: bool = False, front: int = 0,
+    shortest: float = 0.0,
+) -> Layer:  # fmt: skip
     """A layer of one colour."""
     vertices, triangles = body
-    return Layer(name, vertices, triangles, np.tile(np.array(colour), (len(triangles), 1)), opacity, outlined)
+    colours = np.tile(np.array(colour), (len(triangles), 1))
+    return Layer(name, vertices, triangles, colours, opacity, outlined, front, shortest)
 
 
 def blocks_layer(

@@ -12,6 +12,8 @@ ROCK: Colour = (201, 199, 194)
 BLOCK: Colour = (222, 165, 105)
 STANDS: Colour = (236, 226, 207)
 DARK: Colour = (64, 48, 36)
+FALLS: Colour = (150, 40, 80)
+UNSETTLED: Colour = (196, 150, 196)
 #: Joints, in the order of the result; loads; contact modes; how blocks move. Told apart without red and green.
 JOINTS: tuple[Colour, ...] = (
     (66, 114, 176), (146, 84, 156), (72, 152, 84), (42, 163, 163), (191, 91, 91), (228, 145, 47), (122, 106, 0),

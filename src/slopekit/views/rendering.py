@@ -109,7 +109,7 @@ class Camera:
 
     def set(self, plotter: Any) -> None:
         """Point the camera of a plotter."""
-        far = 4.0 * self.height
+        far = 8.0 * self.height
         plotter.camera_position = [tuple(self.middle + far * self.eye), tuple(self.middle), tuple(self.up)]
         plotter.enable_parallel_projection()
         plotter.camera.parallel_scale = self.height / 2.0
@@ -120,14 +120,14 @@ class Camera:
         return float((point - self.middle) @ self.right), float((point - self.middle) @ self.up)
 
 
-def _fill(plotter: Any, pyvista: Any, picture: Picture) -> None:
-    """The layers as meshes about the middle of the scene: VTK computes in single precision."""
+def _fill(plotter: Any, pyvista: Any, picture: Picture, before: float = 0.0) -> None:
+    """The layers as meshes; those in front `before` (m) nearer to the eye: a parallel projection does not show it."""
     plotter.set_background("white")
     for part in picture.layers:
         if len(part.triangles) == 0:
             continue
         faces = np.insert(part.triangles, 0, 3, axis=1).ravel()
-        mesh = pyvista.PolyData(part.vertices, faces)
+        mesh = pyvista.PolyData(part.vertices + before * part.front * picture.eye, faces)
         mesh.cell_data["colour"] = part.colours.astype(np.uint8)
         plotter.add_mesh(
             mesh, scalars="colour", rgb=True, opacity=part.opacity, show_scalar_bar=False, ambient=0.45, diffuse=0.62,
@@ -135,6 +135,10 @@ def _fill(plotter: Any, pyvista: Any, picture: Picture) -> None:
         )  # fmt: skip
         if part.outlined:
             edges = mesh.extract_feature_edges(_EDGE_DEG, manifold_edges=False, non_manifold_edges=False)
+            if part.shortest > 0.0 and edges.n_points:
+                ends = edges.points[edges.lines.reshape(-1, 3)[:, 1:]]
+                long = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=1)) > part.shortest
+                edges = edges.extract_cells(np.flatnonzero(long))
             if edges.n_points:
                 plotter.add_mesh(edges, color="#3a2a1c", line_width=1.2 * _SHARP, opacity=max(part.opacity, 0.55))
 
@@ -163,7 +167,7 @@ def _save_png(picture: Picture, path: Path) -> None:
     plotter = pyvista.Plotter(off_screen=True, window_size=[wide * _SHARP, high * _SHARP])
     camera = Camera.of(picture)
     try:
-        _fill(plotter, pyvista, picture)
+        _fill(plotter, pyvista, picture, camera.height)
         camera.set(plotter)
         pixels = plotter.screenshot(None, return_img=True)
     finally:

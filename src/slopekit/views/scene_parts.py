@@ -1,12 +1,13 @@
 """Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
-from slopekit.block_scene import BlockScene
+from slopekit.block_scene import BlockScene, Contacts, joined
 from slopekit.result import ASSEMBLIES
 from slopekit.views.layers import Colour, Layer, contacts_body, layer
 from slopekit.views.picture import BLOCK, ROCK, STANDS, Bar, Picture
@@ -16,17 +17,19 @@ Legend = list[tuple[str, Colour, float]]
 _MOST_ARROWS = 400
 _MOST_LABELS, _FEW_LABELS = 60, 12
 _BALANCED = 0.01  # of the largest load on a block
+_RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
 
 
 def picture(
     stage: Stage, what: str, layers: Sequence[Layer], legend: Legend, *, notes: Sequence[str] = (),
-    bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] = (),
+    bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] = (), answer: str = "",
 ) -> Picture:  # fmt: skip
-    """A picture with the title and the answer of its result."""
-    title = f"{stage.title or stage.kind} — {what}"
+    """A picture with the title, the first digits of the input's hash, and the answer of its result, or another."""
+    digest = str(stage.document.get("input_sha256") or "")[:6]
+    title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
     return Picture(
-        title, stage.answer, tuple(layers), tuple(legend), stage.eye, tuple(notes), bar, tuple(labels),
+        title, answer or stage.answer, tuple(layers), tuple(legend), stage.eye, tuple(notes), bar, tuple(labels),
         not stage.in_section,
     )  # fmt: skip
 
@@ -90,10 +93,24 @@ def joint_faces(stage: Stage, moved: Floats) -> list[Layer]:
             continue
         sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
         bodies = [contacts_body(shapes, own, contacts.corners + np.repeat(side, counts, axis=0)) for side in sides]
-        vertices = np.concatenate([bodies[0][0], bodies[1][0]])
-        triangles = np.concatenate([bodies[0][1], bodies[1][1] + len(bodies[0][0])])
+        if stage.in_section:
+            sides = [moved[contacts.plus], moved[contacts.minus]]
+            wide = _RIBBON * stage.size * normal
+            bodies += [_ribbons(contacts, own, side[own], sign * wide[own])
+                       for side, sign in zip(sides, (1.0, -1.0), strict=True)]  # fmt: skip
+        vertices, triangles, _ = joined(bodies)
         found.append(layer(shapes.joints[joint], (vertices, triangles), joint_colour(joint)))
     return found
+
+
+def _ribbons(contacts: Contacts, own: Ints, moved: Floats, wide: Floats) -> tuple[Floats, Ints]:
+    """Contacts of a section as ribbons on the side of their block, `wide` (k, 3) m: edge-on they could not be seen."""
+    first = contacts.first[own]
+    ends = np.stack([contacts.corners[first], contacts.corners[first + 1]], axis=1) + moved[:, None, :]
+    ends[:, :, 1] -= _BEFORE * np.abs(wide).max()
+    quads = np.concatenate([ends, ends[:, ::-1] + wide[:, None, :]], axis=1)
+    fan = np.array([[0, 1, 2], [0, 2, 3]])
+    return quads.reshape(-1, 3), (4 * np.arange(len(own))[:, None, None] + fan).reshape(-1, 3)
 
 
 def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
@@ -183,19 +200,19 @@ def spacing(areas: Floats) -> float:
 def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
     """Forces of the joints on the blocks at the limit: points (k, 3) m, forces (k, 3) kN, joints (k,).
 
-    One for each of the blocks `shown` (n,) and joint, through the mean of its node pairs weighted by their forces.
+    One for each contact of the blocks `shown` (n,), through the mean of its node pairs weighted by their forces.
     """
     pairs = stage.scene.pairs
     force = pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn
     parts = []
-    for side, sign in ((pairs.plus, 1.0), (pairs.minus, -1.0)):
+    for side, other, sign in ((pairs.plus, pairs.minus, 1.0), (pairs.minus, pairs.plus, -1.0)):
         own = np.flatnonzero(np.append(shown, False)[side])
-        parts.append((side[own], pairs.joint[own], sign * force[own], pairs.points_m[own], pairs.normal_kn[own]))
-    block, joint, forces, points, weight = (np.concatenate([part[k] for part in parts]) for k in range(5))
-    if len(block) == 0:
+        contact = np.stack([side[own], other[own], pairs.joint[own]], axis=1)
+        parts.append((contact, sign * force[own], pairs.points_m[own], pairs.normal_kn[own]))
+    contact, forces, points, weight = (np.concatenate([part[k] for part in parts]) for k in range(4))
+    if len(contact) == 0:
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
-    key = block * (int(joint.max()) + 1) + joint
-    _, first, of = np.unique(key, return_index=True, return_inverse=True)
+    _, first, of = np.unique(contact, axis=0, return_index=True, return_inverse=True)
     of = of.ravel()
     weight = np.maximum(weight, 0.0) + 1e-9 * max(float(np.abs(weight).max()), 1e-300)
     total = np.bincount(of, weight)
@@ -203,14 +220,14 @@ def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
     def summed(values: Floats) -> Floats:
         return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
 
-    return summed(points * weight[:, None]) / total[:, None], summed(forces), joint[first]
+    return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
 
 
 def amount(name: str, sizes: Floats) -> str:
     """A load in the legend: its size, or the sizes of several."""
     if len(sizes) == 1:
-        return f"{name} {kilonewtons(float(sizes[0]))}"
-    return f"{name} up to {kilonewtons(float(sizes.max()))} ({len(sizes)})"
+        return f"{name}: {kilonewtons(float(sizes[0]))}"
+    return f"{name}: up to {kilonewtons(float(sizes.max()))} ({len(sizes)} forces)"
 
 
 def kilonewtons(force: float) -> str:
@@ -239,6 +256,23 @@ def millimetres(metres: float) -> str:
     '1.85 mm'
     """
     return f"{metres * 1e3:.3g} mm"
+
+
+def without_strength(stage: Stage) -> Bools:
+    """Blocks that fail whatever the strength: they move in a mechanism that has no factor, (n,)."""
+    return _of_mechanisms(stage, lambda one: one.get("fos") is None and one.get("status") != "not_converged")
+
+
+def unsettled(stage: Stage) -> Bools:
+    """Blocks of mechanisms that did not settle, (n,)."""
+    return _of_mechanisms(stage, lambda one: one.get("status") == "not_converged")
+
+
+def _of_mechanisms(stage: Stage, wanted: Callable[[Mapping[str, Any]], bool]) -> Bools:
+    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
+    numbers = [k for k, one in enumerate(mechanisms, 1) if wanted(one)]
+    found: Bools = np.isin(stage.scene.order, numbers)
+    return found
 
 
 def ways(stage: Stage, step: int) -> dict[str, str]:

@@ -4,17 +4,17 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `view
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
 from slopekit.block_scene import MODES, OPEN
 from slopekit.errors import DesignError, Fault
 from slopekit.findings import MOTIONS
+from slopekit.result import status_text
 from slopekit.views.layers import (
     arrows,
     blocks_layer,
@@ -23,14 +23,22 @@ from slopekit.views.layers import (
     rigid,
     spheres,
 )
-from slopekit.views.picture import BLOCK, DARK, LOADS, MODE_COLOURS, MOTION_COLOURS, ROCK, STANDS, Bar, Picture
+from slopekit.views.picture import (
+    BLOCK,
+    DARK,
+    LOADS,
+    MODE_COLOURS,
+    MOTION_COLOURS,
+    ROCK,
+    STANDS,
+    Picture,
+)
 from slopekit.views.scene_parts import (
     Legend,
     amount,
     balanced,
     block_legend,
     counted,
-    ends,
     has_contacts,
     joint_faces,
     kilonewtons,
@@ -48,6 +56,7 @@ from slopekit.views.scene_parts import (
     widened,
 )
 from slopekit.views.stage import Stage, joint_colour
+from slopekit.views.value_scenes import factors, ravelling
 
 #: What can be drawn of a result, and what it shows.
 SCENES: Mapping[str, str] = {
@@ -62,7 +71,7 @@ SCENES: Mapping[str, str] = {
 }
 _DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
 _EXPLODED = 0.35
-_NO_FORCE = 1e-9  # of the largest
+_NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,16 +142,17 @@ def _scene(stage: Stage, _: Asked) -> Picture:
         way = stage.scene.velocity[0, :3]
         length = math.sqrt(float(way @ way))
         if length > 0.05:
-            starts = shapes.centroids[:1] + 0.3 * stage.size * free_normal(shapes) * _flat(stage)
+            starts = shapes.centroids[:1] + 0.3 * stage.size * free_normal(shapes) * (0.0 if stage.in_section else 1.0)
             body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)[:2]
-            layers.append(layer("movement", body, DARK))
+            layers.append(layer("movement", body, DARK, front=1))
             legend.append(("movement as it fails", DARK, 1.0))
-    return picture(stage, "scene", layers, legend, notes=(measures(stage),), labels=names(stage))
+    return picture(stage, "scene", layers, legend, notes=_scene_notes(stage), labels=names(stage))
 
 
-def _flat(stage: Stage) -> float:
-    """How far before the block an arrow is drawn: a section shows its own at the side."""
-    return 0.0 if stage.in_section else 1.0
+def _scene_notes(stage: Stage) -> tuple[str, ...]:
+    bare = "the ground is a mesh of its own: it is not drawn"
+    without = stage.kind == "surface" and not (stage.document.get("inputs") or {}).get("profile_m")
+    return (measures(stage), *[bare] * without)
 
 
 def _exploded(stage: Stage, asked: Asked) -> Picture:
@@ -163,9 +173,10 @@ def _exploded(stage: Stage, asked: Asked) -> Picture:
     layers += joint_faces(stage, moved)
     legend = block_legend(stage, stage.alone and len(layers) > 1)
     legend += [(name, joint_colour(k), 1.0) for k, name in enumerate(stage.joint_names()) if has_contacts(scene, k)]
-    note = f"blocks moved apart by {apart:g} of their distance from the middle" if not stage.alone else (
-        f"the block moved out of the slope by {apart:g} of its size"
-    )  # fmt: skip
+    middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
+    note = f"blocks moved apart by {apart:g} of their distance from {middle}"
+    if stage.alone:
+        note = f"the block moved out of the slope by {apart:g} of its size"
     return picture(stage, "exploded", layers, legend, notes=(note, measures(stage)), labels=names(stage, moved))
 
 
@@ -174,29 +185,40 @@ def _tractions(stage: Stage, _: Asked) -> Picture:
     layers = [*stage.rock(0.55 if stage.in_section else 1.0)] if stage.alone else []
     seen = stage.free if stage.alone else stage.free & touched(stage)
     layers.append(blocks_layer("blocks", scene.shapes, seen, stage.block_colours(), stage.still, 0.12))
-    scale, apart = neighbourhood(stage, seen), spacing(pairs.control_area_m2)
+    scale = neighbourhood(stage, seen)
+    apart = scale if stage.in_section else spacing(pairs.control_area_m2)
     legend = [("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3)]
     for k, name in enumerate(MODES):
         own = pairs.mode == k
         if own.any():
-            body = spheres(pairs.points_m[own], min(0.016 * scale, 0.22 * apart))[:2]
-            layers.append(layer(f"node pairs: {name}", body, MODE_COLOURS[name]))
+            radius = min(0.016 * scale, 0.22 * apart) * (0.6 if k == OPEN else 1.0)
+            front = 0 if stage.alone else 1 if k == OPEN else 2
+            body = spheres(pairs.points_m[own], radius)[:2]
+            layers.append(layer(f"node pairs: {name}", body, MODE_COLOURS[name], front=front))
             legend.append((f"{name}: {int(own.sum())} of {len(pairs)} node pairs", MODE_COLOURS[name], 1.0))
     traction = (pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn) / pairs.control_area_m2[:, None]
     size = np.sqrt((traction * traction).sum(axis=1))
     size[pairs.mode == OPEN] = 0.0
     notes = ["no node pairs: nothing was solved"] if len(pairs) == 0 else []
+    notes += [_NO_LIMIT] if len(pairs) and not size.any() else []
     if size.any():
         drawn = spread(pairs.points_m, size)
         longest = float(size.max())
         width = min(0.014 * scale, 0.15 * apart)
         body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, width)[:2]
-        layers.append(layer("tractions", body, DARK))
-        legend.append((f"traction on the block, longest {longest:.4g} kPa", DARK, 1.0))
+        layers.append(layer("tractions", body, DARK, front=0 if stage.alone else 3))
+        legend.append((f"traction{_on(stage)}, longest {longest:.4g} kPa", DARK, 1.0))
         left = int((size > 0.0).sum()) - len(drawn)
         notes += [f"{len(drawn)} of {left + len(drawn)} tractions are drawn, spread evenly"] if left else []
         notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
     return picture(stage, "tractions", layers, legend, notes=notes, labels=names(stage, only=seen))
+
+
+_NO_LIMIT = "no limit state was found: what the joints carry is not known"
+
+
+def _on(stage: Stage) -> str:
+    return " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
 
 
 def _forces(stage: Stage, _: Asked) -> Picture:
@@ -207,11 +229,13 @@ def _forces(stage: Stage, _: Asked) -> Picture:
     every = np.concatenate([loads.force_kn[own], force])
     longest = float(np.sqrt((every * every).sum(axis=1)).max(initial=0.0))
     scale = neighbourhood(stage, known)
-    drawn = 0.42 * scale / max(longest, 1e-300)
+    drawn = 0.65 * scale / max(longest, 1e-300)
     layers = [*stage.rock(0.35)] if stage.alone else []
     layers.append(blocks_layer("blocks", scene.shapes, known, stage.block_colours(), stage.still, 0.3))
     legend = [("block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})", BLOCK, 0.5)]
     notes = [f"arrows to scale, the longest {kilonewtons(longest)}: forces on the blocks at the limit"]
+    if not force.any():
+        notes = [f"loads to scale, the longest {kilonewtons(longest)}", _NO_LIMIT]
     if not stage.alone and int(known.sum()) < int(stage.free.sum()):
         left = int(stage.free.sum()) - int(known.sum())
         notes.append(f"{left} other blocks are left out: held, or their contacts were not all solved")
@@ -225,8 +249,9 @@ def _forces(stage: Stage, _: Asked) -> Picture:
             continue
         vectors = drawn * forces[which]
         starts = points[which] - (vectors if pushes else 0.0)
-        layers.append(layer(name, arrows(starts, vectors, 0.022 * scale)[:2], colour))
-        legend.append((amount(name, size), colour, 1.0))
+        layers.append(layer(name, arrows(starts, vectors, 0.022 * scale)[:2], colour, front=1))
+        unseen = " (too small to be seen)" if size.max() < _SEEN * longest else ""
+        legend.append((amount(name, size) + unseen, colour, 1.0))
     return picture(stage, "forces", layers, legend, notes=notes, labels=names(stage, only=known))
 
 
@@ -291,62 +316,36 @@ def _mechanism(stage: Stage, asked: Asked) -> Picture:
     own, speed = own[kept], speed[kept]
     length = 0.3 * stage.size if stage.alone else 0.8 * float(stage.sizes[moving].mean())
     starts = shapes.centroids[own] + scene.velocity[own, :3] * times
-    starts = starts + stage.eye * (0.6 * stage.sizes[own])[:, None]  # before the blocks, where they are seen
     fast = max(float(speed.max(initial=0.0)), 1e-300)
     body = arrows(starts, scene.velocity[own, :3] * (length / fast), 0.06 * length)[:2]
-    layers.append(layer("velocity", body, DARK))
+    layers.append(layer("velocity", body, DARK, front=1))
     legend: Legend = []
     for way, count in counted(how, shapes.names, moving):
         legend.append((f"{MOTIONS.get(way, way)}: {count}" if way else "moves", MOTION_COLOURS.get(way, BLOCK), 1.0))
     legend += [("at rest", STANDS, 1.0)] if still.any() else []
     legend += [("velocity of the centroids", DARK, 1.0)]
-    notes = ["a mechanism has proportions, no size: drawn so that it is seen"]
+    notes = [
+        "a mechanism has proportions, no size: drawn so that it is seen, and so far that blocks may cut into others"
+    ]
     if gone.any():
         notes.append(f"{int(gone.sum())} blocks that failed before are left out")
     what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
     labels = names(stage, scene.velocity[:, :3] * times, moving)
-    return picture(stage, what, layers, legend, notes=notes, labels=labels)
+    return picture(stage, what, layers, legend, notes=notes, labels=labels, answer=_answer_of(stage, asked.step))
 
 
-def _factors(stage: Stage, _: Asked) -> Picture:
-    factor = stage.scene.factor
-    known = np.isfinite(factor)
-    bar = Bar("factor of safety at which a block fails", *ends(factor[known])) if known.any() else None
-    fixed = int(stage.scene.shapes.fixed.sum())
-    none = int((stage.free & ~known).sum())
-    text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
-    asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
-    asked += [(f"bedrock ({fixed})", ROCK, 1.0)] if fixed else []
-    notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
-    return _by_value(stage, "factors", factor, bar, asked, notes)
-
-
-def _ravelling(stage: Stage, _: Asked) -> Picture:
-    order = stage.scene.order
-    if not order.any():
-        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
-    values = np.where(order > 0, order.astype(np.float64), np.nan)
-    bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
-    left = int((stage.free & (order == 0)).sum())
-    legend = [(f"left in place ({left})", STANDS, 1.0)] if left else []
-    legend += [("bedrock", ROCK, 1.0)] if stage.scene.shapes.fixed.any() else []
-    standing = (stage.document.get("assembly") or {}).get("standing")
-    return _by_value(stage, "ravelling", values, bar, legend, (str(standing),) if standing else ())
-
-
-def _by_value(
-    stage: Stage, what: str, values: Floats, bar: Bar | None, legend: Legend,
-    notes: Sequence[str],
-) -> Picture:  # fmt: skip
-    colours = np.tile(np.array(STANDS), (len(values), 1))
-    known = np.isfinite(values)
-    if bar is not None:
-        colours[known] = bar.colours(values[known])
-    layers = [*stage.rock(), blocks_layer("blocks", stage.scene.shapes, stage.free, colours, stage.still)]
-    return picture(stage, what, layers, legend, notes=notes, bar=bar, labels=names(stage))
+def _answer_of(stage: Stage, step: int) -> str:
+    """Status and factor of a later mechanism; "" where it is the result's."""
+    mechanisms = (stage.document.get("assembly") or {}).get("mechanisms") or []
+    if step == 1 or step > len(mechanisms):
+        return ""
+    one = mechanisms[step - 1]
+    factor = "no factor of safety" if one.get("fos") is None else f"FoS {one['fos']:.4f} (limit, PRE-IE)"
+    return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
 _COMPOSERS: Mapping[str, Callable[[Stage, Asked], Picture]] = {
     "scene": _scene, "exploded": _exploded, "tractions": _tractions, "forces": _forces, "displacement": _displacement,
-    "mechanism": _mechanism, "factors": _factors, "ravelling": _ravelling,
+    "mechanism": _mechanism, "factors": lambda stage, _: factors(stage),
+    "ravelling": lambda stage, _: ravelling(stage),
 }  # fmt: skip

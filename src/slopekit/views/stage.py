@@ -91,10 +91,12 @@ class Stage:
 
     @property
     def in_section(self) -> bool:
-        """Whether everything repeats along the strike."""
-        return self.kind in _IN_SECTION or (
-            self.kind == "blocks" and self._given("geometry", "thickness_m") is not None
-        )
+        """Whether everything repeats along the strike, and one slice shows it all."""
+        polygons = self.kind == "blocks" and self._given("geometry", "thickness_m") is not None
+        if not (polygons or self.kind in _IN_SECTION):
+            return False
+        y = self.scene.shapes.centroids[self.free, 1]
+        return self.kind == "plane" or not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
 
     def _given(self, part: str, key: str) -> Any:
         found = self.document.get(part)
@@ -141,16 +143,21 @@ class Stage:
     def answer(self) -> str:
         """Status, factor and check: never a bare factor of safety."""
         fos = self.document.get("fos") or {}
-        limit, closed = fos.get("limit"), fos.get("closed_form")
+        limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), self.document.get("lowest_limit")
         parts = [str(self.document.get("status_text", ""))]
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} (limit, PRE-IE)")
-        if closed is not None:
-            parts.append(f"closed form {closed:.4f}")
+        parts += [] if lowest is None else [f"lowest limit state found {lowest:.4f}"]
+        searched = fos.get("all_pairs_failed")
+        parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
+        parts += [] if closed is None else [f"closed form {closed:.4f}"]
         agree = self.document.get("agree")
-        parts.append({True: "agree", False: "DO NOT AGREE"}.get(agree, "not compared") if agree is not None else
-                     "no closed form to compare with")  # fmt: skip
-        if self.document.get("moments_govern"):
-            parts.append("moments govern")
+        if self.document.get("status") != "not_converged":
+            words = {True: "agree", False: "DO NOT AGREE", None: "not compared"}
+            nothing = closed is None and agree is None
+            parts.append("no closed form to compare with" if nothing else words[agree])
+        parts += ["moments govern"] if self.document.get("moments_govern") and limit is not None else []
+        accepted = self.document.get("accepted")
+        parts += [] if accepted is None else [f"acceptance {'met' if accepted else 'NOT MET'}"]
         return " · ".join(parts)
 
     # -- what stands about the blocks ---------------------------------------------------------------------------------
@@ -163,12 +170,12 @@ class Stage:
                 return []
             colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
             return [blocks_layer("bedrock", shapes, shapes.fixed, colours, self.still, opacity)]
-        body = None
+        body, shortest = None, 0.0
         if self.kind in ("wedge", "plane", "footing"):
             body = rock_around(shapes)
         elif self.kind == "surface" and self._given("inputs", "profile_m"):
-            body = ground_below(shapes, self.document["inputs"]["profile_m"])
-        return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True)]
+            body, shortest = ground_below(shapes, self.document["inputs"]["profile_m"]), 0.03 * self.size
+        return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True, shortest=shortest)]
 
     def block_colours(self) -> Ints:
         """Blocks that move in the first mechanism, and the others, (n, 3)."""
