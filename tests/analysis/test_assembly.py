@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import trimesh
 import slopekit as sk
 from slopekit.errors import DesignError, GeometryError
 from slopekit.preie import ravelling
+from slopekit.result import Result
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -166,9 +168,15 @@ BENCH = {
 }  # fmt: skip
 
 
+@cache
+def the_bench() -> Result:
+    """The bench as it stands, analysed once."""
+    return sk.run(BENCH)
+
+
 def test_a_bench_fails_by_its_key_block() -> None:
     """A block on the set that daylights slides at tan φ / tan β; nothing is lost in the cutting."""
-    result = sk.run(BENCH)
+    result = the_bench()
     findings = result.findings
     assert result.status == "slides"
     assert result.fos.limit == pytest.approx(math.tan(math.radians(35)), rel=1e-3)
@@ -190,7 +198,7 @@ def test_a_bench_is_the_same_for_the_same_seed_and_wherever_it_lies() -> None:
     other = sk.run(scattered, set={"cut.seed": 4})
     assert other.findings.blocks != first.findings.blocks
     moved = sk.run(BENCH, set={"slope.origin": [5e5, 4e6, 1e3]})
-    assert moved.fos.limit == pytest.approx(sk.run(BENCH).fos.limit, rel=1e-6)
+    assert moved.fos.limit == pytest.approx(the_bench().fos.limit, rel=1e-6)
 
 
 def test_coincident_planes_and_benches_without_a_free_block() -> None:
@@ -198,7 +206,7 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
     double["sets"]["S4"] = {"plane": "45/170", "spacing": 8, "strength": "j"}
     result = sk.run(double)
     assert "W337" in codes(result)
-    assert result.fos.limit == pytest.approx(sk.run(BENCH).fos.limit, rel=1e-6)
+    assert result.fos.limit == pytest.approx(the_bench().fos.limit, rel=1e-6)
     with pytest.raises(GeometryError, match="can move") as error:
         sk.run(
             BENCH,
@@ -208,7 +216,7 @@ def test_coincident_planes_and_benches_without_a_free_block() -> None:
 
 
 def test_loads_on_a_bench_find_their_block() -> None:
-    free = sk.run(BENCH)
+    free = the_bench()
     name = free.findings.mechanisms[0].blocks[0].name
     at = free.geometry.centroids_m[free.geometry.names.index(name)]
     held = sk.run(BENCH, set={"loads.forces": [{"force": [0, 0, -1.0], "at": at.tolist()}]})

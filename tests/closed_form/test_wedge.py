@@ -91,7 +91,7 @@ def loaded(rng: np.random.Generator) -> dict:
     wedge = {**random_wedge(rng), "bolts": None}
     wedge["water"] = f"{rng.uniform(0, 100):.3f}%"
     wedge["seismic"] = f"{rng.uniform(0, 0.2):.4f}@{rng.uniform(0, 360):.2f}"
-    weight = sk.wedge(**wedge).forces.weight
+    weight = prepare(wedge_design(wedge | {"water": "dry", "seismic": None}), 0).model.force_scale  # nothing else acts
     wedge["forces"] = [(rng.normal(size=3) * 0.05 * weight).tolist()]
     wedge["bolts"] = [
         {
@@ -104,7 +104,7 @@ def loaded(rng: np.random.Generator) -> dict:
     plane = ((wedge["face"][1] + rng.uniform(-20, 20)) % 360.0, rng.uniform(60, 90))
     cracked = {**wedge, "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]}}
     try:
-        sk.wedge(**cracked)
+        prepare(wedge_design(cracked), 0)
     except sk.GeometryError:
         return wedge
     return cracked
