@@ -10,6 +10,7 @@ import pytest
 import slopekit as sk
 from slopekit.cli import main
 from slopekit.design.templates import path_of
+from slopekit.errors import DesignError
 from slopekit.explanations import explanation
 from slopekit.views import drawing
 
@@ -72,7 +73,12 @@ def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
         (("result.json", "contour"), "E343", "it wants sweep.json of two keys"),
         (("sweep.json", "curve", "-o", "a.gif"), "E345", "Known: .png, .svg, .pdf."),
         (("sweep.json", "curve", "-o", "a.glb"), "E345", "curve cannot be written as .glb"),
-        (("sweep.json", "curve", "-o", "nowhere/a.png"), "E129", "there is no folder"),
+        (("sweep.json", "curve", "-o", "/proc/nowhere/a.png"), "E129", "cannot be written"),
+        (("result.json", "factors"), "E343", "it wants result.json of many blocks: bench, blocks, topple"),
+        (("result.json", "ravelling"), "E343", "it wants result.json of many blocks: bench, blocks, topple"),
+        (("result.json", "scene", "--explode", "2"), "E347", "Leave it out. It is of exploded."),
+        (("result.json", "exploded", "--magnify", "2"), "E347", "It is of displacement and mechanism."),
+        (("result.json", "displacement", "--step", "2"), "E347", "--step says nothing of this displacement"),
         (("sweep.json", "curve", "--equal-angle"), "E347", "--equal-angle says nothing of this curve"),
         (("result.json", "stereonet", "--test", "planar"), "E347", "--test says nothing of this stereonet"),
         (("kinematic.json", "stereonet", "--test", "planer"), "E347", "Known: planar, wedge, toppling."),
@@ -91,7 +97,11 @@ def test_wrong_use(arguments, code, says, run, folder) -> None:
 @pytest.mark.parametrize(
     ("text", "code", "says"),
     [
-        ("", "E340", "is not JSON"),
+        ("", "E340", "x.json is empty"),
+        ("\n ", "E340", "x.json is empty"),
+        ('{"slopekit": "0.1.0", "kin', "E340", "x.json ends in the middle: was it written to the end?"),
+        ('{"slopekit": "0.1.0",\n', "E340", "x.json ends in the middle: was it written to the end?"),
+        ("name,dip,dip_direction\na,40,175\n", "E340", "x.json is a table (CSV), not JSON"),
         ("slopekit: 1\nkind: wedge\n", "E340", "is not JSON"),
         ('{"slopekit": "0.1.0", "kind": "wedge", "fos": NaN}', "E340", "NaN is no number of JSON"),
         ('{"slopekit": "0.1.0", "kind": "wedge", "fos": 1e999}', "E340", "1e999 is no number of JSON"),
@@ -136,10 +146,106 @@ def test_scenes_are_handed_on(run, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(scenes, "draw", lambda *what, **options: called.append((what[1:], options)))
     file = tmp_path / "r.json"
     file.write_text(json.dumps({"slopekit": "0.1.0", "kind": "wedge", "scene": {}}))
-    assert run(file, "exploded", "-o", tmp_path / "r.glb", "--explode", "0.5", "--step", "2")[0] == 0
+    assert run(file, "exploded", "-o", tmp_path / "r.glb", "--explode", "0.5")[0] == 0
     assert called == [
-        (("exploded", tmp_path / "r.glb"), {"show": False, "explode": 0.5, "magnify": None, "step": 2}),
+        (("exploded", tmp_path / "r.glb"), {"show": False, "explode": 0.5, "magnify": None, "step": 1}),
     ]  # fmt: skip
+
+
+def test_folders(run, folder, tmp_path) -> None:
+    """Of a folder its result.json, else its only JSON of slopekit; the folder of the picture is made."""
+    target = tmp_path / "new" / "deep" / "a.svg"
+    assert run(folder, "stereonet", "-o", target)[:2] == (0, f"wrote {target}\n")
+    assert run(folder)[1].startswith("result.json can give")
+    own = tmp_path / "own"
+    own.mkdir()
+    left, _, err = run(own)
+    assert (left, err[:5], "It holds no JSON." in err) == (2, "E148 ", True)
+    (own / "other.json").write_text("{}")
+    assert "It holds other.json." in run(own)[2]
+    (own / "sweep.json").write_bytes((folder / "sweep.json").read_bytes())
+    assert run(own, "curve")[:2] == (0, f"wrote {own / 'sweep-curve.png'}\n")
+    (own / "more.json").write_bytes((folder / "sweep.json").read_bytes())
+    left, _, err = run(own, "curve")
+    assert (left, err[:5], "It holds more.json, sweep.json." in err) == (2, "E148 ", True)
+
+
+@pytest.mark.parametrize("what", ["curve", "stereonet", "scene"])
+def test_our_own_faults_are_not_the_document_s(what, run, folder, tmp_path, monkeypatch) -> None:
+    """A KeyError or TypeError of the drawing of a whole document is none of its: it goes through (exit 5)."""
+    from slopekit.views import orientation_charts, scenes, sweep_charts
+
+    assert sk.plot(folder / "sweep.json", "curve", tmp_path / "whole.png")
+    for fault in (KeyError("ours"), TypeError("ours"), ValueError("ours")):
+
+        def fails(*_given: object, of: Exception = fault, **_options: object) -> None:
+            raise of
+
+        for module, name in ((sweep_charts, "draw_curve"), (orientation_charts, "_joints"), (scenes, "draw")):
+            monkeypatch.setattr(module, name, fails)
+        source = folder / ("sweep.json" if what == "curve" else "result.json")
+        with pytest.raises(type(fault), match="ours"):
+            sk.plot(source, what, tmp_path / "a.png")
+        assert run(source, what, "-o", tmp_path / "a.png")[0] == 5
+
+
+def test_a_changed_document_is_named(folder, tmp_path) -> None:
+    """E344 says where the document has another form, for charts, nets and scenes."""
+    result = json.loads((folder / "result.json").read_text())
+    swept = json.loads((folder / "sweep.json").read_text())
+    faces = result["inputs"] | {"friction_angle_deg": ["a", 20.0]}
+    for document, what, says in (
+        (swept | {"points": swept["points"][:1]}, "curve", "has 1 points for 2 values"),
+        (swept | {"points": 3}, "curve", "points is 3"),
+        (swept | {"levels": [{"fos": "x", "what": "y"}]}, "curve", "levels[0].fos is 'x'"),
+        (result | {"inputs": faces}, "stereonet", "friction_angle_deg"),
+        (
+            result | {"fos": 3, "series": [{"factor": 1.0, "stands": True, "failed_pairs": 0, "displacement_m": None}]},
+            "reduction",
+            "fos is 3",
+        ),
+    ):
+        with pytest.raises(DesignError) as caught:
+            sk.plot(document, what, tmp_path / "a.png")
+        assert caught.value.codes == ("E344",)
+        assert says in str(caught.value)
+
+
+def test_a_strength_without_friction_is_no_net() -> None:
+    """Where a document lacks the angle of a joint, the net is not offered, and the rest is."""
+    bench = {"name": "S1", "plane": "30/175", "strength": "a"}
+    document = {"slopekit": "0.1.0", "kind": "bench", "inputs": {"sets": [bench], "strengths": [["a", {}]]}}
+    assert sk.plot(document) == {}
+    document["inputs"]["strengths"] = [["a", {"friction_angle_deg": 40.0}]]
+    assert list(sk.plot(document)) == ["stereonet"]
+
+
+def test_options_that_are_no_numbers(folder, tmp_path) -> None:
+    """From Python too: E106, E354, never E344."""
+    for options, code in (({"explode": "abc"}, "E106"), ({"explode": -1.0}, "E354")):
+        with pytest.raises(DesignError) as caught:
+            sk.plot(folder / "result.json", "exploded", tmp_path / "a.png", **options)
+        assert caught.value.codes == (code,)
+    for step in (1.5, float("inf"), float("nan"), "x"):
+        with pytest.raises(DesignError) as caught:
+            sk.plot(folder / "result.json", "mechanism", tmp_path / "a.png", step=step)
+        assert caught.value.codes == ("E106",)
+
+
+def test_without_a_picture_the_words(folder) -> None:
+    assert list(sk.plot(folder / "sweep.json")) == ["curve"]
+    assert "stereonet" in sk.plot(sk.run(WEDGE))
+
+
+@pytest.mark.parametrize(("ending", "begins"), [("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_pictures_of_studies_take_every_ending(ending, begins, monkeypatch, tmp_path) -> None:
+    target = tmp_path / f"a.{ending}"
+    arguments = ["kinematic", "examples/joints.csv", "--face", "65/180", "--phi", "30", "--quiet", "--picture", target]
+    monkeypatch.setattr("sys.argv", ["slopekit", *map(str, arguments)])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert not left.value.code
+    assert target.read_bytes().startswith(begins)
 
 
 def test_without_the_extra(run, folder, monkeypatch) -> None:

@@ -149,7 +149,10 @@ def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
     )  # fmt: skip
     assert run.returncode == 2
     assert run.stderr.startswith(starts)
-    assert json.loads(run.stdout)["errors"][0]["code"] == starts[:4]
+    fault = json.loads(run.stdout)["errors"][0]
+    assert fault["code"] == starts[:4]
+    if fault["code"] == "E141":
+        assert fault["advice"] == "Give it one of these endings: .png, .glb, .gltf."
 
 
 @pytest.mark.parametrize("missing", ["pyvista", "matplotlib"])

@@ -15,7 +15,7 @@ def export(
     path: "str | os.PathLike[str] | None" = None,
     *,
     what: "str | Sequence[str]" = "blocks",
-    blocks: "Sequence[str] | None" = None,
+    blocks: "str | Sequence[str] | None" = None,
     moving: bool = False,
     binary: bool = False,
     split: "str | os.PathLike[str] | None" = None,
@@ -25,10 +25,10 @@ def export(
 
     Parameters
     ----------
-    result : a result, its JSON as a dict, or the path of the JSON file
+    result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
     path : the file, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf (.dxf needs the extra `cad`)
     what : "blocks", "interfaces", "pairs", or several of them
-    blocks : names of the blocks wanted; moving : leave bedrock out
+    blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
     binary : STL in binary, float32
     split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
 

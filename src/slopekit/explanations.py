@@ -71,7 +71,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "dips 90° less that angle out of the slope.",
     "E140": "Drawing, and reading VTU, needs the extra `plot`, DXF the extra `cad`: in slopekit's folder, "
     "pip install '.[plot,cad]'.",
-    "E141": "Pictures are written as PNG: give a file name that ends in .png.",
+    "E141": "Charts are written as .png, .svg or .pdf, the scene of a result as .png, .glb or .gltf: the end of "
+    "the file name says which.",
     "E142": "A design of this kind has no such key here. The message names the nearest one, or the place where the key "
     "belongs. Keys are written in lower case; a colon needs a space behind it: phi: 20.",
     "E143": "A key that this kind of design needs is not there. `slopekit templates show wedge` prints a whole design.",

@@ -20,7 +20,7 @@ def report(
 
     Parameters
     ----------
-    result : a result, the path of a result.json, or its JSON as a dict
+    result : a result, the path of a result.json or of its folder, or its JSON as a dict
     path : of the page, or the folder for report.html
     pictures : draw the still pictures as well (extra: plot); those that cannot be drawn are named in the page
 
@@ -44,7 +44,12 @@ def report(
     target = target / "report.html" if target.is_dir() else target
     if isinstance(result, Result):
         document: Mapping[str, Any] = document_of(result)
+    elif isinstance(result, Mapping):
+        document = result
+    elif callable(own := getattr(result, "to_dict", None)):  # a study: refused by what it is
+        document = own()
     else:
-        document = result if isinstance(result, Mapping) else read_document(Path(result))
+        source = Path(result)
+        document = read_document(source / "result.json" if source.is_dir() else source)
     write_report(document, target, with_pictures=pictures)
     return target

@@ -127,18 +127,19 @@ STUDIES: Mapping[str, str] = {
     "W358": "Beside the value that was found, the factor also jumps across the target, or passes it where the input "
     "is refused: beyond that place the slope is on the other side of the target.",
     "E340": "`slopekit plot` draws the JSON that slopekit writes: result.json, sweep.json, prob.json and so on, or what"
-    " --json printed into a file. NaN and Infinity are no JSON.",
+    " --json printed into a file, or the folder with it. NaN and Infinity are no JSON. A file that ends in the middle "
+    "was not written to the end: a full disk, a run that was stopped.",
     "E341": "The file is JSON, but slopekit did not write it, or what it holds are the faults of a run that failed.",
     "E342": "There is no picture of this name; the message has the nearest and what the file can give. `slopekit plot "
     "FILE` alone lists those.",
     "E343": "The file has no data for this picture: a histogram needs the samples of prob, a contour a sweep of two "
-    "keys. The message names the command that writes such a file.",
+    "keys, factors and ravelling many blocks. The message names the command that writes such a file.",
     "E344": "The file lacks something that the picture needs, or has it in another form. Files of older versions of "
     "slopekit may: make the file again.",
     "E345": "Charts are written as .png, .svg or .pdf, scenes as .png, .glb or .gltf.",
     "E346": "--show needs a display and a toolkit that draws on it (PyQt, Tk). On a server write a file with -o.",
     "E347": "The option belongs to other pictures: --equal-angle to stereonets, --test to the stereonet of kinematic, "
-    "--explode, --magnify and --step to scenes.",
+    "--explode to exploded, --magnify to displacement and mechanism, --step to mechanism.",
     "W359": "Points that form no block, are refused, or have a status and no number stay in the sweep with their "
     "reason: they are counted here, listed in the sheet, and marked in the picture.",
 }  # fmt: skip

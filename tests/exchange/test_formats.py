@@ -13,7 +13,7 @@ from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
 from slopekit.exchange.reading import read_blocks
 from slopekit.geometry.meshes import read_mesh
-from tests.exchange.conftest import EAST, NORTH
+from tests.exchange.conftest import EAST, NORTH, TEMPLATES
 
 ezdxf = pytest.importorskip("ezdxf")
 SCENES = ("map", "map-bench", "goodman-bray", "paper-ellipsoid")
@@ -89,6 +89,9 @@ def test_binary_stl_rounds_and_says_how_far(result, tmp_path) -> None:
     rounding = cKDTree(back - vertices[0]).query(vertices - vertices[0], p=np.inf)[0].max()
     assert 0.01 < rounding <= 0.25
     assert f"by up to {rounding:.2g} m" in far.warnings[0].message
+    written = float(trimesh.load(tmp_path / "far.stl").apply_translation(-vertices[0]).volume)
+    assert far.written[0].volume_m3 == pytest.approx(written, rel=1e-9)  # of the file, not of the block
+    assert abs(written / 209461.4964585 - 1.0) > 1e-5
     near = sk.export(result("wedge"), tmp_path / "near.stl", binary=True)
     assert near.warnings == ()
     assert trimesh.load(tmp_path / "near.stl").volume == pytest.approx(209461.4964585, rel=1e-6)
@@ -152,6 +155,47 @@ def test_vtu_by_pyvista(result, tmp_path) -> None:
     assert float(pairs.cell_data["control_area_m2"].sum()) == pytest.approx(2 * 9057.538338, rel=1e-8)
     assert pairs.cell_data["shear_kn"].shape == (len(pairs.points), 3)
     assert {pairs.field_data["mode_names"][mode] for mode in pairs.cell_data["mode"]} == {"slip"}
+
+
+@pytest.mark.parametrize("options", [{"moving": True}, {"blocks": "B103,B60"}])
+def test_vtu_indices_mean_the_names_listed(result, tmp_path, options) -> None:
+    """By VTK: each cell's block by its name has its volume, and the blocks beside a polygon share its joint."""
+    pyvista = pytest.importorskip("pyvista")
+    shapes = BlockScene.from_dict(result("bench")["scene"]).shapes
+    done = sk.export(result("bench"), tmp_path / "x.vtu", what="blocks,interfaces", **options)
+    blocks, interfaces = (pyvista.read(path) for path in done.files)
+    names = [str(name) for name in blocks.field_data["block_names"]]
+    for at, volume in zip(blocks.cell_data["block"], blocks.cell_data["volume_m3"], strict=True):
+        assert volume == pytest.approx(volume_of(*shapes.solids.of(shapes.names.index(names[at]))), rel=1e-9)
+    cells = {names[at]: blocks.extract_cells(k) for k, at in enumerate(blocks.cell_data["block"].tolist())}
+    assert [str(name) for name in interfaces.field_data["block_names"]] == names
+    for k, sides in enumerate(
+        zip(interfaces.cell_data["plus_block"], interfaces.cell_data["minus_block"], strict=True)
+    ):
+        own = [cells[names[at]] for at in sides if at >= 0 and names[at] in cells]
+        assert own
+        for block in own:
+            low, high = block.points.min(axis=0) - 1e-6, block.points.max(axis=0) + 1e-6
+            corners = interfaces.get_cell(k).points
+            assert ((corners >= low) & (corners <= high)).all()
+    back = read_blocks(tmp_path / "x.vtu")
+    assert [name for name, _, _ in back] == list(cells)
+
+
+def test_vtu_pairs_index_the_names_listed(tmp_path) -> None:
+    """By VTK: the node pairs of one block of three lie within it."""
+    pyvista = pytest.importorskip("pyvista")
+    source = sk.run(TEMPLATES / "blocks.yaml")
+    done = sk.export(source, tmp_path / "x.vtu", what="blocks,pairs", blocks="B2")
+    block, pairs = (pyvista.read(path) for path in done.files)
+    names = [str(name) for name in pairs.field_data["block_names"]]
+    assert list(block.field_data["block_names"]) == names == list(source.scene.shapes.names)
+    assert names[block.cell_data["block"][0]] == "B2"
+    beside = {(names[a], names[b]) for a, b in zip(
+        pairs.cell_data["plus_block"], pairs.cell_data["minus_block"], strict=True
+    )}  # fmt: skip
+    assert {frozenset(one) for one in beside} == {frozenset(("B2", "base")), frozenset(("B1", "B2"))}
+    assert (np.abs(pairs.points - block.points.mean(axis=0)) <= np.ptp(block.points, axis=0) / 2 + 1e-6).all()
 
 
 def test_panels_share_out_the_forces_of_all_pairs(result) -> None:

@@ -15,8 +15,9 @@ from slopekit.views.stereonet import project
 
 pytest.importorskip("matplotlib")
 from slopekit.views.check_charts import draw_normals, draw_speed_errors
-from slopekit.views.drawing import new_figure
+from slopekit.views.drawing import misfit, new_figure
 from slopekit.views.kinematic_charts import draw_kinematic
+from slopekit.views.needs import need_of
 from slopekit.views.net_parts import cells
 from slopekit.views.orientation_charts import draw_orientations, orientations_of
 from slopekit.views.plots import EVERY, offers
@@ -64,6 +65,10 @@ def test_a_curve_from_its_json() -> None:
     diamond = [line.get_xydata()[0] for line in axes.lines if line.get_marker() == "D" and len(line.get_xydata())]
     assert diamond == [pytest.approx([document["critical"][0]["at"], 1.5])]
     assert labelled(axes, "no block")[:, 0].tolist() == [20.0]
+    now = sk.load(WEDGE).inputs()["face"]
+    assert now == "60/180"
+    assert labelled(axes, "the design as it is").tolist() == [pytest.approx(expected[0])]
+    assert axes.get_title().endswith("factor of safety over slope.face.dip")
 
 
 def test_a_contour_and_a_tornado_from_their_json() -> None:
@@ -71,6 +76,10 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
                           methods="closed-form"))  # fmt: skip
     axes = figure_of(draw_contour, grid).axes[0]
     assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
+    assert axes.get_title().endswith("factor of safety over slope.face.dip and water.fill")
+    frame = axes.get_window_extent()
+    shown = [text for text in axes.texts if text.get_visible()]
+    assert all(frame.x0 <= (box := text.get_window_extent()).x0 and box.x1 <= frame.x1 for text in shown)
     study = plain(sk.tornado(sk.load(WEDGE), methods="closed-form"))
     axes = figure_of(draw_tornado, study).axes[0]
     first, base = study["bars"][0], study["base"]["closed_form"]
@@ -118,6 +127,7 @@ def test_a_histogram(scattered) -> None:
     assert abs(np.interp(1.2, *line.T) - 100.0 * share["probability"]) < within
     assert line[-1, 1] == pytest.approx(100.0 * (1.0 - bins["above"] / 600))
     assert f"P(FoS < 1.2) = {100 * share['probability']:.3g} %" in axes.get_title()
+    assert len(labelled(right, "PRE-IE's, cumulated")) == 4
     assert len(labelled(axes, "4 at random by PRE-IE")) == len(bins["pre_ie_at_random"]) == 4
 
 
@@ -154,6 +164,7 @@ def test_speed_against_error(monkeypatch) -> None:
     }
     assert times == expected
     assert document["normals"] == []
+    assert misfit(document, need_of("speed-error")) == ""
 
 
 def test_facet_normals_against_true_ones() -> None:
@@ -175,6 +186,7 @@ def test_facet_normals_against_true_ones() -> None:
         {"normals": rung.normals, "edge_m": rung.edge_m, "fos": rung.factor, "fos_cohesion_kept": rung.cohesive}
         for rung in rungs
     ]}  # fmt: skip
+    assert misfit(document, need_of("normals")) == ""
     axes = figure_of(draw_normals, document).axes[0]
     assert labelled(axes, "facet normals, cohesion kept").tolist() == [[edge, value] for edge, value, _ in facets]
     assert labelled(axes, "true normals")[:, 1] == pytest.approx(result.fos.limit, rel=1e-5)
@@ -194,6 +206,19 @@ def test_reduction_is_the_papers_figure() -> None:
     assert "limit 1.333" in [text.get_text() for text in left.texts]
 
 
+def test_labels_of_upright_lines_stand_apart() -> None:
+    """The smaller of limit and all-pairs factor is written at the left of its line, whichever it is."""
+    document = plain(sk.run(path_of("paper-wedge")))
+    fos = document["fos"]
+    assert fos["all_pairs_failed"] < fos["limit"]
+    for values in (fos, fos | {"all_pairs_failed": 1.6}):
+        left, right = figure_of(draw_reduction, document | {"fos": values}).axes[:2]
+        sides = {text.get_text().rsplit(" ", 1)[0]: text.get_ha() for text in left.texts}
+        lower = "all pairs failed" if values["all_pairs_failed"] < values["limit"] else "limit"
+        assert sides == {"limit": "left", "all pairs failed": "left"} | {lower: "right"}
+    assert right.yaxis.label.get_color() == right.lines[0].get_color()  # no series: the search alone is drawn
+
+
 # -- stereonets -------------------------------------------------------------------------------------------------------
 
 
@@ -206,8 +231,40 @@ def test_the_stereonet_of_a_wedge() -> None:
     assert labelled(figure.axes[0], "line J1 x J2: 180/22.9")[0] == pytest.approx(expected, abs=1e-12)
     assert "J1 45/115, φ 20°" in legend(figure)
     assert "face 60/180" in legend(figure)
-    circle = labelled(figure.axes[0], "friction circle of lines, φ 20°")
+    circle = labelled(figure.axes[0], "friction circle, φ 20°: steeper within")
     assert np.hypot(*circle.T) == pytest.approx(np.sqrt(2.0) * np.sin(np.radians(35.0)), abs=1e-12)
+
+
+def test_friction_circles_in_the_colour_of_their_joint() -> None:
+    """Each angle at its own radius, in its joint's colour; the zone says which it takes; the answer in the title."""
+    strength = {"a": {"c": 50, "phi": 20}, "b": {"c": 50, "phi": 30}}
+    joints = {"J1": {"plane": "45/115", "strength": "a"}, "J2": {"plane": "45/245", "strength": "b"}}
+    document = plain(sk.run(WEDGE | {"strength": strength, "joints": joints}))
+    figure = figure_of(draw_orientations, document)
+    axes = figure.axes[0]
+    lines = {str(line.get_label()): line for line in axes.lines}
+    for name, angle in (("J1", 20.0), ("J2", 30.0)):
+        circle = lines[f"friction circle, φ {angle:g}° ({name}): steeper within"]
+        radius = np.sqrt(2.0) * np.sin(np.radians((90.0 - angle) / 2.0))
+        assert np.hypot(*circle.get_xydata().T) == pytest.approx(radius, abs=1e-12)
+        joint = next(line for label, line in lines.items() if label.startswith(f"{name} 45/"))
+        assert circle.get_color() == joint.get_color()
+    assert "steeper than φ 20°, the least" in legend(figure)
+    assert f"FoS {document['fos']['limit']:.4f} (limit, PRE-IE)" in figure.texts[0].get_text()
+
+
+def test_the_crack_of_a_plane_is_upright() -> None:
+    assert str(orientations_of(plain(sk.run(path_of("plane")))).slope["crack"]) == "90/180"
+
+
+def test_zones_say_which_friction_angle() -> None:
+    """Of joints with their own angles the zones take the least, direct toppling the greatest."""
+    said = legend(figure_of(draw_kinematic, plain(sk.kinematic("examples/joints.csv", face="65/180", phi=30)), "area"))
+    assert "critical at φ 27°, the least" in said
+    assert "primary zone at φ 27°, the least" in said
+    assert "direct at φ 35°, the greatest" in said
+    alike = plain(sk.kinematic(["40/175", "35/090"], face="65/180", phi=30))
+    assert "the least" not in legend(figure_of(draw_kinematic, alike, "area"))
 
 
 def test_orientations_of_other_documents() -> None:
@@ -261,6 +318,17 @@ def test_offers(scattered) -> None:
     assert set(offers(plain(sk.run(path_of("paper-footing"))))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert len(set(EVERY)) == len(EVERY) == 16
+
+
+def test_whole_documents_have_what_pictures_need(scattered) -> None:
+    """What slopekit writes is never called damaged."""
+    swept = [sk.sweep(sk.load(WEDGE), keys) for keys in (
+        {"slope.face.dip": [20, 60, 80]}, {"slope.face.dip": [60, 80], "water.fill": [0, 1]})]  # fmt: skip
+    runs = [sk.run(path_of(name)) for name in ("paper-wedge", "paper-footing", "plane", "bench", "blocks", "topple")]
+    studies = [*swept, *runs, sk.tornado(sk.load(WEDGE)), sk.kinematic(["40/175", "35/090"], face="65/180")]
+    for document in (scattered, *map(plain, studies)):
+        for what in offers(document):
+            assert misfit(document, need_of(what, document.get("kind") == "kinematic")) == "", what
 
 
 def test_plot_from_python(tmp_path, scattered) -> None:

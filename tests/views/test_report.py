@@ -115,7 +115,8 @@ def test_the_numbers_of_a_wedge_stand_with_their_units() -> None:
         assert f"{forces['water'][joint]:.6g}"[:5] in seen
     for text in (
         "dips 45° toward 105 (ESE), strike 015", "65/185", "crack", "mean σ' / kPa", "water / kN", "area / m²",
-        f"weight {forces['weight']:.1f} kN", "unit weight of rock 25 kN/m³", "fill 50 %", "coefficient 0.08",
+        f"weight {forces['weight']:.1f} kN", "unit weight of rock 25 kN/m³", "water 50 % of full",
+        "seismic coefficient 0.08 g",
         "800 kN; toward 005/10.0; acts passive", "height 30 m", "fos >= 1.3 (limit)", "c / kPa", "φ / °",
         "share no code", "displacement of the centroid", "largest unbalanced force of a block",
     ):  # fmt: skip
@@ -136,8 +137,9 @@ def test_moments_that_govern_are_said_with_the_number_to_use() -> None:
 @pytest.mark.parametrize(
     ("agree", "difference", "status", "said"),
     [(False, 0.5, "slides_on_both", "neither number is to be used before that is explained"),
-     (False, None, "slides_on_both", "the other none"), (None, None, "not_converged", "did not converge"),
-     (True, None, "lifted", "for the same reason"), (None, None, "slides_on_both", "Nothing independent was compared")],
+     (False, None, "slides_on_both", "the other none"), (True, None, "lifted", "for the same reason"),
+     (True, None, "topples", "Neither method finds a factor of safety"),
+     (None, None, "slides_on_both", "Nothing independent was compared")],
 )  # fmt: skip
 def test_what_the_check_says(agree, difference, status, said) -> None:
     found = document("wedge") | {"agree": agree, "difference": difference, "status": status}
@@ -361,6 +363,13 @@ def test_the_command(run, tmp_path) -> None:
         assert not (tmp_path / "b.html").exists()
 
 
+class Study:
+    """What a sweep is to the report: something with a document of its own."""
+
+    def to_dict(self) -> dict:
+        return {"slopekit": "0.1.0", "study": "sweep"}
+
+
 def test_from_python(tmp_path) -> None:
     result = wet_wedge()
     one = sk.report(result, tmp_path / "a.html", pictures=False)
@@ -369,6 +378,10 @@ def test_from_python(tmp_path) -> None:
     assert one.read_text(encoding="utf-8") == two.read_text(encoding="utf-8")
     (tmp_path / "result.json").write_text(json.dumps(document_of(result)), encoding="utf-8")
     assert sk.report(tmp_path / "result.json", tmp_path / "c.html", pictures=False).read_bytes() == one.read_bytes()
+    assert sk.report(tmp_path, tmp_path / "e.html", pictures=False).read_bytes() == one.read_bytes()
+    with pytest.raises(DesignError) as caught:
+        sk.report(Study(), tmp_path / "d.html")
+    assert caught.value.codes == ("E371",)
     with pytest.raises(DesignError) as caught:
         sk.report({"x": 1}, tmp_path / "d.html")
     assert caught.value.codes == ("E341",)

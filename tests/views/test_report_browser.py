@@ -218,6 +218,62 @@ def test_it_prints(browser, pages) -> None:
         page.command("Emulation.setEmulatedMedia", media="")
 
 
+def test_the_printed_view_has_its_legend_scale_and_north(browser, pages) -> None:
+    """The canvas alone has none of them: they are drawn into the picture, the legend stands beneath it."""
+    page = Page(browser, pages["columns"])
+    uri = page.script("return document.getElementById('view-still').src")
+    printed = np.asarray(image.open(io.BytesIO(base64.b64decode(uri.partition(",")[2]))).convert("RGB"), np.int16)
+    seen = page.canvas()
+    assert printed.shape == seen.shape
+    differs = np.abs(printed - seen).max(axis=2) > 12
+    assert differs[-94:, :94].sum() > 40  # the arrows and their letters
+    assert differs[-40:, -150:].sum() > 40  # the scale bar
+    page.command("Emulation.setEmulatedMedia", media="print")
+    try:
+        below = page.script("var l = document.getElementById('view-still-legend');"
+                            " return [l.innerText, l.getBoundingClientRect().height];")  # fmt: skip
+        assert below[1] > 5
+        assert "joint" in below[0] or "fails" in below[0] or "factor" in below[0]
+        assert page.script("return document.querySelectorAll('#view-still-legend i, #view-still-legend b').length") > 0
+    finally:
+        page.command("Emulation.setEmulatedMedia", media="")
+
+
+def test_names_of_the_arrows_never_lie_on_each_other(browser, pages) -> None:
+    page = Page(browser, pages["wedge"])
+    boxes = (
+        "return Array.from(document.querySelectorAll('.stage svg text'))"
+        ".filter(function (t) { return t.style.display !== 'none'; })"
+        ".map(function (t) { var b = t.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; });"
+    )
+    for press in ("v-reset", "v-top", "v-side", "v-side", "v-side", "v-side"):
+        page.script("document.getElementById(arguments[0]).click()", press)
+        page.settled()
+        found = page.script(boxes)
+        assert found
+        for k, one in enumerate(found):
+            for two in found[:k]:
+                assert one[1] <= two[0] + 1 or two[1] <= one[0] + 1 or one[3] <= two[2] + 4 or two[3] <= one[2] + 4
+
+
+def test_a_table_wider_than_a_phone_says_so(browser, pages) -> None:
+    """Goodman & Bray's columns have eleven; every table that scrolls is shaded there and followed by a hint."""
+    page = Page(browser, pages["columns"], 390, mobile=True)
+    found = page.script(
+        "return Array.from(document.querySelectorAll('.wide')).map(function (w) { var n = w.nextElementSibling;"
+        " return [w.scrollWidth > w.clientWidth + 1, !!n && n.classList.contains('aside') && n.offsetHeight > 0,"
+        " getComputedStyle(w).backgroundAttachment, w.scrollWidth - w.clientWidth]; });"
+    )
+    assert any(wide for wide, *_ in found)
+    for wide, hinted, attachment, beyond in found:
+        assert wide == hinted, (wide, hinted)
+        assert "local" in attachment
+        if wide:
+            assert beyond > 1
+    desk = Page(browser, pages["columns"])
+    assert desk.script("return document.querySelectorAll('.aside').length") < sum(wide for wide, *_ in found)
+
+
 def test_without_webgl_the_page_says_so(browser, pages) -> None:
     added = browser.execute_cdp_cmd(
         "Page.addScriptToEvaluateOnNewDocument", {"source": "HTMLCanvasElement.prototype.getContext = () => null;"}

@@ -93,7 +93,8 @@ def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:
     """The path of a picture, refused before any work is done where it cannot be written."""
     if path.suffix.lower() not in endings:
         known = " or ".join([", ".join(endings[:-1]), endings[-1]]) if len(endings) > 1 else endings[0]
-        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path))])
+        advice = f"Give it one of these endings: {', '.join(endings)}." if len(endings) > 1 else ""
+        raise DesignError([Fault("E141", f"the picture {path} is not a {known} file", str(path), advice)])
     if not path.parent.is_dir():
         raise DesignError([Fault("E129", f"there is no folder {path.parent} for the picture", str(path))])
     folder_of(path.parent)
@@ -104,9 +105,9 @@ def checked_image(picture: str | None) -> Path | None:
     """The picture asked for, refused before any work is done where it cannot be drawn or written."""
     if picture is None:
         return None
-    from slopekit.views.drawing import require_matplotlib
+    from slopekit.views.drawing import FORMATS, require_matplotlib
 
-    image = image_of(Path(picture))
+    image = image_of(Path(picture), FORMATS)
     require_matplotlib(image)
     return image
 

@@ -107,7 +107,9 @@ def check(
     design: Annotated[str | None, typer.Argument(help="A design file (YAML).", metavar="DESIGN")] = None,
     suite: Annotated[bool, typer.Option("--suite", help="The verification suite: published and exact cases.")] = False,
     sets: Annotated[list[str] | None, SET] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw time against error to a PNG file (extra: plot).")] = None,
+    picture: Annotated[
+        str | None, typer.Option(help="Draw time against error to a .png, .svg or .pdf file (extra: plot).")
+    ] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the verdict.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for check.json, check.txt, speed-error.png.")] = None,

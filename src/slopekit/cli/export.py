@@ -18,7 +18,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def export(
-    result: Annotated[str, typer.Argument(help="A result: DIR/result.json of run -o DIR.", metavar="RESULT")],
+    result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
     output: Annotated[
         str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
     ] = None,
@@ -36,9 +36,8 @@ def export(
     """Blocks, interfaces or node pairs of a result for CAD, ParaView and other programs, in your own coordinates."""
     from slopekit.exchange.export import export as export_result
 
-    names = None if blocks is None else [name.strip() for name in blocks.split(",") if name.strip()]
     done = export_result(
-        result, None if output is None else Path(output), what=what, blocks=names, moving=moving, binary=binary,
+        result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
         split=None if split is None else Path(split), split_as=split_as,
     )  # fmt: skip
     if as_json:

@@ -91,7 +91,9 @@ def kinematic(
     faces: Annotated[str | None, typer.Option(help="Dips of the face to go through, FROM:TO:STEP.")] = None,
     convention: Annotated[str | None, CONVENTION] = None,
     skip_bad: Annotated[bool, SKIP_BAD] = False,
-    picture: Annotated[str | None, typer.Option(help="Draw the stereonets to a PNG file (extra: plot).")] = None,
+    picture: Annotated[
+        str | None, typer.Option(help="Draw the stereonets to a .png, .svg or .pdf file (extra: plot).")
+    ] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the counts.")] = False,
     output: Annotated[

@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from slopekit.cli.common import folder_of, number_of, whole_number
-from slopekit.errors import DesignError, Fault
 
 _WHAT = typer.Argument(help="The picture; without it: the pictures that this file can give.", metavar="WHAT")
 
@@ -17,7 +16,7 @@ def add_to(app: typer.Typer) -> None:
 
 
 def plot(
-    result: Annotated[str, typer.Argument(help="JSON that slopekit wrote: result.json, sweep.json, prob.json, ...",
+    result: Annotated[str, typer.Argument(help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
                                           metavar="RESULT")],
     what: Annotated[str | None, _WHAT] = None,
     output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
@@ -25,9 +24,9 @@ def plot(
     show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
     equal_angle: Annotated[bool, typer.Option("--equal-angle", help="Stereonet: equal angle, not equal area.")] = False,
     test: Annotated[str | None, typer.Option(help="Stereonet of kinematic: planar, wedge or toppling [all].")] = None,
-    explode: Annotated[str | None, typer.Option(help="Scenes: how far blocks are drawn apart.")] = None,
-    magnify: Annotated[str | None, typer.Option(help="Scenes: displacement times this.")] = None,
-    step: Annotated[str, typer.Option(help="Scenes: which mechanism, 1 the first.")] = "1",
+    explode: Annotated[str | None, typer.Option(help="exploded: how far blocks are drawn apart.")] = None,
+    magnify: Annotated[str | None, typer.Option(help="displacement, mechanism: drawn times this.")] = None,
+    step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
 ) -> None:  # fmt: skip
     """A picture of any JSON that slopekit wrote (extra: plot).
 
@@ -36,7 +35,7 @@ def plot(
     """
     from slopekit.views import plots
 
-    path = Path(result)
+    path = plots.document_file(Path(result))
     document = plots.read_document(path)
     if what is None:
         typer.echo(_listed(path, plots.offers(document)))
@@ -51,8 +50,6 @@ def plot(
         target = target / f"{path.stem}-{what}.png"
     plots.check(document, what, target, options, path.name)
     if not show:
-        if not target.parent.is_dir():
-            raise DesignError([Fault("E129", f"there is no folder {target.parent} for the picture", str(target))])
         folder_of(target.parent)
     plots.draw(document, what, None if show else target, options, path.name)
     if not show:

@@ -46,7 +46,9 @@ def prob(
     jobs: Annotated[str, JOBS] = "1",
     scheduler: Annotated[str | None, SCHEDULER] = None,
     sets: Annotated[list[str] | None, SET] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw a histogram to a PNG file (extra: plot).")] = None,
+    picture: Annotated[
+        str | None, typer.Option(help="Draw a histogram to a .png, .svg or .pdf file (extra: plot).")
+    ] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: the probability and its limits.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for prob.json, .txt, samples.csv, picture.")] = None,

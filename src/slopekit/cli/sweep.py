@@ -45,7 +45,7 @@ def sweep(
     jobs: Annotated[str, JOBS] = "1",
     scheduler: Annotated[str | None, SCHEDULER] = None,
     sets: Annotated[list[str] | None, SET] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw it to a PNG file (extra: plot).")] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")] = None,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="One line: points, factors, check.")] = False,
     output: Annotated[str | None, typer.Option("-o", help="Folder for sweep.json, .txt, .csv and a picture.")] = None,

@@ -9,8 +9,20 @@ import numpy as np
 
 from slopekit._version import __version__
 from slopekit.arrays import Floats
+from slopekit.exchange.losses import (
+    acceptance,
+    load_name,
+    lost_of_columns,
+    lost_of_criterion,
+    lost_of_loads,
+    lost_of_mixed,
+    pressures_of,
+    rows_apart,
+)
 from slopekit.exchange.source import Source
 from slopekit.exchange.strengths import Joint, Pair, direction_deg, joints_of, pairs_of
+
+_APART = "between rows"  # the smooth strength of rows of columns that do not touch
 
 
 def design_text(
@@ -39,13 +51,12 @@ def design_text(
         pair: joints[joint].strength for pair, joint in of_pair.items()
         if joints[joint].strength != default
     }  # fmt: skip
-    lost = []
-    if found.mixed:
-        some = ", ".join(found.mixed[:3]) + (", …" if len(found.mixed) > 3 else "")
-        lost.append(f"{len(found.mixed)} interfaces with several strengths or pressures have that of the largest "
-                    f"part ({some})")  # fmt: skip
-    if document["kind"] == "topple" and inputs["base_step_m"]:
-        lost.append("that the risers of the base hold nothing: here they are contacts like others")
+    pressures = pressures_of(source, joints, of_pair, files)
+    lost = lost_of_mixed(source, found.mixed, pressures) + lost_of_columns(source)
+    apart = [pair for pair in rows_apart(source) if all(name in files for name in pair)]
+    if apart:
+        smooth = Joint(_APART, 0.0, 0.0, 0.0, 0.0)
+        used, named = used | {_APART: smooth}, named | dict.fromkeys(apart, _APART)
     lines = [
         f"# Written by slopekit {__version__} export of a {document['kind']}, input {document.get('input_sha256')}",
         "slopekit: 1", "kind: blocks", f"title: {_text(document.get('title') or document['kind'])}",
@@ -62,27 +73,30 @@ def design_text(
     lines += ["interfaces:", f"  default: {_text(default)}"]
     lines += [f"  {_text('/'.join(pair))}: {_text(strength)}" for pair, strength in named.items()]
     lines.append(f"rock: {{unit_weight: {inputs['unit_weight_kn_m3']!r} kN/m3}}")
-    lines += _water(source, joints, of_pair)
+    lines += _water(pressures)
     loads, lost_loads = _loads(source, files)
     lines += loads
-    lines += _analysis(inputs)
-    return "\n".join(lines) + "\n", lost + lost_loads
+    rules, lost_rules = acceptance(inputs)
+    lines += _analysis(inputs, rules)
+    return "\n".join(lines) + "\n", lost + lost_loads + lost_of_criterion(source) + lost_rules
 
 
 def _strength(name: str, joint: Joint, inputs: Mapping[str, Any]) -> str:
     given = inputs["stiffness"]
-    shear = "clough-duncan" if given["shear_kn_m3"] is None else repr(given["shear_kn_m3"])
+    shear = repr(given["shear_kn_m3"])
+    if given["shear_kn_m3"] is None:
+        law = given["hyperbola"]
+        shear = (
+            f"{{law: clough-duncan, k1: {law['modulus_number']!r}, n: {law['exponent']!r}, "
+            f"Rf: {law['failure_ratio']!r}, phi: {law['friction_angle_deg']!r}}}"
+        )
     return (
         f"  {_text(name)}: {{c: {joint.cohesion!r} kPa, phi: {joint.friction!r}, dilation: {joint.dilation!r}, "
         f"tension: {joint.tension!r} kPa, stiffness: {{normal: {given['normal_kn_m3']!r}, shear: {shear}}}}}"
     )
 
 
-def _water(source: Source, joints: Mapping[str, Joint], of_pair: Mapping[Pair, str]) -> list[str]:
-    """Mean pressures of pairs; those of single blocks act as forces."""
-    pressures = {pair: joints[joint].pressure for pair, joint in of_pair.items() if joints[joint].pressure}
-    if source.document["kind"] == "blocks":
-        pressures = {(a, b): value for a, b, value in source.document["inputs"]["pressures_kpa"]}
+def _water(pressures: Mapping[Pair, float]) -> list[str]:
     if not pressures:
         return ["water: {mode: dry}"]
     return [
@@ -96,8 +110,8 @@ def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[st
     """Seismic load and forces; bolts act as forces."""
     arrows, names, kind = source.scene.loads, source.scene.shapes.names, source.document["kind"]
     own_water = kind in ("bench", "blocks", "topple")
-    forces, lost, seismic = [], [], np.zeros(3)
-    passive = away = 0
+    forces, seismic = [], np.zeros(3)
+    passive, away = [], []
     for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
         word, name = arrows.names[what], names[block]
         if word == "weight" or (own_water and word == "water"):
@@ -105,27 +119,25 @@ def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[st
         if word == "seismic":
             seismic = force
         elif word.startswith("passive"):
-            passive += 1
+            passive.append(load_name(source, word))
         elif name not in files:
-            away += 1
+            away.append(load_name(source, word))
         else:
-            forces.append(f"    - {{force: {_point(force)}, block: {_text(name)}, at: {_point(at)}}}  # {word}")
+            own = f"force: {_point(force)}, block: {_text(name)}, at: {_point(at)}"
+            forces.append(f"    - {{{own}}}  # {load_name(source, word)}")
     lines = ["loads:"]
     coefficient = source.document["inputs"]["seismic"]["coefficient"]
     if coefficient and seismic.any():
         lines.append(f"  seismic: {{k: {coefficient!r}, toward: {direction_deg(seismic)!r}}}")
     lines += ["  forces:", *forces] if forces else ["  forces: []"]
-    if passive:
-        lost.append(f"{passive} passive bolts (kind blocks takes active ones)")
-    if away:
-        lost.append(f"{away} forces on blocks that were not chosen")
-    return lines, lost
+    return lines, lost_of_loads(passive, away)
 
 
-def _analysis(inputs: Mapping[str, Any]) -> list[str]:
+def _analysis(inputs: Mapping[str, Any], rules: Sequence[str]) -> list[str]:
     keys = [f"stop_when: {inputs['stop_when']!r}", f"mechanisms: {inputs.get('mechanisms', 1)}"]
+    if inputs.get("criterion", "limit") != "limit":
+        keys.append(f"criterion: {inputs['criterion']}")
     lines = [f"analysis: {{{', '.join(keys)}}}"]
-    rules = [f"{one['name']} {one['relation']} {one['value']!r}" for one in inputs.get("rules", ())]
     return [*lines, f"acceptance: {{rules: {json.dumps(rules)}}}"] if rules else lines
 
 

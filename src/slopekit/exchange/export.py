@@ -7,8 +7,10 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from slopekit.errors import DesignError, Fault, Notice
-from slopekit.exchange.picking import Picked, picked, words_of_what
+from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, words_of_what
 from slopekit.exchange.source import Source, source_of
 
 if TYPE_CHECKING:
@@ -38,6 +40,8 @@ FORMATS: Mapping[str, Format] = {
     ".vtu": Format("VTU", _ALL, True),
     ".dxf": Format("DXF", _ALL, True, ("ezdxf", "cad")),
 }
+#: Formats of float32 coordinates from each block's own middle.
+_ROUNDED: Mapping[str, str] = {".glb": "local", ".gltf": "local"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +95,7 @@ def export(
     path: str | os.PathLike[str] | None = None,
     *,
     what: str | Sequence[str] = "blocks",
-    blocks: Sequence[str] | None = None,
+    blocks: str | Sequence[str] | None = None,
     moving: bool = False,
     binary: bool = False,
     split: str | os.PathLike[str] | None = None,
@@ -101,10 +105,10 @@ def export(
 
     Parameters
     ----------
-    result : a result, its JSON as a dict, or the path of the JSON file
+    result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
     path : the file to write, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf
     what : "blocks", "interfaces", "pairs", or several of them
-    blocks : names, left out all; moving : leave bedrock out
+    blocks : names, as a sequence or as "B1,B7", left out all; moving : leave bedrock out
     binary : STL in binary, which holds float32 only
     split : a folder for one closed mesh a block, and the design blocks.yaml that reads them; split_as : their format
 
@@ -123,16 +127,16 @@ def export(
     suffix = f".{split_as.lower().lstrip('.')}"
     if folder is not None:
         _check_split(folder, suffix)
-    source = source_of(result)
+    source, names = source_of(result), names_of(blocks)
     written, notices = [], []
     if target is not None:
-        chosen = picked(source.scene, words, blocks, moving, source.is_section)
+        chosen = picked(source.scene, words, names, moving, source.is_section)
         written.append(_write(target, chosen, binary))
         notices += _notices(source, chosen, target, binary)
     if folder is not None:
         from slopekit.exchange.split import write_split
 
-        chosen = picked(source.scene, ("blocks",), blocks, moving, source.is_section)
+        chosen = picked(source.scene, ("blocks",), names, moving, source.is_section)
         files, said = write_split(folder, source, chosen, suffix)
         written.append(_described(files, FORMATS[suffix].name, "text, every digit of a double", chosen))
         notices += [notice for notice in (*_notices(source, chosen, folder, False), *said) if notice not in notices]
@@ -235,12 +239,21 @@ def _write(path: Path, chosen: Picked, binary: bool) -> Written:
     except OSError as error:
         reason = error.strerror or str(error)
         raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
-    return _described(files, FORMATS[suffix].name, precision, chosen)
+    return _described(files, FORMATS[suffix].name, precision, chosen, "all" if binary else _ROUNDED.get(suffix, ""))
 
 
-def _described(files: Sequence[Path], name: str, precision: str, chosen: Picked) -> Written:
-    volume = sum(body.volume for body in chosen.bodies) if chosen.bodies else None
+def _described(files: Sequence[Path], name: str, precision: str, chosen: Picked, rounded: str = "") -> Written:
+    """What was written; `rounded` to float32: all coordinates, those from each block's own middle, or none."""
+    volume = sum(_volume(body, rounded) for body in chosen.bodies) if chosen.bodies else None
     return Written(tuple(files), name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume)
+
+
+def _volume(body: Body, rounded: str) -> float:
+    """The volume (m³) of a block as it stands in the file."""
+    if not rounded:
+        return body.volume
+    vertices = body.vertices if rounded == "all" else body.local
+    return volume_of(vertices.astype(np.float32).astype(np.float64), body.triangles)
 
 
 def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[Notice]:

@@ -38,8 +38,7 @@ def write_glb(path: Path, picked: Picked) -> str:
         scene.graph.update(frame_from=_ORIGIN, frame_to=name, matrix=_shift(at), geometry=name)
 
     for body in picked.bodies:
-        middle = (body.vertices.min(axis=0) + body.vertices.max(axis=0)) / 2.0
-        local = body.vertices - middle
+        middle, local = body.middle, body.local
         rounding = max(rounding, float(np.abs(local - local.astype(np.float32)).max()))
         mesh = trimesh.Trimesh(local, body.triangles, process=False, metadata=_of_block(picked, body.index))
         mesh.visual = _painted(_colour(picked, body.index))

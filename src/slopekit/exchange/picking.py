@@ -25,6 +25,17 @@ class Body:
     triangles: Ints
 
     @property
+    def middle(self) -> Floats:
+        """The middle (3,) of its bounds, m."""
+        middle: Floats = (self.vertices.min(axis=0) + self.vertices.max(axis=0)) / 2.0
+        return middle
+
+    @property
+    def local(self) -> Floats:
+        """Its vertices from its own middle, m."""
+        return self.vertices - self.middle
+
+    @property
     def volume(self) -> float:
         """m³, about its own middle."""
         return volume_of(self.vertices, self.triangles)
@@ -91,6 +102,19 @@ def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
     return tuple(word for word in WHAT if word in words)
 
 
+def names_of(blocks: str | Sequence[str] | None) -> tuple[str, ...] | None:
+    """Names of blocks from a text with commas or a sequence; None for all.
+
+    >>> names_of("B1, B7"), names_of(["B1"])
+    (('B1', 'B7'), ('B1',))
+    """
+    if blocks is None:
+        return None
+    if isinstance(blocks, str):
+        return tuple(name.strip() for name in blocks.split(",") if name.strip())
+    return tuple(str(name) for name in blocks)
+
+
 def picked(
     scene: BlockScene, what: Sequence[str], blocks: Sequence[str] | None, moving: bool, is_section: bool
 ) -> Picked:
@@ -155,6 +179,8 @@ def _unknown(name: str, names: Sequence[str]) -> Fault:
 def _why(word: str, blocks: Sequence[str] | None, moving: bool) -> str:
     if word == "pairs":
         return "Node pairs stand where the limit was solved: nothing was solved here."
+    if blocks is not None and not blocks:
+        return "No block is named: leave --blocks out for all."
     if moving and blocks is not None:
         return "The blocks named are bedrock: leave --moving out."
     return "All blocks are bedrock: leave --moving out." if moving else "The blocks named touch no others."

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from slopekit.result import Result
 
 _MOST_BYTES = 2_000_000_000
+_RESULT = "result.json"  # what `run -o DIR` calls it
 _MAKE = "slopekit run design.yaml -o DIR makes one: DIR/result.json."
 
 
@@ -31,7 +32,7 @@ class Source:
 
 
 def source_of(given: "Result | Mapping[str, Any] | str | os.PathLike[str]") -> Source:
-    """A result, its JSON, or the path of its JSON file, as a source.
+    """A result, its JSON, or the path of its JSON file or of the folder of result.json, as a source.
 
     Raises
     ------
@@ -41,21 +42,36 @@ def source_of(given: "Result | Mapping[str, Any] | str | os.PathLike[str]") -> S
     from slopekit.result import Result
 
     if isinstance(given, Result):
-        document = {key: value for key, value in given.to_dict().items() if key != "scene"}
-        return Source(document, given.scene)
-    name = "the result"
-    if not isinstance(given, Mapping):
-        name = Path(given).name
-        given = _read(Path(given))
-    if "slopekit" not in given:
+        own = {key: value for key, value in given.to_dict().items() if key != "scene"}
+        return Source(own, given.scene)
+    document, name = _document(given)
+    if "slopekit" not in document:
         raise DesignError([Fault("E361", f"{name} is not a result of slopekit: it has no key slopekit", name, _MAKE)])
-    if "errors" in given:
+    if "errors" in document:
         message = f"{name} holds the faults of a run, not its result"
         raise DesignError([Fault("E361", message, name, "Mend the design and run it again.")])
-    scene = given.get("scene")
+    scene = document.get("scene")
     if scene is None:
-        raise DesignError([_no_scene(given, name)])
-    return Source(given, BlockScene.from_dict(scene))
+        raise DesignError([_no_scene(document, name)])
+    return Source(document, BlockScene.from_dict(scene))
+
+
+def _document(given: object) -> tuple[Mapping[str, Any], str]:
+    """The JSON of what is given, and what to call it in a fault."""
+    if isinstance(given, Mapping):
+        return given, "the result"
+    if isinstance(given, str | os.PathLike):
+        path = Path(given)
+        if path.is_dir() and (path / _RESULT).is_file():
+            path = path / _RESULT
+        return _read(path), path.name
+    name = type(given).__name__
+    to_dict = getattr(given, "to_dict", None)
+    if callable(to_dict) and not isinstance(given, type):
+        document = to_dict()
+        if isinstance(document, Mapping):
+            return document, f"the {name}"
+    raise DesignError([Fault("E361", f"{name} is not a result of slopekit, its JSON or its path", name, _MAKE)])
 
 
 def _no_scene(document: Mapping[str, Any], name: str) -> Fault:

@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.exchange.design_text import design_text
+from slopekit.exchange.losses import ONE_BLOCK
 from slopekit.exchange.picking import Body, Picked
 from slopekit.exchange.source import Source
 from slopekit.exchange.strengths import joints_of
@@ -17,7 +18,10 @@ from slopekit.exchange.text import write_obj, write_stl
 
 DESIGN = "blocks.yaml"
 _SLAB = 0.25  # thickness of the bedrock behind a joint, in parts of the block's size
-_ONE_BLOCK = ("wedge", "plane", "footing")
+_ASSEMBLIES = ("bench", "blocks", "topple")
+_COMPARE = (
+    f"run {DESIGN} and compare the factor: the node pairs differ, and the limit state may not be the only one"
+)  # fmt: skip
 _NOT_IN_FILES = re.compile(r"[^A-Za-z0-9._-]+")
 
 
@@ -46,11 +50,14 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
         behind = {k: slab.name for k, slab in rock.items()}
         if source.document.get("kind") == "topple":
             behind = dict.fromkeys(range(len(source.scene.shapes.contacts)), source.scene.shapes.names[-1])
-        text, lost = design_text(source, is_fixed, files, behind, _polygons(source, chosen))
+        polygons = _polygons(source, chosen)
+        text, lost = design_text(source, is_fixed, files, behind, polygons)
         if len(chosen.bodies) < len(fixed):
             lost.append(f"{len(fixed) - len(chosen.bodies)} of {len(fixed)} blocks, which were not chosen")
         if lost:
             notices.append(Notice("W376", f"{DESIGN} does not carry over: {'; '.join(lost)}"))
+        if not polygons and source.document.get("kind") in _ASSEMBLIES:
+            notices.append(Notice("W376", _COMPARE))
     paths = [folder / files[body.name] for body in bodies]
     write = write_obj if suffix == ".obj" else write_stl
     try:
@@ -100,7 +107,7 @@ def _file_names(names: Sequence[str], suffix: str) -> dict[str, str]:
 
 def _slabs(source: Source, bodies: Sequence[Body]) -> dict[int, Body]:
     """Bedrock behind each joint of a single convex block, by the index of the contact."""
-    if source.document.get("kind") not in _ONE_BLOCK or len(bodies) != 1:
+    if source.document.get("kind") not in ONE_BLOCK or len(bodies) != 1:
         return {}
     shapes = source.scene.shapes
     contacts, joints = shapes.contacts, joints_of(source)

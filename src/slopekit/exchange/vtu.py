@@ -50,6 +50,9 @@ def vtu_bodies(path: Path) -> list[MeshBody]:
         ) from None
     grid: Any = pyvista.read(path)
     names = [str(name) for name in grid.field_data["block_names"]] if "block_names" in grid.field_data else []
+    of_cell = np.arange(grid.n_cells) if len(names) == grid.n_cells else np.full(grid.n_cells, -1)
+    if "block" in grid.cell_data:
+        of_cell = np.asarray(grid.cell_data["block"])
     points = np.asarray(grid.points, dtype=np.float64)
     found = []
     for k in range(grid.n_cells):
@@ -58,7 +61,7 @@ def vtu_bodies(path: Path) -> list[MeshBody]:
         triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
         if cell.type == _POLYHEDRON and triangles:
             used, index = np.unique(np.array(triangles, dtype=np.int64), return_inverse=True)
-            name = names[k] if len(names) == grid.n_cells else f"cell {k}"
+            name = names[int(of_cell[k])] if 0 <= of_cell[k] < len(names) else f"cell {k}"
             found.append(merged((name, points[used], index.reshape(-1, 3))))
     return found
 
@@ -92,7 +95,7 @@ def _blocks(picked: Picked) -> bytes:
         "connectivity": np.arange(firsts[-1]), "offsets": firsts[1:], "types": np.full(len(bodies), _POLYHEDRON),
         "faces": np.concatenate(stream), "faceoffsets": np.array(ends),
     }  # fmt: skip
-    names = {"block_names": [body.name for body in bodies]}
+    names = {"block_names": scene.shapes.names}
     return _file(np.concatenate([body.vertices for body in bodies]), cells, data, names)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from slopekit.studies.ladders import METHODS
 from slopekit.views.charts import Curve, draw_speed_error
-from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, dressed, nothing, short, title_of
+from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, Damaged, dressed, nothing, short, title_of
 from slopekit.views.entries import factor_text
 
 Document = Mapping[str, Any]
@@ -32,6 +32,8 @@ def draw_speed_errors(figure: Any, document: Document) -> None:
     if reference is None:
         nothing("the design has no factor of safety")
     own = None if against == "the closed form" else reference  # a rung against itself has no error
+    if len(document["ladder"]) != len(document["timing_s"]["ladder"]):
+        raise Damaged("has a ladder with other times")
     rungs = list(zip(document["ladder"], document["timing_s"]["ladder"], strict=True))
     curves = []
     for method, name in METHODS.items():

@@ -1,5 +1,7 @@
 """What all charts share (matplotlib): figures, colours, names in short, files. Needs the extra `plot`."""
 
+import math
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
@@ -87,3 +89,103 @@ def dressed(axes: Any) -> None:
     """A quiet grid beneath the data."""
     axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
     axes.set_axisbelow(True)
+
+
+def logarithmic(axes: Any) -> None:
+    """A logarithmic axis with numbers as people write them."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def hide_cut(figure: Any, axes: Any, labels: Any) -> None:
+    """Take labels of contours away that the frame would cut."""
+    figure.draw_without_rendering()  # the layout settles where labels come to lie
+    renderer, frame = figure.canvas.get_renderer(), axes.get_window_extent(figure.canvas.get_renderer())
+    for label in labels:
+        box = label.get_window_extent(renderer)
+        label.set_visible(frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1)
+
+
+def stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
+    """Runs of neighbours that have a number."""
+    found: list[list[tuple[float, float]]] = [[]]
+    for value, factor in line:
+        if factor is not None and 0.0 < factor < math.inf:
+            found[-1].append((value, factor))
+        elif found[-1]:
+            found.append([])
+    return [run for run in found if run]
+
+
+# -- documents that were changed --------------------------------------------------------------------------------------
+
+
+class Damaged(KeyError):
+    """A document lacks what a picture needs of it; no other KeyError is the document's."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class _Kept(dict[str, Any]):
+    """A mapping of a document, whose missing keys are told from those of our own."""
+
+    def __missing__(self, key: str) -> NoReturn:
+        raise Damaged(f"lacks {key!r}")
+
+
+def kept(document: Any) -> Any:
+    """A document whose missing keys raise `Damaged`; lists of numbers stay as they are.
+
+    >>> kept({"fos": {"limit": 1.5}})["fos"]["closed_form"]
+    Traceback (most recent call last):
+    slopekit.views.drawing.Damaged: lacks 'closed_form'
+    """
+    if isinstance(document, Mapping):
+        return _Kept({key: kept(value) for key, value in document.items()})
+    if isinstance(document, list | tuple) and any(map(_holds_mappings, document[:8])):
+        return [kept(part) for part in document]
+    return document
+
+
+def _holds_mappings(part: Any) -> bool:
+    """Whether there may be mappings in it; rows of numbers, of which a scene has millions, are left alone."""
+    if isinstance(part, Mapping):
+        return True
+    return isinstance(part, list | tuple) and any(isinstance(inner, Mapping | list | tuple) for inner in part)
+
+
+def misfit(value: Any, need: Any, where: str = "") -> str:
+    """Where a value is not of the form that is needed, and "" where it is.
+
+    Forms are types (with None for what may be null), lists of one form, and mappings of forms; what is missing in a
+    mapping may be, `kept` finds it where it is read.
+
+    >>> misfit({"keys": [{"values": 3}]}, {"keys": [{"values": [float]}]})
+    'keys[0].values is 3'
+    """
+    if isinstance(need, tuple):
+        return "" if any(not misfit(value, one, where) for one in need) else _odd(value, where)
+    if need is None:
+        return "" if value is None else _odd(value, where)
+    if isinstance(need, Mapping):
+        if not isinstance(value, Mapping):
+            return _odd(value, where)
+        parts = [(value[key], form, f"{where}.{key}".lstrip(".")) for key, form in need.items() if key in value]
+    elif isinstance(need, list):
+        if not isinstance(value, list | tuple):
+            return _odd(value, where)
+        parts = [(part, need[0], f"{where}[{k}]") for k, part in enumerate(value)]
+    else:
+        number = need is float and isinstance(value, float | int) and not isinstance(value, bool)
+        return "" if number or (need is not float and isinstance(value, need)) else _odd(value, where)
+    return next((said for part, form, at in parts if (said := misfit(part, form, at))), "")
+
+
+def _odd(value: Any, where: str) -> str:
+    shown = "null" if value is None else repr(value)
+    return f"{where or 'it'} is {shown if len(shown) < 40 else type(value).__name__}"

@@ -114,6 +114,13 @@ def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str
     arrange(figure, panels, across, head)
 
 
+def _at(survey: _Survey, most: bool = False) -> str:
+    """Which friction angle a zone is drawn for, where joints have their own."""
+    if survey.least == survey.most:
+        return ""
+    return f" at φ {number(survey.most)}°, the greatest" if most else f" at φ {number(survey.least)}°, the least"
+
+
 def _friction(survey: _Survey) -> str:
     low, high = number(survey.least), number(survey.most)
     return f"{low}°" if low == high else f"{low} to {high}°, each joint its own"
@@ -124,7 +131,7 @@ def _planar(axes: Any, survey: _Survey) -> None:
     start(axes, f"Planar sliding, poles: {_share(found, 'joint')}, {int(free.sum())} without lateral limits")
     zone = survey.zones(zones_of_poles)
     shade(axes, zone["planar_without_limits"], survey.net, LIGHT, "critical without lateral limits")
-    shade(axes, zone["planar"], survey.net, SHADE, "critical")
+    shade(axes, zone["planar"], survey.net, SHADE, f"critical{_at(survey)}")
     envelope(axes, survey.face, survey.net, color=FACE, linewidth=1.4, label="daylight envelope")
     _face(axes, survey)
     _pole_cones(axes, survey)
@@ -141,7 +148,7 @@ def _wedge(axes: Any, survey: _Survey) -> None:
     start(axes, f"Wedge sliding, lines of intersection: {_share(many, 'line')}")
     zone = survey.zones(zones_of_lines)
     shade(axes, zone["wedge_secondary_of_dips"], survey.net, LIGHT, "secondary zone as Dips draws it")
-    shade(axes, zone["wedge_primary"], survey.net, SHADE, "primary zone")
+    shade(axes, zone["wedge_primary"], survey.net, SHADE, f"primary zone{_at(survey)}")
     _face(axes, survey)
     _line_circles(axes, survey)
     _dots(axes, survey, ~many, GREY, "o", "not critical")
@@ -152,7 +159,7 @@ def _wedge(axes: Any, survey: _Survey) -> None:
 def _flexural(axes: Any, survey: _Survey) -> None:
     found = survey.modes.flexural
     start(axes, f"Flexural toppling, poles: {_share(found, 'joint')}")
-    shade(axes, survey.zones(zones_of_poles)["flexural"], survey.net, SHADE, "critical")
+    shade(axes, survey.zones(zones_of_poles)["flexural"], survey.net, SHADE, f"critical{_at(survey)}")
     _face(axes, survey)
     for friction, style in _frictions(survey):
         slip = survey.face.dip_deg - friction
@@ -173,7 +180,7 @@ def _direct(axes: Any, survey: _Survey) -> None:
     start(axes, f"Direct toppling: {_share(edges, 'line')}; base planes: {_share(base, 'joint')}")
     zone = survey.zones(zones_of_lines, survey.most)
     shade(axes, zone["oblique"], survey.net, LIGHT, "oblique")
-    shade(axes, zone["direct"], survey.net, SHADE, "direct")
+    shade(axes, zone["direct"], survey.net, SHADE, f"direct{_at(survey, most=True)}")
     _face(axes, survey)
     steeper_than(axes, 90.0 - survey.face.dip_deg, survey.net, color=BLUE, linewidth=1.3,
                  label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip

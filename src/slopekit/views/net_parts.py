@@ -18,7 +18,8 @@ SETS = (BLUE, GREEN, PURPLE, ORANGE, SKY, "#8c6d1f", "#5b5b9e", "#3d3d3d")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "p")
 _LINES = 3.6  # order: above lines and poles that are many, below those that are marked
 _CELLS = 450  # of a zone, from rim to rim
-_NET, _TITLE, _HEAD, _ENTRY = 6.6, 0.35, 0.3, 0.185  # inches: a net, its title, a line above all, one of the legend
+_NET, _TITLE, _HEAD, _ENTRY = 6.6, 0.35, 0.195, 0.185  # inches: a net, its title, a line above all, one of the legend
+_SPARE = 0.1  # inches of a net above its N that a title may use
 _DOTS = 350  # of points that stand so close that they cover each other
 
 
@@ -121,14 +122,16 @@ def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None
     figure.set_layout_engine(None)
     entries = [len(axes.get_legend_handles_labels()[1]) for axes in panels]
     rows = [max(entries[k : k + across]) for k in range(0, len(panels), across)]
-    heights = [_TITLE + _NET + 0.2 + _ENTRY * ((most + 1) // 2) for most in rows]
-    width, height = across * _NET, _HEAD * (1 + title.count("\n")) + sum(heights)
+    above = _TITLE if any(axes.get_title() for axes in panels) else 0.0
+    heights = [above + _NET - _SPARE + 0.2 + _ENTRY * ((most + 1) // 2) for most in rows]
+    head = 0.12 + _HEAD * (1 + title.count("\n"))
+    width, height = across * _NET, head + sum(heights)
     figure.set_size_inches(width, height)
     figure.text(0.5, 1.0 - 0.12 / height, title, ha="center", va="top", fontsize=11)
-    top = height - _HEAD * (1 + title.count("\n"))
+    top = height - head
     for k, axes in enumerate(panels):
         row, column = divmod(k, across)
-        bottom = top - sum(heights[:row]) - _TITLE - _NET
+        bottom = top - sum(heights[:row]) - above + _SPARE - _NET
         axes.set_position((column / across, bottom / height, 1.0 / across, _NET / height))
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=2, fontsize=8, frameon=False,
                     handlelength=2.2, columnspacing=1.4)  # fmt: skip

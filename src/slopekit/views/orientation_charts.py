@@ -35,6 +35,8 @@ from slopekit.views.stereonet import NETS, Net
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
+_MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
+_LETTERS = 80  # of a line over the net
 _PARALLEL = 1e-6
 
 
@@ -83,6 +85,8 @@ def orientations_of(document: Document) -> Oriented | None:
     crack = inputs.get("crack")
     if isinstance(crack, Mapping) and isinstance(crack.get("plane"), str):
         slope["crack"] = parse_plane(crack["plane"], "crack")
+    elif isinstance(crack, Mapping) and "face" in slope:  # of a plane: upright, parallel to the face
+        slope["crack"] = Plane(90.0, slope["face"].dip_direction_deg)
     return Oriented(joints, slope, friction)
 
 
@@ -102,7 +106,8 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     face, frictions = found.slope.get("face"), found.frictions
     if face is not None and frictions:
         zone = zones_of_lines(cells(net)[0], face, frictions[0], 90.0, 90.0)["wedge_primary"]
-        shade(axes, zone, net, SHADE, "lines here daylight and are steeper than φ")
+        which = ", the least" if len(frictions) > 1 else ""
+        shade(axes, zone, net, SHADE, f"lines here daylight, steeper than φ {number(frictions[0])}°{which}")
     styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
               "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
     for name, plane in found.slope.items():
@@ -111,14 +116,41 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
     if face is not None:
         envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle="--", label="daylight envelope of poles")
     _joints(axes, found, net)
-    for k, friction in enumerate(frictions[:: max(1, len(frictions) - 1)]):
-        style = "-" if k == 0 else ":"
-        steeper_than(axes, friction, net, color=BLUE, linewidth=1.2, linestyle=style,
-                     label=f"friction circle of lines, φ {number(friction)}°: steeper within")  # fmt: skip
-        steeper_than(axes, 90.0 - friction, net, color=BLUE, linewidth=0.9, linestyle="--" if k == 0 else "-.",
-                     label=f"friction cone of poles, φ {number(friction)}°: steeper outside")  # fmt: skip
+    _cones(axes, found, net)
     _lines(axes, document, found, net)
-    arrange(figure, [axes], 1, f"{title_of(document)}\nlower hemisphere, {NETS[net]}")
+    lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
+    arrange(figure, [axes], 1, "\n".join(lines))
+
+
+def _answer(document: Document) -> list[str]:
+    """Status and factor of a result, as the scenes have them."""
+    if not isinstance(document.get("fos"), Mapping) or "status_text" not in document:
+        return []
+    from slopekit.views.stage import Stage
+
+    no_scene: Any = None  # words ask none
+    lines = [""]
+    for part in Stage(document, no_scene).answer.split(" · "):
+        longer = f"{lines[-1]} · {part}".removeprefix(" · ")
+        lines = [*lines[:-1], longer] if len(longer) <= _LETTERS or not lines[-1] else [*lines, part]
+    return lines
+
+
+def _cones(axes: Any, found: Oriented, net: Net) -> None:
+    """Friction circle and cone of each angle, in the colour of its joint where it is of one."""
+    joints = list(found.joints)[: len(SETS)]
+    frictions = found.frictions
+    if len(frictions) > _MOST_CONES:
+        frictions = [frictions[0], frictions[-1]]
+    for friction in frictions:
+        own = [name for name, angle in found.friction_deg.items() if angle == friction and name in found.joints]
+        alone = len(found.frictions) > 1 and bool(own) and own[0] in joints
+        colour = SETS[joints.index(own[0])] if alone else BLUE
+        of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
+        steeper_than(axes, friction, net, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
+                     label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
+        steeper_than(axes, 90.0 - friction, net, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
+                     label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
 
 
 def _joints(axes: Any, found: Oriented, net: Net) -> None:

@@ -5,12 +5,13 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit.errors import DesignError, Fault
 from slopekit.result import ASSEMBLIES
-from slopekit.views.drawing import FORMATS, new_figure, save
+from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES
 from slopekit.views.stereonet import Net
@@ -35,7 +36,12 @@ CHARTS: Mapping[str, tuple[str, str]] = {
 EVERY = (*SCENES, *CHARTS)
 SCENE_FORMATS = (".png", ".glb", ".gltf")
 _MOST_BYTES = 1_000_000_000
-_DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
+_ODD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
+#: Scenes that an option says something of.
+_OF_SCENES = {
+    "--explode": ("exploded",), "--magnify": ("displacement", "mechanism"), "--step": ("mechanism",),
+}  # fmt: skip
+_OF_MANY = ("factors", "ravelling")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +70,7 @@ def offers(document: Document) -> dict[str, str]:
     scene = document.get("scene")
     if isinstance(scene, Mapping):
         left = {"displacement"} if scene.get("displacement") is None else set()
-        left |= set() if kind in ASSEMBLIES else {"factors", "ravelling"}
+        left |= set() if kind in ASSEMBLIES else set(_OF_MANY)
         left |= {"mechanism", "ravelling"} if document.get("mechanism") is None else set()
         found |= {what: shows for what, shows in SCENES.items() if what not in left}
     keys = document.get("keys")
@@ -85,9 +91,13 @@ def _oriented(document: Document) -> bool:
     from slopekit.views.orientation_charts import orientations_of
 
     try:
-        return orientations_of(document) is not None
-    except (*_DAMAGED, DesignError):
+        return orientations_of(kept(document)) is not None
+    except (Damaged, DesignError):
         return False
+    except _ODD as error:
+        if _damage(document, "stereonet", error):
+            return False
+        raise
 
 
 def draw(document: Document, what: str, path: Path | None, options: Options | None = None, name: str = "") -> None:
@@ -102,12 +112,14 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
     Raises
     ------
     DesignError
-        E140 without the extra, E342 no such picture, E343 the document has no data for it, E344 it is damaged, E345 not
-        a format, E346 no window, E347 an option of other pictures, E273 nothing to draw, E129 not writable.
+        E106 an option that is no number, E140 without the extra, E342 no such picture, E343 the document has no data
+        for it, E344 it is damaged, E345 not a format, E346 no window, E347 an option of other pictures, E273 nothing to
+        draw, E129 not writable. What goes wrong in drawing a whole document is ours, and goes through.
     """
     options = options or Options()
     named, name = bool(name), name or "the document"
     check(document, what, path, options, name)
+    document = kept(document)
     try:
         if what in SCENES:
             from slopekit.views import scenes
@@ -121,8 +133,10 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
             _drawer(document, what, options)(figure, document)
             if path is not None and not options.show:
                 save(figure, path)
-    except _DAMAGED as error:
-        said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
+    except _ODD as error:
+        said = _damage(document, what, error)
+        if not said:  # the document is whole: the fault is ours, and shall be seen
+            raise
         message = f"{name} cannot be drawn as {what} ({said})"
         advice = "Was it changed, or written by an older slopekit? Make it again."
         raise DesignError([Fault("E344", message, "", advice)]) from error
@@ -134,30 +148,60 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
         _window(figure)
 
 
+def _damage(document: Document, what: str, error: Exception) -> str:
+    """What is wrong with a document that could not be drawn, "" where it has all that the picture needs."""
+    from slopekit.views.needs import need_of
+
+    if isinstance(error, Damaged):
+        return str(error)
+    said = misfit(document, need_of(what, document.get("kind") == "kinematic"))
+    if not said and what in SCENES:
+        from slopekit.views.stage import Stage
+
+        try:
+            Stage.of(document)
+        except _ODD as reading:
+            return f"its scene: {type(reading).__name__}: {reading}"
+    return said
+
+
 def check(document: Document, what: str, path: Path | None, options: Options, name: str) -> None:
-    """Refuse what cannot be drawn before anything is loaded: E342, E343, E345, E347."""
+    """Refuse what cannot be drawn before anything is loaded: E106, E342, E343, E345, E347."""
     given = offers(document)
     can = f"{name} can give {', '.join(given)}." if given else f"{name} has nothing that can be drawn."
     if what not in EVERY:
         near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
         advice = (f"Did you mean {near[0]}? " if near else "") + can
         raise DesignError([Fault("E342", f"{what} is not a picture", what, advice)])
-    if what not in given and not (what in SCENES and isinstance(document.get("scene"), Mapping)):
+    many = what in _OF_MANY and document.get("kind") not in ASSEMBLIES
+    if what not in given and (many or what not in SCENES or not isinstance(document.get("scene"), Mapping)):
         wants = CHARTS[what][1] if what in CHARTS else "result.json: slopekit run design.yaml -o DIR"
+        if many:
+            wants = f"result.json of many blocks: {', '.join(sorted(ASSEMBLIES))}"
         raise DesignError([Fault("E343", f"{name} has no data for {what}: it wants {wants}", "", can)])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
     if path is not None and not options.show and path.suffix.lower() not in formats:
         message = f"{what} cannot be written as {path.suffix or 'a file without an ending'}"
         raise DesignError([Fault("E345", message, str(path), f"Known: {', '.join(formats)}.")])
-    scene = what in SCENES
+    numbers = {"--explode": options.explode, "--magnify": options.magnify, "--step": options.step}
+    for option, value in numbers.items():
+        if value is None:
+            continue
+        whole = option == "--step"
+        if not isinstance(value, Real) or (whole and not (math.isfinite(value) and value == int(value))):
+            wanted = "a whole number is needed" if whole else "a number is needed"
+            raise DesignError([Fault("E106", f"{option} is {value!r}, {wanted}", option)])
+    stereonet = what == "stereonet"
     for option, used, belongs in (
-        ("--equal-angle", options.net != "area", what == "stereonet"),
-        ("--test", options.test is not None, what == "stereonet" and document.get("kind") == "kinematic"),
-        ("--explode", options.explode is not None, scene), ("--magnify", options.magnify is not None, scene),
-        ("--step", options.step != 1, scene),
+        ("--equal-angle", options.net != "area", stereonet),
+        ("--test", options.test is not None, stereonet and document.get("kind") == "kinematic"),
+        *((option, value not in (None, 1) if option == "--step" else value is not None, what in _OF_SCENES[option])
+          for option, value in numbers.items()),
     ):  # fmt: skip
         if used and not belongs:
-            raise DesignError([Fault("E347", f"{option} says nothing of this {what}", option, "Leave it out.")])
+            of = f" It is of {' and '.join(_OF_SCENES[option])}." if option in _OF_SCENES else ""
+            message = f"{option} says nothing of this {what}"
+            raise DesignError([Fault("E347", message, option, f"Leave it out.{of}")])
     if options.test is not None and options.test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
         raise DesignError([Fault("E347", f"{options.test} is not a test", f"--test {options.test}", advice)])
@@ -229,12 +273,60 @@ def read_document(path: Path) -> Document:
     try:
         document = json.loads(content.decode("utf-8-sig"), parse_float=finite, parse_constant=finite)
     except (ValueError, RecursionError) as error:  # UnicodeDecodeError among them
-        said = str(error) if not isinstance(error, UnicodeDecodeError) else "it is no text"
-        advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
-        if path.suffix.lower() in (".yaml", ".yml"):
-            advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
-        raise DesignError([Fault("E340", f"{path.name} is not JSON: {said}", str(path), advice)]) from None
+        raise DesignError([_no_json(path, content, error)]) from None
     return checked_document(document, path.name)
+
+
+def _no_json(path: Path, content: bytes, error: Exception) -> Fault:
+    """E340, with what the file is in place of JSON."""
+    text, ending = content.decode("utf-8-sig", "replace").strip(), path.suffix.lower()
+    said = f"{path.name} is not JSON: {error}"
+    advice = "slopekit run design.yaml -o DIR writes result.json; --json > file.json will do too."
+    if not text:
+        said = f"{path.name} is empty"
+    elif isinstance(error, UnicodeDecodeError):
+        said = f"{path.name} is not JSON: it is no text"
+    elif ending in (".yaml", ".yml"):
+        advice = f"It looks like a design: slopekit run {path} -o DIR writes result.json, which can be drawn."
+    elif text[0] in "{[":
+        pos, why = getattr(error, "pos", None), str(error)
+        if pos is not None and (pos >= len(text) or why.startswith("Unterminated string")):
+            said, advice = f"{path.name} ends in the middle: was it written to the end?", "Make it again."
+    elif ending == ".csv" or "," in text.split("\n", 1)[0]:
+        said = f"{path.name} is a table (CSV), not JSON"
+        advice = f"Give the JSON that was written beside it. {advice}"
+    return Fault("E340", said, str(path), advice)
+
+
+def document_file(path: Path) -> Path:
+    """The file that a path means: of a folder its result.json, or the only JSON of slopekit that it holds.
+
+    Raises
+    ------
+    DesignError
+        E148 where a folder holds none, or more than one.
+    """
+    if not path.is_dir():
+        return path
+    if (path / "result.json").is_file():
+        return path / "result.json"
+    try:
+        held = sorted(file for file in path.iterdir() if file.suffix.lower() == ".json" and file.is_file())
+        own = [file for file in held if b'"slopekit"' in _begin(file)]
+    except OSError as error:
+        message = f"{path} cannot be read: {(error.strerror or 'the system refuses').lower()}"
+        raise DesignError([Fault("E148", message, str(path))]) from None
+    if len(own) == 1:
+        return own[0]
+    names = [file.name for file in own or held]
+    more = f" and {len(names) - 6} more" if len(names) > 6 else ""
+    advice = f"It holds {', '.join(names[:6])}{more}." if names else "It holds no JSON."
+    raise DesignError([Fault("E148", f"{path} is a folder, a file is needed", str(path), advice)])
+
+
+def _begin(file: Path) -> bytes:
+    with file.open("rb") as opened:
+        return opened.read(4096)
 
 
 def checked_document(document: Any, name: str) -> Document:

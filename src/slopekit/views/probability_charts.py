@@ -89,7 +89,7 @@ def _pre_ie(cumulative: Any, axes: Any, bins: Document) -> None:
     heights = 100.0 * np.arange(1, len(factors) + 1) / bins["pre_ie_samples"]
     heights += 100.0 * (bins.get("pre_ie_without_factor") or 0) / bins["pre_ie_samples"]
     cumulative.step(factors, heights, where="post", color=DARK, linewidth=0.9, linestyle="--",
-                    label="those, cumulated")  # fmt: skip
+                    label="PRE-IE's, cumulated")  # fmt: skip
 
 
 def _words(document: Document) -> str:

@@ -67,7 +67,7 @@ def draw_reduction(figure: Any, document: Document) -> None:
         )
     right.axhline(every, color=GREY, linestyle=":", linewidth=1.0)
     right.set_ylim(0.0, 1.12 * every)
-    right.set_ylabel(f"failed node pairs, of {every}", color=RED)
+    right.set_ylabel(f"failed node pairs, of {every}", color=RED if series else DARK)
     right.set_yticks([tick for tick in MaxNLocator(integer=True).tick_values(0, every) if 0 <= tick <= every])
     _upright(axes, document)
     axes.set_xlabel("strength reduction factor")
@@ -77,13 +77,16 @@ def draw_reduction(figure: Any, document: Document) -> None:
 
 
 def _upright(axes: Any, document: Document) -> None:
+    """The limit and the factor at which all pairs fail; the label of the smaller at the left of its line."""
     fos = document["fos"]
-    for name, value, style in (("limit", fos["limit"], "-"), ("all pairs failed", fos["all_pairs_failed"], "-.")):
-        if value is not None:
-            axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
-            axes.annotate(f"{name} {value:.4g}", (value, 0.04), xytext=(-4 if name == "limit" else 4, 0), rotation=90,
-                          xycoords=("data", "axes fraction"), textcoords="offset points", va="bottom",
-                          ha="right" if name == "limit" else "left", fontsize=8.5, color=DARK, bbox=BOX)  # fmt: skip
+    lines = [("limit", fos["limit"], "-"), ("all pairs failed", fos["all_pairs_failed"], "-.")]
+    known = sorted((line for line in lines if line[1] is not None), key=lambda line: float(line[1]))
+    for k, (name, value, style) in enumerate(known):
+        left = k == 0
+        axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
+        axes.annotate(f"{name} {value:.4g}", (value, 0.04), xytext=(-4 if left else 4, 0), rotation=90,
+                      xycoords=("data", "axes fraction"), textcoords="offset points", va="bottom",
+                      ha="right" if left else "left", fontsize=8.5, color=DARK, bbox=BOX)  # fmt: skip
 
 
 def _size(vector: Any) -> float:

@@ -13,7 +13,7 @@ from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.views import report_tables as tables
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
-from slopekit.views.report_pictures import Picture, still_pictures
+from slopekit.views.report_pictures import still_pictures
 from slopekit.views.report_words import answer, kind_words, meaning
 from slopekit.views.verification_excerpt import WHOLE, shipped
 from slopekit.views.viewer_data import viewer_data
@@ -61,13 +61,30 @@ def report_of(document: Mapping[str, Any], name: str = "", with_pictures: bool =
     """
     require_jinja(name)
     _refuse_others(document, name)
-    try:
-        return _report(document, with_pictures)
+    sheet, notices = document.get("sheet"), []
+    if not isinstance(sheet, Mapping):
+        sheet = {}
+        notices.append(
+            Notice("W371", "the JSON holds no `sheet` (it comes from to_dict()): the slope in words is left out")
+        )
+    try:  # only what reads the document: faults of the program itself go through
+        context = _read(document, sheet)
     except _DAMAGED as error:
         said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
         message = f"the result cannot be read as one ({said})"
         advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
         raise DesignError([Fault("E372", message, name, advice)]) from error
+    data = ""
+    try:
+        data = json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
+    except DesignError as error:
+        why = error.faults[0].message
+        notices.append(Notice("W372", f"there is no view to turn, the scene cannot be read: {why}"))
+    found, missing = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
+    context["notices"] += [(one.code, one.message) for one in notices]
+    drawn = {"view_data": data.replace("<", "\\u003c"), "pictures": found, "missing": missing}
+    html = _rendered({**context, **drawn, "verification": _verification(str(document["kind"]))})
+    return Report(html, tuple(picture.what for picture in found), tuple(missing), tuple(notices))
 
 
 def _refuse_others(document: Mapping[str, Any], name: str) -> None:
@@ -79,29 +96,11 @@ def _refuse_others(document: Mapping[str, Any], name: str) -> None:
         raise DesignError([Fault("E371", message, name, advice)])
 
 
-def _report(document: Mapping[str, Any], with_pictures: bool) -> Report:
-    sheet, notices = document.get("sheet"), []
-    if not isinstance(sheet, Mapping):
-        sheet = {}
-        notices.append(
-            Notice("W371", "the JSON holds no `sheet` (it comes from to_dict()): the slope in words is left out")
-        )
-    view, data = True, "{}"
-    try:
-        data = json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
-    except (DesignError, *_DAMAGED) as error:
-        view = False
-        why = error.faults[0].message if isinstance(error, DesignError) else f"{type(error).__name__}: {error}"
-        notices.append(Notice("W372", f"there is no view to turn, the scene cannot be read: {why}"))
-    found, missing = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
-    html = _rendered(_context(document, sheet, found, missing, notices, data if view else ""))
-    return Report(html, tuple(picture.what for picture in found), tuple(missing), tuple(notices))
-
-
-def _context(
-    document: Mapping[str, Any], sheet: Mapping[str, Any], pictures: list[Picture], missing: list[str],
-    notices: list[Notice], data: str,
-) -> dict[str, Any]:  # fmt: skip
+def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of a document."""
+    for key in ("title", "slopekit", "input_sha256"):
+        if not isinstance(document[key], str):
+            raise TypeError(f"{key} is no text")
     kind, inputs = str(document["kind"]), document["inputs"]
     whole = [one for one in (tables.motion_table(document),) if one is not None]
     return {
@@ -111,10 +110,8 @@ def _context(
         "rules": _entries(sheet, "ACCEPT") or [
             f"{one['rule']}: {'MET' if one['met'] else 'NOT MET'}" for one in document["rules"]
         ],
-        "notices": [(one["code"], one["message"]) for one in document["warnings"]]
-        + [(one.code, one.message) for one in notices],
+        "notices": [(one["code"], one["message"]) for one in document["warnings"]],
         "factors": tables.factor_table(document),
-        "view_data": data.replace("<", "\\u003c"), "pictures": pictures, "missing": missing,
         "slope": [(label.lower(), _chunks(_entries(sheet, label))) for label in _SLOPE if _entries(sheet, label)
                   and not (label == "COLUMNS" and kind == "surface")],
         "inputs": list(input_tables(inputs)),
@@ -128,7 +125,7 @@ def _context(
         "left_out": [str(one) for one in document["model"]["left_out"]], "not_modelled": NOT_MODELLED,
         "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()],
-        "verification": _verification(kind), "times": tables.time_table(document),
+        "times": tables.time_table(document),
     }  # fmt: skip
 
 

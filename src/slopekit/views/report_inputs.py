@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from slopekit.design.common import Water
 from slopekit.orientation import Line, Plane, number
 from slopekit.views.words import line_in_words
 
@@ -20,7 +21,7 @@ _SYMBOLS = {
     "unit_weight_kn_m3": "unit weight of rock", "density_kg_m3": "density of rock", "normal_kn_m3": "normal stiffness",
     "shear_kn_m3": "shear stiffness", "agree_within": "methods agree within", "stop_when": "search stops within",
     "factors": "strength reduction factors", "rules": "acceptance rules", "origin_m": "map coordinates of the toe",
-    "height_m": "height", "refine": "triangles of the joints split", "pairs": "node pairs along the plane",
+    "height_m": "height", "refine": "splits of the triangles asked for", "pairs": "node pairs along the plane",
 }  # fmt: skip
 _GROUPS = {
     "Rock and water": ("unit_weight_kn_m3", "density_kg_m3", "gravity_m_s2", "water", "water_unit_weight_kn_m3",
@@ -64,6 +65,9 @@ def input_tables(inputs: Mapping[str, Any]) -> Iterator[Table]:
     for title, keys in {"Shape": tuple(shape), **_GROUPS}.items():
         rows: list[tuple[str, ...]] = []
         for key in (key for key in keys if key in inputs and key not in used):
+            if key == "water" and _crack_only(inputs):
+                rows.append(("water", "in the crack only, falling to nothing at the toe"))
+                continue
             rows += _rows(key, inputs[key], words(key))
         if rows:
             yield Table(title, ("", "value"), tuple(rows), left=2)
@@ -164,6 +168,12 @@ def _planes(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str, ..
         used.add("crack")
 
 
+def _crack_only(inputs: Mapping[str, Any]) -> bool:
+    """Whether a plane is dry but for the water in its crack."""
+    crack = inputs.get("crack")
+    return inputs["water"]["mode"] == "dry" and isinstance(crack, Mapping) and bool(crack.get("water_m"))
+
+
 def _plane_row(name: str, text: Any) -> tuple[str, str, str]:
     plane = plane_of(text)
     return str(name), str(text), plane_in_words(plane) if plane else str(text)
@@ -188,9 +198,20 @@ def _rows(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
     """A value as rows; groups and lists of groups take several."""
     if value is None:
         return []
+    if key == "refine" and value == 0:
+        return []  # the size of the model says what was split
+    if key == "water":
+        given = Water(value["mode"], value["fill"], tuple(value["pressures_kpa"]), value.get("crack_fill"))
+        if len(given.pressures_kpa) > _MOST:
+            given = replace(given, pressures_kpa=given.pressures_kpa[:_MOST])
+            return [(name, f"{given.in_words()}{_more(value['pressures_kpa'])}")]
+        return [(name, given.in_words())]
+    if key == "seismic":
+        trend = value["trend_deg"]
+        toward = "" if trend is None else f" toward {trend:03.0f}"
+        return [("seismic coefficient", f"{value['coefficient']:.4g} g{toward}" if value["coefficient"] else "none")]
     if isinstance(value, Mapping):
-        dry = value.get("mode") == "dry"
-        parts = [(part, own) for part, own in value.items() if own not in (None, []) and not (dry and part == "fill")]
+        parts = [(part, own) for part, own in value.items() if own not in (None, [])]
         return [row for part, own in parts for row in _rows(part, own, f"{name}: {words(part)}")]
     if key == "rules" and value:
         return [(name, ", ".join(f"{one['name']} {one['relation']} {_plain(one['value'])}" for one in value))]

@@ -8,8 +8,7 @@ import numpy as np
 from slopekit.findings import MOTIONS
 from slopekit.orientation import line_of
 from slopekit.result import STATUSES, status_text
-from slopekit.views.assembly_words import names_in_runs
-from slopekit.views.entries import factor_text
+from slopekit.views.report_blocks import block_table, factor, happens, in_names
 from slopekit.views.report_inputs import Table
 from slopekit.views.words import line_in_words, size_number
 
@@ -27,11 +26,6 @@ _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks"}
 _MOST_ROWS = 40
 
 
-def factor(value: Any) -> str:
-    """A factor of safety, or none."""
-    return factor_text(None if value is None else float(value)).strip()
-
-
 def factor_table(document: Document) -> Table:
     """Every factor of safety with what it is."""
     fos, kind = document["fos"], document["kind"]
@@ -39,17 +33,20 @@ def factor_table(document: Document) -> Table:
     closed = _CLOSED.get(kind, "there is none for this kind")
     if fos["closed_form"] is None and kind in _CLOSED:
         closed = "none here" if document["agree"] is None else "none: see the status"
-    rows = [
-        ("limit (PRE-IE)", factor(fos["limit"]), "the answer: forces and moments, slip does not dilate unless given"),
+    answer = "the answer: forces and moments, slip does not dilate unless given"
+    rows = [("limit (PRE-IE)", factor(fos["limit"]), "none: see the status" if fos["limit"] is None else answer)]
+    if document.get("lowest_limit") is not None:
+        said = "the limit state is not the only one (W348): acceptance is held against this"
+        rows.append(("lowest limit state found", factor(document["lowest_limit"]), said))
+    rows += [
         ("closed form", factor(fos["closed_form"]), closed),
     ]
     if document["moments_govern"]:
         rows.append(
             ("forces only (PRE-IE)", factor(document["forces_only"]), "no turning: the closed form's assumptions")
         )
-    rows.append(
-        ("static bound", factor(fos["static_bound"]), f"joints free to dilate: an upper bound{proved}, no answer")
-    )
+    bound = f"joints free to dilate: an upper bound{proved}, no answer"
+    rows.append(("static bound", factor(fos["static_bound"]), "not found" if fos["static_bound"] is None else bound))
     if fos["all_pairs_failed"] is not None or document["inputs"].get("criterion") == "all-pairs":
         said = "the paper's criterion; depends on the joint stiffness"
         rows.append(("all pairs failed", factor(fos["all_pairs_failed"]), said))
@@ -61,28 +58,44 @@ def factor_table(document: Document) -> Table:
 def force_tables(document: Document) -> Iterator[Table]:
     """Weight, normal forces with their mean stresses, water, what drives and what resists."""
     forces, areas = document["forces_kn"], document["geometry"].get("areas_m2", {})
+    at_limit = document["fos"]["limit"] is not None and any(one is not None for one in forces["normal"].values())
+    pressures = _pressures(document)
     rows = []
-    for joint in forces["normal"]:
-        normal, water, area = forces["normal"][joint], forces["water"].get(joint, 0.0), areas.get(joint)
-        mean = size_number(float(f"{normal / area:.4g}")) if normal is not None and area else "-"
-        pressure = size_number(float(f"{water / area:.4g}")) if water and area else "0"
-        rows.append((joint, _number(area), _number(normal), mean, _number(water), pressure))
-    for joint, water in forces["water"].items():
-        if joint not in forces["normal"]:
-            area = areas.get(joint)
-            pressure = size_number(float(f"{water / area:.4g}")) if water and area else "0"
-            rows.append((joint, _number(area), "-", "-", _number(water), pressure))
-    head = ("on", "area / m²", "N' / kN", "mean σ' / kPa", "water / kN", "mean u / kPa")
+    for joint in [*forces["normal"], *(name for name in forces["water"] if name not in forces["normal"])]:
+        normal, water, area = forces["normal"].get(joint), forces["water"].get(joint, 0.0), areas.get(joint)
+        mean = _mean(normal, area) if normal is not None else "-"
+        pressure = pressures.get(joint, _mean(water, area) if water else "0")
+        own = (_number(normal), mean) if at_limit else ()
+        rows.append((joint, _number(area), *own, _number(water), pressure))
+    own = ("N' / kN", "mean σ' / kPa") if at_limit else ()
     if rows:
-        said = "N' and σ' are effective, compression positive, at the limit."
-        yield Table("On the joints", head, tuple(rows), said)
+        notes = ["N' and σ' are effective, compression positive, at the limit."] if at_limit else []
+        if document["fos"]["limit"] is None:
+            notes.append("No limit state was found: what the joints carry is not known.")
+        if pressures and any(forces["water"].values()):
+            notes.append("Water is the resultant, less than u times a curved area.")
+        yield Table(
+            "On the joints", ("on", "area / m²", *own, "water / kN", "mean u / kPa"), tuple(rows), " ".join(notes)
+        )
     whole = [
         (words, f"{size_number(forces[key])} kN")
         for key, words in (("weight", "weight"), ("driving", "driving, along the slide"), ("resisting", "resisting"))
         if forces[key] is not None
     ]
-    note = "Forces alone: moments lower the limit below resisting / driving." if document["moments_govern"] else ""
+    lost = "with moments there is no limit" if document["fos"]["limit"] is None else (
+        "moments lower the limit below resisting / driving"
+    )  # fmt: skip
+    note = f"Forces alone: {lost}." if document["moments_govern"] else ""
     yield Table("As a whole", ("", "force"), tuple(whole), note)
+
+
+def _pressures(document: Document) -> dict[str, str]:
+    """Mean pressures that the design gives, where the resultant by the area is none: on a curved surface."""
+    if document["kind"] != "surface":
+        return {}
+    given = document["inputs"]["water"]["pressures_kpa"]
+    shown = ", ".join(f"{float(one):g}" for one in given)
+    return dict.fromkeys(document["forces_kn"]["water"], shown or "0")
 
 
 def motion_table(document: Document) -> Table | None:
@@ -116,11 +129,11 @@ def assembly_tables(document: Document) -> Iterator[Table]:
         ways: dict[str, list[str]] = {}
         for block in one["blocks"]:
             ways.setdefault(block["how"], []).append(block["name"])
-        said = "; ".join(f"{len(names)}: {MOTIONS.get(how, how)} ({names_in_runs(sorted(names, key=_natural))})"
+        said = "; ".join(f"{len(names)}: {MOTIONS.get(how, how)} ({in_names(names)})"
                          for how, names in ways.items())  # fmt: skip
         toward = _toward(one["blocks"][0]["displacement"]) if one["blocks"] else ""
         rows.append(
-            (str(k), status_text(kind, one["status"]), said, toward, factor(one["fos"]), factor(one["static_bound"]))
+            (str(k), happens(kind, one["status"]), said, toward, factor(one["fos"]), factor(one["static_bound"]))
         )
     if rows:
         head = ("n", "what happens", "blocks", "the fastest toward", "factor", "bound")
@@ -142,17 +155,8 @@ def assembly_tables(document: Document) -> Iterator[Table]:
                 ), note.strip(), left=3,
             )  # fmt: skip
     yield from _columns(document, found["table"])
-    groups: dict[str, list[str]] = {}
-    for name, value in found["factor_by_block"].items():
-        groups.setdefault(factor(value), []).append(name)
-    if groups:
-        # with a number first, the lowest first
-        order = sorted(groups, key=lambda shown: (shown == "none", float(shown) if shown != "none" else 0.0))
-        by_block = tuple((shown, str(len(groups[shown])), names_in_runs(sorted(groups[shown], key=_natural), 6))
-                         for shown in order[:_MOST_ROWS])  # fmt: skip
-        note = "none: stays, or its mechanism was not asked for." if "none" in groups else ""
-        note += f" {len(order) - _MOST_ROWS} more factors are in the JSON." if len(order) > _MOST_ROWS else ""
-        yield Table("Factor by block", ("factor", "blocks", "which"), by_block, note.strip())
+    if table := block_table(found):
+        yield table
 
 
 def _columns(document: Document, table: list[Mapping[str, Any]]) -> Iterator[Table]:
@@ -278,11 +282,6 @@ def _vector(values: Any, digits: int) -> str:
 def _toward(values: Any) -> str:
     vector = np.array([float(value) for value in values])
     return line_in_words(line_of(vector)) if float(np.abs(vector).max()) > 0.0 else "-"
-
-
-def _natural(name: str) -> tuple[str, int, str]:
-    head = name.rstrip("0123456789")
-    return head, int(name[len(head) :] or 0), name
 
 
 def _left(items: Any) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from slopekit.views.report_tables import factor
+from slopekit.views.report_blocks import factor
 
 _KINDS = {
     "wedge": "wedge on two joints", "plane": "plane failure, per metre",
@@ -11,6 +11,7 @@ _KINDS = {
     "surface": "mass on a curved slip surface", "bench": "bench cut by joint sets", "blocks": "blocks of any shape",
     "topple": "toppling columns",
 }  # fmt: skip
+_SAME = 0.05  # percent
 
 
 def kind_words(kind: str) -> str:
@@ -25,37 +26,49 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     ----------
     status : the entry of the sheet, which says more than the document's own sentence
     """
-    agree, accepted, fos = document["agree"], document["accepted"], document["fos"]
-    check = {
-        True: ("the methods AGREE", "good"),
-        False: ("the methods DISAGREE", "bad"),
-        None: ("no closed form to compare", "plain"),
-    }
-    if document["status"] == "not_converged":
-        check[None] = ("did not converge", "bad")
-    criterion = document["inputs"].get("criterion", "limit")
-    value, name = fos["limit"], "limit, PRE-IE"
-    if (
-        criterion == "all-pairs"
-        and fos["all_pairs_failed"] is not None
-        and value is not None
-        and fos["all_pairs_failed"] < value
-    ):
-        name = f"limit, PRE-IE; all pairs failed {factor(fos['all_pairs_failed'])} governs acceptance"
+    fos, value = document["fos"], document["fos"]["limit"]
+    accepted = document["accepted"]
     judged = {
         True: ("acceptance MET", "good"),
         False: ("acceptance NOT MET", "bad"),
         None: ("no acceptance rule given", "plain"),
     }
-    badges = [check[agree], judged[accepted]]
+    badges = [_check_badge(document), judged[accepted]]
     if document["moments_govern"]:
         badges.append(("moments govern", "warn"))
     if count := len(document["warnings"]):
         badges.append((f"{count} notice{'s' if count > 1 else ''}", "warn"))
     return {
         "status": " ".join(status) or document["status_text"], "factor": factor(value), "is_number": value is not None,
-        "what": name, "badges": badges,
+        "what": f"limit, PRE-IE{_what_governs(document, fos)}", "badges": badges,
     }  # fmt: skip
+
+
+def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
+    """What came of the check of the two methods. The status goes first: without convergence nothing was compared."""
+    agree = document["agree"]
+    if document["status"] == "not_converged":
+        return "did not converge: no number", "bad"
+    if agree is None:
+        return "no closed form to compare", "plain"
+    if not agree:
+        return "the methods DISAGREE", "bad"
+    if document["moments_govern"]:  # what agrees is not the answer
+        return "the methods AGREE on forces alone", "plain" if document["fos"]["limit"] is None else "good"
+    return "the methods AGREE", "good"
+
+
+def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:
+    """The number that acceptance is held against, where it is not the limit."""
+    limit, lowest, pairs = fos["limit"], document.get("lowest_limit"), fos["all_pairs_failed"]
+    if limit is None:
+        return ""
+    governs = "governs acceptance"
+    lower = limit if lowest is None else min(lowest, limit)
+    if document["inputs"].get("criterion", "limit") == "all-pairs" and pairs is not None and pairs < lower:
+        found = "" if lowest is None else f"; the lowest limit state found, {factor(lowest)}"
+        return f"{found}; all pairs failed {factor(pairs)} {governs}"
+    return "" if lowest is None else f"; the lowest limit state found, {factor(lowest)}, {governs}"
 
 
 def meaning(document: Mapping[str, Any]) -> list[str]:
@@ -66,19 +79,17 @@ def meaning(document: Mapping[str, Any]) -> list[str]:
     if status == "not_converged":
         return ["The analysis did not converge: there is no number to use."]
     if document["moments_govern"]:
-        found.append(
-            f"Moments govern: with them the limit is {factor(fos['limit'])}, forces alone give "
-            f"{factor(document['forces_only'])}. The closed form balances forces only and does not see this; "
-            "the limit is the number to use. The comparison that follows is on the closed form's own assumptions."
-        )
+        found.append(_moments(document))
     if agree is None:
-        found.append(
-            "Nothing independent was compared: no closed form covers this design. The number rests on PRE-IE alone, "
-            "its balance of forces and its bound; slopekit check looks closer."
-        )
+        found.append(_alone(document))
     elif document["difference"] is None:
+        same = (
+            "Neither method finds a factor of safety."
+            if status == "topples"
+            else ("Both methods give no factor of safety, for the same reason.")
+        )
         found.append(
-            "Both methods give no factor of safety, for the same reason." if agree
+            same if agree
             else "One method gives a factor of safety, the other none: neither is to be used before that is explained."
         )  # fmt: skip
     else:
@@ -91,9 +102,43 @@ def meaning(document: Mapping[str, Any]) -> list[str]:
             "be used before that is explained."
         )  # fmt: skip
     if fos["static_bound"] is not None and fos["limit"]:
-        more = (fos["static_bound"] / fos["limit"] - 1.0) * 100.0
-        found.append(
-            f"The static bound lies {more:.1f} % above the limit: it lets joints dilate, and is unsafe as an answer."
-            if more >= 0.05 else "The static bound is no higher than the limit."
-        )  # fmt: skip
+        found.append(_bound((fos["static_bound"] / fos["limit"] - 1.0) * 100.0))
     return found
+
+
+def _moments(document: Mapping[str, Any]) -> str:
+    limit, alone = document["fos"]["limit"], factor(document["forces_only"])
+    if limit is None:
+        return (
+            f"Moments govern: with them there is no factor of safety, forces alone give {alone}. The closed form "
+            "balances forces only and does not see this: its factor is not to be used. The comparison that follows is "
+            "on its own assumptions."
+        )
+    return (
+        f"Moments govern: with them the limit is {factor(limit)}, forces alone give {alone}. The closed form balances "
+        "forces only and does not see this; the limit is the number to use. The comparison that follows is on the "
+        "closed form's own assumptions."
+    )
+
+
+def _alone(document: Mapping[str, Any]) -> str:
+    """What a result rests on where nothing was compared."""
+    fos, said = document["fos"], "Nothing independent was compared: no closed form covers this design."
+    if fos["limit"] is None:
+        return f"{said} There is no number; what is said of the slope rests on PRE-IE alone."
+    rests = ["its balance of forces"] if document["balance"] is not None else []
+    rests += ["its bound"] if fos["static_bound"] is not None else []
+    on = f" ({' and '.join(rests)})" if rests else ""
+    return f"{said} The number rests on PRE-IE alone{on}; slopekit check looks closer."
+
+
+def _bound(percent: float) -> str:
+    """Where the static bound lies, in percent above the limit."""
+    if abs(percent) < _SAME:
+        return "The static bound is practically the same as the limit."
+    if percent < 0.0:
+        return (
+            f"The static bound lies {-percent:.2g} % below the limit, which an upper bound cannot: neither is known "
+            "better than that."
+        )
+    return f"The static bound lies {percent:.1f} % above the limit: it lets joints dilate, and is unsafe as an answer."

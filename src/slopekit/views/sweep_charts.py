@@ -9,7 +9,21 @@ from typing import Any
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Method, point_from_record
 from slopekit.studies.solve import factor_at
-from slopekit.views.drawing import BLUE, BOX, DARK, GREY, RED, dressed, nothing, short, title_of
+from slopekit.views.drawing import (
+    BLUE,
+    BOX,
+    DARK,
+    GREY,
+    RED,
+    Damaged,
+    dressed,
+    hide_cut,
+    logarithmic,
+    nothing,
+    short,
+    stretches,
+    title_of,
+)  # fmt: skip
 from slopekit.views.sweep_sheet import METHODS, cell
 
 Document = Mapping[str, Any]
@@ -18,6 +32,10 @@ _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
 _TOO_FEW = "too few points have a factor of safety"
+_NOW: dict[str, Any] = {
+    "marker": "*", "markersize": 13, "color": DARK, "markerfacecolor": "white", "linestyle": "none", "clip_on": False,
+    "zorder": 5, "label": "the design as it is",
+}  # fmt: skip
 _BRIEF = {
     "slides_on_both": "both planes", "slides_on_J1": "J1", "slides_on_J2": "J2", "no_driving_force": "nothing drives",
     "slides_up": "up", "not_converged": "no convergence",
@@ -50,6 +68,8 @@ class _Swept:
         """For each value of the second key (None without one) the points by the first, in rising order."""
         first = self.keys[0]["values"]
         others = self.keys[1]["values"] if len(self.keys) > 1 else [None]
+        if len(self.points) != len(first) * len(others):
+            raise Damaged(f"has {len(self.points)} points for {len(first) * len(others)} values")
         return [
             (other, sorted(zip(first, self.points[k * len(first) : (k + 1) * len(first)], strict=True),
                            key=lambda pair: pair[0]))
@@ -84,7 +104,7 @@ def draw_curve(figure: Any, document: Document) -> None:
         nothing(_TOO_FEW)
     axes = figure.subplots()
     if max(numbers) > _WIDE * min(numbers):
-        _logarithmic(axes)
+        logarithmic(axes)
     both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
     styles: dict[Method, dict[str, Any]] = {
         "closed_form": {"color": RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
@@ -92,7 +112,7 @@ def draw_curve(figure: Any, document: Document) -> None:
         "pre_ie": {"color": BLUE, "linewidth": 1.4, "marker": "o", "markersize": 5.0},
     }  # fmt: skip
     for method in reversed(swept.asked):
-        for stretch in _stretches(drawn[method]):
+        for stretch in stretches(drawn[method]):
             axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
             axes.plot(*zip(*stretch, strict=True), **styles[method] | {"marker": ""})
         axes.plot([], [], **styles[method], label=METHODS[method])
@@ -109,9 +129,12 @@ def draw_curve(figure: Any, document: Document) -> None:
     if passes:
         axes.plot([], [], color=DARK, marker="D", markerfacecolor="white", linestyle="none",
                   label="passes the level (interpolated)")  # fmt: skip
+    own = _at(key["now"], drawn[swept.asked[0]])
+    if own is not None:
+        axes.plot([key["now"]], [own], **_NOW)
     axes.set_xlabel(_name(key))
     axes.set_ylabel("factor of safety")
-    _finish(figure, axes, swept.document)
+    _finish(figure, axes, swept.document, f"factor of safety over {short(key['key'])}")
 
 
 def draw_contour(figure: Any, document: Document) -> None:
@@ -145,7 +168,8 @@ def draw_contour(figure: Any, document: Document) -> None:
     filled = axes.contourf(across, down, shown, levels=steps, cmap=colours, norm=norm, extend="both")
     between = [step for step in steps if all(abs(step - level) > 0.01 * level for level in wanted)]
     thin = axes.contour(across, down, shown, levels=between, colors="#555555", linewidths=0.5)
-    for label in axes.clabel(thin, fontsize=7.5, fmt="%.4g", colors="black"):
+    labels = axes.clabel(thin, fontsize=7.5, fmt="%.4g", colors="black")
+    for label in labels:
         label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
     for (level, what), colour in zip(swept.levels, (RED, DARK, BLUE, GREY), strict=False):
         if low < level < high:
@@ -159,13 +183,14 @@ def draw_contour(figure: Any, document: Document) -> None:
         and _inside(first["now"], across)
         and _inside(second["now"], down)
     ):
-        axes.plot([first["now"]], [second["now"]], marker="*", markersize=13, color=DARK, markerfacecolor="white",
-                  linestyle="none", clip_on=False, zorder=5, label="the design as it is")  # fmt: skip
+        axes.plot([first["now"]], [second["now"]], **_NOW)
     axes.set_xlabel(_name(first))
     axes.set_ylabel(_name(second))
     axes.set_xlim(min(across), max(across))
     axes.set_ylim(min(down), max(down))
-    _finish(figure, axes, swept.document, margins=False)
+    what = f"factor of safety over {short(first['key'], 40)} and {short(second['key'], 40)}"
+    _finish(figure, axes, swept.document, what, margins=False)
+    hide_cut(figure, axes, labels)
 
 
 @dataclass(frozen=True)
@@ -221,17 +246,28 @@ def draw_tornado(figure: Any, document: Document) -> None:
     more = f"; {left} smaller ones left out" if left > 0 else ""
     said = f"factor of safety ({METHODS[method]}); upright line: {cell(base)} now{more}"
     axes.set_xlabel(f"{said}\n{document['rule']}", fontsize=8.5)
-    _finish(figure, axes, document, margins=False)
+    _finish(figure, axes, document, "what each number does to the factor of safety", margins=False)
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
 
 
-def _finish(figure: Any, axes: Any, document: Document, margins: bool = True) -> None:
+def _at(value: float | None, line: Sequence[tuple[float, float | None]]) -> float | None:
+    """The factor of the design as it is: that of its own point, or between its neighbours; None beyond them."""
+    if value is None:
+        return None
+    for (low, one), (high, other) in zip(line, line[1:] or line, strict=False):
+        if low <= value <= high and one is not None and other is not None and 0.0 < one < math.inf > other > 0.0:
+            share = (value - low) / (high - low) if high > low else 0.0
+            return one + share * (other - one)
+    return next((factor for at, factor in line if at == value and factor and math.isfinite(factor)), None)
+
+
+def _finish(figure: Any, axes: Any, document: Document, what: str, margins: bool = True) -> None:
     dressed(axes)
     if margins:
         axes.margins(x=0.04, y=0.08)
-    axes.set_title(title_of(document), fontsize=11)
+    axes.set_title(f"{title_of(document)}\n{what}", fontsize=10)
     if axes.get_legend_handles_labels()[1]:
         figure.legend(fontsize=8.5, loc="outside lower center", ncols=4, frameon=False)
 
@@ -250,27 +286,6 @@ def _shown(bar: Document) -> Sequence[str]:
 def _with_unit(value: float, unit: str, digits: int) -> str:
     text = f"{value:.{digits}g}"
     return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
-
-
-def _logarithmic(axes: Any) -> None:
-    """A logarithmic axis with numbers as people write them."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _stretches(line: Sequence[tuple[float, float | None]]) -> list[list[tuple[float, float]]]:
-    """Runs of neighbours that have a number."""
-    found: list[list[tuple[float, float]]] = [[]]
-    for value, factor in line:
-        if factor is not None and 0.0 < factor < math.inf:
-            found[-1].append((value, factor))
-        elif found[-1]:
-            found.append([])
-    return [run for run in found if run]
 
 
 def _moments(axes: Any, points: Sequence[tuple[float, Point]]) -> None:

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
-from slopekit.views.layers import ground_below, rock_around
-from slopekit.views.picture import BLOCK, JOINTS, MODE_COLOURS
+from slopekit.errors import DesignError, Fault
+from slopekit.views.picture import BLOCK, FALLS, JOINTS, MODE_COLOURS, ROCK, STANDS, UNSETTLED
+from slopekit.views.scene_parts import unsettled, without_strength
+from slopekit.views.stage import Stage
 
-#: Kinds whose scene is a section: looked at along the strike.
-_SECTIONS = ("topple", "blocks", "plane", "footing")
 _SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
 _FLAT = np.cos(np.radians(1.0))
 _FARTHEST = 0.25  # of the scene's size: the most that the mechanism's slider moves a block
@@ -35,8 +35,11 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
     DesignError
         E350 where its scene cannot be read. KeyError, TypeError, ValueError, IndexError where it is damaged.
     """
-    kind = document["kind"]
-    scene = _with_rock(BlockScene.from_dict(document["scene"]), document)
+    stage = read_stage(document)
+    scene = _with_rock(stage)
+    rock = len(scene.shapes.names) - len(
+        stage.scene.shapes.names
+    )  # drawn about a lone block, without a colour of its own
     shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
     vertices, triangles, owner = _owned(shapes.solids)
     middle, size = _middle(vertices if len(vertices) else shapes.contacts.corners)
@@ -48,9 +51,13 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "middle_m": [float(value) for value in middle],
         "size_m": size,
-        "look_from": _look_from(scene, kind),
+        "look_from": _look_from(stage.eye),
         "names": list(shapes.names), "faces": list(shapes.solids.faces), "joints": list(shapes.joints),
-        "palette": [_hex(colour) for colour in JOINTS], "block_colour": _hex(BLOCK),
+        "palette": [_hex(colour) for colour in JOINTS], "block_colour": _hex(BLOCK), "rock_colour": _hex(ROCK),
+        "falls_colour": _hex(FALLS), "unsettled_colour": _hex(UNSETTLED), "stands_colour": _hex(STANDS),
+        "plain": [_hex(colour) for colour in stage.block_colours().tolist()] + [_hex(ROCK)] * rock,
+        "falls": [*without_strength(stage).astype(int).tolist(), *[0] * rock],
+        "unsettled": [*unsettled(stage).astype(int).tolist(), *[0] * rock],
         "mode_colours": [_hex(MODE_COLOURS[mode]) for mode in MODES],
         "modes": list(MODES), "load_names": list(loads.names),
         "fixed": shapes.fixed.astype(int).tolist(), "order": scene.order.astype(int).tolist(),
@@ -72,16 +79,65 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _with_rock(scene: BlockScene, document: Mapping[str, Any]) -> BlockScene:
+def read_stage(document: Mapping[str, Any]) -> Stage:
+    """The stage of a document, its arrays fitting each other.
+
+    Raises
+    ------
+    DesignError
+        E350 where its scene cannot be read, or its arrays do not fit.
+    """
+    stage = Stage.of(document)
+    try:
+        fits = _fits(stage.scene) and all(isinstance(name, str) for name in stage.scene.shapes.names)
+        eye, inputs = stage.eye, document.get("inputs") or {}
+        fits = fits and eye.shape == (3,)
+        np.asarray(inputs.get("profile_m") or [], dtype=np.float64).reshape(-1, 2)
+    except (TypeError, ValueError, AttributeError, IndexError) as error:
+        raise _unfit(f"{type(error).__name__}: {error}") from None
+    if not fits:
+        raise _unfit("its arrays do not fit each other")
+    return stage
+
+
+def _unfit(why: str) -> DesignError:
+    advice = "Make the file again with slopekit run -o DIR."
+    return DesignError([Fault("E350", f"the scene of the result cannot be read ({why})", "", advice)])
+
+
+def _fits(scene: BlockScene) -> bool:
+    """Whether all arrays have the sizes and hold the indices that they need."""
+    shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
+    solids, contacts = shapes.solids, shapes.contacts
+    n, t, p, k, c = len(shapes.names), len(solids.triangles), len(pairs.joint), len(loads.what), len(contacts.joint)
+    sizes: list[tuple[Any, tuple[int, ...]]] = [
+        (shapes.fixed, (n,)), (shapes.centroids, (n, 3)), (scene.velocity, (n, 6)), (scene.order, (n,)),
+        (scene.factor, (n,)), (solids.vertices, (len(solids.vertices), 3)), (solids.triangles, (t, 3)),
+        (solids.block, (t,)), (solids.face, (t,)), (contacts.corners, (len(contacts.corners), 3)),
+        (contacts.first, (c + 1,)), (contacts.minus, (c,)), (contacts.joint, (c,)), (pairs.points_m, (p, 3)),
+        (pairs.control_area_m2, (p,)), (pairs.normals, (p, 3)), (pairs.plus, (p,)), (pairs.minus, (p,)),
+        (pairs.normal_kn, (p,)), (pairs.shear_kn, (p, 3)), (pairs.mode, (p,)), (loads.block, (k,)),
+        (loads.force_kn, (k, 3)), (loads.at_m, (k, 3)),
+    ]  # fmt: skip
+    indices: list[tuple[Any, int, int]] = [
+        (solids.triangles, 0, len(solids.vertices)), (solids.block, 0, n), (solids.face, -1, len(solids.faces)),
+        (contacts.minus, -1, n), (contacts.joint, 0, len(shapes.joints)),
+        (contacts.first, 0, len(contacts.corners) + 1),
+        (pairs.plus, -1, n), (pairs.minus, -1, n), (pairs.mode, 0, len(MODES)), (loads.block, -1, n),
+        (loads.what, 0, len(loads.names)),
+    ]  # fmt: skip
+    return all(np.shape(values) == size for values, size in sizes) and all(
+        not values.size or (values.min() >= low and values.max() < high) for values, low, high in indices
+    )
+
+
+def _with_rock(stage: Stage) -> BlockScene:
     """The scene with the rock about a lone block, which the analysis needs no block for, as one of bedrock."""
-    shapes, kind = scene.shapes, document["kind"]
-    body = None
-    if kind in ("wedge", "plane", "footing"):
-        body = rock_around(shapes)
-    elif kind == "surface" and document["inputs"].get("profile_m"):
-        body = ground_below(shapes, document["inputs"]["profile_m"])
-    if body is None:
+    scene, shapes = stage.scene, stage.scene.shapes
+    drawn = stage.rock() if stage.alone else []
+    if not drawn:
         return scene
+    body = drawn[0].vertices, drawn[0].triangles
     own = shapes.solids
     vertices, triangles, of = joined([(own.vertices, own.triangles), body])
     block = np.where(of == 0, np.append(own.block, np.zeros(len(body[1]), dtype=np.int64)), len(shapes.names))
@@ -219,16 +275,7 @@ def _triangulated(polygon: Floats) -> Ints:
     return count - 1 - index if turned else index
 
 
-def _look_from(scene: BlockScene, kind: str) -> list[float]:
-    """Bearing of the eye and its height above the horizon, degrees: from where the blocks move to, or the south."""
-    if kind in _SECTIONS and _is_section(scene.shapes.solids.vertices):
-        return [160.0, 15.0]
-    moving: Bools = ~scene.shapes.fixed
-    way = scene.velocity[moving, :3].sum(axis=0) if moving.any() else np.zeros(3)
-    if float(np.hypot(way[0], way[1])) < 1e-6:
-        return [150.0, 25.0]
-    return [float((np.degrees(np.arctan2(way[0], way[1])) + 30.0) % 360.0), 25.0]
-
-
-def _is_section(vertices: Floats) -> bool:
-    return bool(len(vertices) and np.ptp(vertices[:, 1]) < 0.3 * np.ptp(vertices[:, [0, 2]], axis=0).max())
+def _look_from(eye: Floats) -> list[float]:
+    """Bearing of the eye and its height above the horizon, degrees."""
+    bearing, above = np.degrees(np.arctan2(eye[0], eye[1])), np.degrees(np.arcsin(np.clip(eye[2], -1.0, 1.0)))
+    return [float(bearing % 360.0), float(above)]

@@ -1,6 +1,21 @@
 /* The rotatable view of slopekit's report: WebGL 1, no library, no network. MIT licence, as slopekit. */
 (function () {
   "use strict";
+  // tables that go on at a side say so
+  function sides() {
+    document.querySelectorAll(".wide").forEach(function (wide) {
+      var said = wide.nextElementSibling, own = said && said.classList.contains("aside");
+      if (own) { said.remove(); }
+      if (wide.scrollWidth > wide.clientWidth + 1) {
+        said = document.createElement("p");
+        said.className = "aside screen"; said.textContent = "Wider than the screen: move it sideways.";
+        wide.parentNode.insertBefore(said, wide.nextSibling);
+      }
+    });
+  }
+  window.addEventListener("resize", sides);
+  sides();
+
   var box = document.getElementById("view");
   if (!box) { return; }
   var canvas = box.querySelector("canvas");
@@ -42,7 +57,7 @@
 
   // -- colours: those of the other pictures -------------------------------------------------------------------------
   var PALETTE = data.palette;
-  var ROCK = "#c9c3b8", BLOCK = data.block_colour, GREY = "#b4b4b4";
+  var ROCK = data.rock_colour, BLOCK = data.block_colour, GREY = data.stands_colour;
   var MODE = data.mode_colours;
   var RAMP = { factor: ["#c8500a", "#f2d58a", "#0064a4"], order: ["#c8500a", "#e69f00", "#f0e442", "#56b4e9"],
     kpa: ["#fff7bc", "#fe9929", "#8c2d04"] };
@@ -270,10 +285,20 @@
     return tag;
   });
   function marks(axis, h) {
+    var places = [];
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach(function (way, j) {
       var x = 45 + 30 * dot(way, axis.right), y = 45 - 30 * dot(way, axis.up);
       axisLines[j].setAttribute("x2", x); axisLines[j].setAttribute("y2", y);
-      axisNames[j].setAttribute("x", 45 + 1.3 * (x - 45)); axisNames[j].setAttribute("y", 45 + 1.3 * (y - 45) + 4);
+      var at = [45 + 1.3 * (x - 45), 45 + 1.3 * (y - 45) + 4];
+      axisNames[j].setAttribute("x", at[0]); axisNames[j].setAttribute("y", at[1]);
+      places[j] = at;
+    });
+    [1, 0, 2].forEach(function (j, turn, order) {  // north first; what would lie on another name is left out
+      var free = order.slice(0, turn).every(function (i) {
+        return axisNames[i].style.display === "none" || Math.abs(places[i][0] - places[j][0]) > 17 ||
+          Math.abs(places[i][1] - places[j][1]) > 14;
+      });
+      axisNames[j].style.display = free ? "" : "none";
     });
     var perPixel = 2 * h / Math.max(canvas.clientHeight, 1), wide = 110 * perPixel;
     var power = Math.pow(10, Math.floor(Math.log(wide) / Math.LN10)), first = wide / power;
@@ -315,13 +340,23 @@
       if (by === "block") { return rgb(PALETTE[block % PALETTE.length]); }
       if (by === "factor") {
         var own = data.factor[block];
+        if (data.unsettled[block]) { return rgb(data.unsettled_colour); }
+        if (own === null && data.falls[block]) { return rgb(data.falls_colour); }
         return own === null ? rgb(GREY) : ramp(RAMP.factor, ends[1] > ends[0] ? (own - ends[0]) / (ends[1] - ends[0]) : 0);
       }
       if (by === "order") {
         var place = data.order[block];
+        if (data.unsettled[block]) { return rgb(data.unsettled_colour); }
         return place ? ramp(RAMP.order, last > 1 ? (place - 1) / (last - 1) : 0) : rgb(GREY);
       }
-      return rgb(BLOCK);
+      return rgb(data.plain[block]);
+    }
+    function any(wanted) { return data.fixed.some(function (fixed, j) { return !fixed && wanted(j); }); }
+    function special(falls) {
+      if (falls && any(function (j) { return data.falls[j] && data.factor[j] === null; })) {
+        parts.push(key(data.falls_colour, "fails whatever the strength"));
+      }
+      if (any(function (j) { return data.unsettled[j]; })) { parts.push(key(data.unsettled_colour, "not settled")); }
     }
     var list = [];
     owner.blocks.forEach(function (triangle) { var c = of(triangle); for (var j = 0; j < 3; j++) { list.push(c[0], c[1], c[2]); } });
@@ -330,13 +365,18 @@
       data.faces.forEach(function (name, j) { parts.push(key(faceColour(j), name)); });
     } else if (by === "factor") {
       if (isFinite(ends[0])) { parts.push(scale(RAMP.factor, ends[0], ends[1], " factor of safety")); }
-      if (data.factor.some(function (f, j) { return f === null && !data.fixed[j]; })) { parts.push(key(GREY, "no number")); }
+      special(true);
+      if (any(function (j) { return data.factor[j] === null && !data.falls[j] && !data.unsettled[j]; })) {
+        parts.push(key(GREY, "no number: stays, or not asked"));
+      }
     } else if (by === "order") {
       if (last > 1) { parts.push(scale(RAMP.order, 1, last, " (1 fails first)")); }
       if (last === 1) { parts.push(key(css(ramp(RAMP.order, 0)), "fails first")); }
-      if (data.order.some(function (o, j) { return !o && !data.fixed[j]; })) {
-        parts.push(key(GREY, last ? "stays, or not asked" : "no mechanism"));
-      }
+      special(false);
+      if (any(function (j) { return !data.order[j]; })) { parts.push(key(GREY, last ? "stays, or not asked" : "no mechanism")); }
+    } else if (by === "plain" && moving > 1) {
+      if (any(function (j) { return data.order[j] === 1; })) { parts.push(key(BLOCK, "moves first")); }
+      if (any(function (j) { return data.order[j] !== 1; })) { parts.push(key(GREY, "other blocks")); }
     }
     if (ticked("v-joints")) {
       data.joints.forEach(function (name, j) {
@@ -434,7 +474,44 @@
   });
 
   // what is printed is what was looked at last
-  function keep() { draw(); still.src = canvas.toDataURL("image/png"); still.hidden = false; }
+  function keep() {
+    draw();
+    var paper = document.createElement("canvas"), pen = paper.getContext("2d");
+    paper.width = canvas.width; paper.height = canvas.height;
+    pen.drawImage(canvas, 0, 0);
+    var wide = canvas.clientWidth, high = canvas.clientHeight, sharp = canvas.width / Math.max(wide, 1);
+    pen.scale(sharp, sharp);
+    function write(text, x, y, colour, font) {
+      pen.font = font; pen.textAlign = "center"; pen.lineWidth = 3; pen.strokeStyle = "#fff"; pen.fillStyle = colour;
+      pen.strokeText(text, x, y); pen.fillText(text, x, y);
+    }
+    function line(points, colour, width) {
+      pen.beginPath(); pen.strokeStyle = colour; pen.lineWidth = width;
+      points.forEach(function (p, j) { if (j) { pen.lineTo(p[0], p[1]); } else { pen.moveTo(p[0], p[1]); } });
+      pen.stroke();
+    }
+    var left = 4, top = high - 94, name, length;
+    axisLines.forEach(function (own, j) {
+      var colour = own.getAttribute("stroke");
+      line([[left + 45, top + 45], [left + Number(own.getAttribute("x2")), top + Number(own.getAttribute("y2"))]],
+        colour, Number(own.getAttribute("stroke-width")));
+      name = axisNames[j];
+      if (name.style.display !== "none") {
+        write(name.textContent, left + Number(name.getAttribute("x")), top + Number(name.getAttribute("y")), colour,
+          (j === 1 ? "bold " : "") + "12px sans-serif");
+      }
+    });
+    tags.forEach(function (tag) {
+      if (tag && !tag.hidden) { write(tag.textContent, parseFloat(tag.style.left), parseFloat(tag.style.top) + 4, "#1c1c1c", "11px sans-serif"); }
+    });
+    length = parseFloat(document.getElementById("scale-bar").style.width);
+    line([[wide - 14 - length, high - 17], [wide - 14 - length, high - 12], [wide - 14, high - 12], [wide - 14, high - 17]], "#1c1c1c", 1.5);
+    write(document.getElementById("scale-text").textContent, wide - 14 - length / 2, high - 21, "#1c1c1c", "12px sans-serif");
+    still.src = paper.toDataURL("image/png"); still.hidden = false;
+    var below = document.getElementById("view-still-legend");
+    below.textContent = "";
+    Array.prototype.forEach.call(legend.childNodes, function (part) { below.appendChild(part.cloneNode(true)); });
+  }
   window.addEventListener("beforeprint", keep);
 
   data.modes.forEach(function (mode, j) {

@@ -1,0 +1,128 @@
+"""What of a result a design of kind blocks cannot say, in words."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from slopekit.exchange.source import Source
+from slopekit.exchange.strengths import Joint, Pair
+
+#: Kinds of one block, whose bedrock stands in slabs.
+ONE_BLOCK = ("wedge", "plane", "footing")
+#: What acceptance can name in a design of kind blocks; the last only where its criterion is asked for.
+_RULES = ("fos", "fos.limit", "fos.static_bound")
+_ALL_PAIRS = "fos.all_pairs_failed"
+_SHOWN = 3
+
+
+def acceptance(inputs: Mapping[str, Any]) -> tuple[list[str], list[str]]:
+    """The acceptance rules that kind blocks can judge, and in words those it cannot."""
+    known = (*_RULES, _ALL_PAIRS) if inputs.get("criterion") == "all-pairs" else _RULES
+    kept: list[str] = []
+    lost: list[str] = []
+    for one in inputs.get("rules", ()):
+        text = f"{one['name']} {one['relation']} {one['value']!r}"
+        (kept if one["name"] in known else lost).append(text)
+    if not lost:
+        return kept, []
+    word = "acceptance" if len(lost) == 1 else f"{len(lost)} rules of acceptance"
+    return kept, [f"{word} ({', '.join(lost)}): kind blocks has no such factor"]
+
+
+def lost_of_criterion(source: Source) -> list[str]:
+    """The all-pairs factor of one block is sought in another way than that of many."""
+    inputs, kind = source.document["inputs"], source.document["kind"]
+    if inputs.get("criterion") != "all-pairs" or kind not in ONE_BLOCK:
+        return []
+    found = (source.document.get("fos") or {}).get("all_pairs_failed")
+    here = "here none was found" if found is None else f"here it is {found:.6g}"
+    return [f"the search for all pairs failed: kind blocks has its own, compare that factor ({here})"]
+
+
+def lost_of_mixed(source: Source, mixed: Sequence[str], pressures: Mapping[Pair, float]) -> list[str]:
+    """Interfaces that had several strengths or pressures and have one here."""
+    if not mixed:
+        return []
+    if source.document["kind"] == "topple":  # riser and base share a strength: they differ in water alone
+        shown = [f"{'/'.join(pair)} {value:g} kPa" for pair, value in pressures.items() if "/".join(pair) in mixed]
+        got = f" ({_some(shown)})" if shown else ""
+        return [
+            f"dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part{got}"
+        ]
+    return [f"{len(mixed)} interfaces with several strengths or pressures have that of the largest part "
+            f"({_some(mixed)})"]  # fmt: skip
+
+
+def lost_of_columns(source: Source) -> list[str]:
+    """What differs for columns on a stepped base, or in rows."""
+    document, inputs = source.document, source.document["inputs"]
+    if document["kind"] != "topple":
+        return []
+    lost = []
+    if inputs["base_step_m"] and _falls_freely(inputs):
+        effect = "will be higher"
+        if any(inputs["pressures_kpa"]):  # water on the risers may lower it again
+            effect = "may be higher"
+        lost.append(f"that the risers of the base hold nothing: the factor {effect}, which is not on the safe side: "
+                    "risers push back there")  # fmt: skip
+    if inputs["rows"] > 1:
+        lost.append("that rows do not touch: here smooth joints lie between them")
+    return lost
+
+
+def _falls_freely(inputs: Mapping[str, Any]) -> bool:
+    """Whether the limit was found without the risers: nothing but weight and an earthquake out of the slope acts."""
+    trend = inputs["seismic"]["trend_deg"]
+    return not inputs["forces"] and not inputs["bolts"] and (trend is None or trend > 180.0)
+
+
+def rows_apart(source: Source) -> list[Pair]:
+    """Pairs of columns that lie side by side in neighbouring rows."""
+    inputs = source.document["inputs"]
+    if source.document["kind"] != "topple" or inputs["rows"] == 1:
+        return []
+    count, names = len(inputs["heights_m"]), source.scene.shapes.names
+    return [(names[k], names[k + count]) for k in range(count * (inputs["rows"] - 1))]
+
+
+def load_name(source: Source, word: str) -> str:
+    """The name of a load as its design numbers it: forces, and bolts of both sorts in one row.
+
+    A scene numbers active and passive bolts each for themselves, and in assemblies bolts after forces.
+    """
+    inputs = source.document["inputs"]
+    bolts = inputs.get("bolts", ())
+    name, _, number = word.partition(",")[0].rpartition(" ")
+    if not number.isdigit():
+        return word
+    at = int(number)
+    if name in ("active bolt", "passive bolt"):
+        own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == name.split()[0]]
+        return f"bolt {own[at - 1]}" if at <= len(own) else word
+    forces = len(inputs.get("forces", ()))
+    return f"bolt {at - forces}" if name == "force" and forces < at <= forces + len(bolts) else word
+
+
+def lost_of_loads(passive: Sequence[str], away: Sequence[str]) -> list[str]:
+    """Loads by their names that kind blocks cannot have, or whose block was not chosen."""
+    lost = []
+    if passive:
+        verb = "is passive" if len(passive) == 1 else "are passive"
+        lost.append(f"{', '.join(passive)}, which {verb} (kind blocks takes active bolts)")
+    if away:
+        verb = "acts on a block" if len(away) == 1 else "act on blocks"
+        lost.append(f"{', '.join(away)}, which {verb} not chosen")
+    return lost
+
+
+def pressures_of(
+    source: Source, joints: Mapping[str, Joint], of_pair: Mapping[Pair, str], files: Mapping[str, str]
+) -> dict[Pair, float]:
+    """Mean water pressures (kPa) of pairs; those of single blocks act as forces."""
+    if source.document["kind"] == "blocks":
+        given = source.document["inputs"]["pressures_kpa"]
+        return {(a, b): value for a, b, value in given if a in files and b in files}
+    return {pair: joints[joint].pressure for pair, joint in of_pair.items() if joints[joint].pressure}
+
+
+def _some(texts: Sequence[str]) -> str:
+    return ", ".join(texts[:_SHOWN]) + (", …" if len(texts) > _SHOWN else "")

@@ -1,0 +1,176 @@
+"""The report of results without a limit, with several, without comparison: what it says has to be so."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.analysis.stages import compare
+from slopekit.block_scene import packed
+from slopekit.design.templates import path_of
+from slopekit.views import picture
+from slopekit.views import report as room
+from slopekit.views import viewer_data as viewer
+from slopekit.views.report import report_of
+from slopekit.views.report_blocks import block_table
+from slopekit.views.report_inputs import input_tables
+from slopekit.views.report_tables import force_tables
+from slopekit.views.report_words import meaning
+from slopekit.views.sheet import document_of
+from slopekit.views.stage import Stage
+from slopekit.views.viewer_data import viewer_data
+from tests.views import scenes
+from tests.views.test_report import document, page, words
+
+pytest.importorskip("jinja2")
+
+
+def test_without_convergence_nothing_was_compared() -> None:
+    """The combination that a result has: `compare` gives (None, False), which is no disagreement of two numbers."""
+    closed = SimpleNamespace(status="slides_on_both", factor=1.2, why_not="")
+    difference, agree = compare(None, "not_converged", closed, 0.01)
+    assert (difference, agree) == (None, False)
+    found = document("wedge") | {"status": "not_converged", "agree": agree, "difference": difference}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "did not converge: no number" in seen
+    assert "DISAGREE" not in seen
+
+
+def no_limit(**more) -> dict:
+    """A wet wedge that moments turn over: forces alone agree, there is no limit."""
+    found = json.loads(json.dumps(document("wet")))
+    found["fos"] |= {"limit": None, "static_bound": None}
+    return found | {"moments_govern": True, "forces_only": 0.1986, "status": "topples", "balance": None} | more
+
+
+def test_the_lowest_limit_state_is_in_the_headline_and_the_table() -> None:
+    found = document("goodman-bray") | {"lowest_limit": 0.9187}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "limit, PRE-IE; the lowest limit state found, 0.9187, governs acceptance" in seen
+    assert "lowest limit state found 0.9187 the limit state is not the only one (W348)" in seen
+    assert "lowest limit state" not in words(page("goodman-bray"))
+    found = found | {"inputs": found["inputs"] | {"criterion": "all-pairs"}}
+    found["fos"] = found["fos"] | {"all_pairs_failed": 0.5}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "the lowest limit state found, 0.9187; all pairs failed 0.5000 governs acceptance" in seen
+
+
+def test_without_a_limit_no_number_is_praised() -> None:
+    seen = words(report_of(no_limit(), with_pictures=False).html)
+    for text in ("with them there is no factor of safety, forces alone give 0.1986", "is not to be used",
+                 "the methods AGREE on forces alone", "static bound none not found",
+                 "No limit state was found: what the joints carry is not known"):  # fmt: skip
+        assert text in seen, text
+    for text in ("the number to use", "limit is none", "at the limit.", "N' / kN", "mean σ'", "its bound",
+                 "moments lower the limit"):  # fmt: skip
+        assert text not in seen, text
+    assert 'class="badge good">the methods' not in report_of(no_limit(), with_pictures=False).html
+
+
+def test_what_a_number_without_comparison_rests_on() -> None:
+    found = document("wedge") | {"agree": None, "difference": None}
+    assert "PRE-IE alone (its balance of forces and its bound)" in meaning(found)[0]
+    bare = found | {"fos": found["fos"] | {"static_bound": None}}
+    assert "PRE-IE alone (its balance of forces);" in meaning(bare)[0]
+    none = found | {"fos": dict.fromkeys(found["fos"])}
+    assert "There is no number" in meaning(none)[0]
+
+
+@pytest.mark.parametrize(
+    ("bound", "said"), [(21.8889, "practically the same"), (21.8836, "practically the same"),
+                        (22.9778, "lies 5.0 % above"), (20.0, "8.6 % below the limit, which an upper bound cannot")],
+)  # fmt: skip
+def test_where_the_static_bound_lies(bound, said) -> None:
+    found = document("wedge")
+    assert said in meaning(found | {"fos": found["fos"] | {"limit": 21.8836, "static_bound": bound}})[-1]
+
+
+def test_pressure_on_a_curved_surface_is_the_designs() -> None:
+    """The resultant of 5 kPa on a bowl, divided by its area, is less than 5 kPa: a sum of vectors has no mean."""
+    found = json.loads(json.dumps(document("cylinder")))
+    (name,) = found["geometry"]["areas_m2"]
+    found["inputs"]["water"] |= {"mode": "pressures", "pressures_kpa": [5.0]}
+    found["forces_kn"]["water"] = {name: 4.555 * found["geometry"]["areas_m2"][name]}
+    table = next(force_tables(found))
+    assert table.rows[0][-1] == "5"
+    assert "resultant" in table.note
+
+
+def test_why_a_block_has_no_factor() -> None:
+    names = [f"B{k}" for k in range(1, 7)]
+    found = scenes_of_none(names)
+    table = {row[0]: row[2] for row in block_table(found["assembly"]).rows}
+    assert table == {"1.2500": "B1, B2", "none: fails whatever the strength": "B3", "not settled": "B4"}
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "was not asked for" not in seen
+    assert "not settled: its factor is no answer" in seen
+    data = viewer_data(found)
+    assert data["falls"] == [0, 0, 1, 0, 0, 0]
+    assert data["unsettled"] == [0, 0, 0, 1, 0, 0]
+
+
+def scenes_of_none(names: list[str]) -> dict:
+    """A bench by hand: one mechanism with a factor, one that falls whatever the strength, one that did not settle."""
+    found = [
+        scenes.mechanism("slides", 1.25, scenes.motions(names[:2], "slides")),
+        scenes.mechanism("falls", None, scenes.motions(names[2:3], "falls")),
+        scenes.mechanism("not_converged", 1.5, scenes.motions(names[3:4], "topples")),
+    ]
+    made = json.loads(json.dumps(document_of(scenes.result(sk.load(path_of("bench")), found, names, fixed=names[5:]))))
+    made["scene"]["shapes"]["centroids"] = packed(np.zeros((len(names), 3)))
+    made["assembly"]["factor_by_block"] = {names[0]: 1.25, names[1]: 1.25, names[2]: None}
+    return made
+
+
+@pytest.mark.parametrize("face", ["60/180", "60/090", "60/035"])
+def test_the_view_looks_as_the_stills_do(face) -> None:
+    """A section is seen along its strike whatever way it faces; from its right, so that out of the slope is right."""
+    found = json.loads(json.dumps(document("plane")))
+    found["inputs"]["face"] = face
+    bearing, above = np.radians(viewer_data(found)["look_from"])
+    eye = np.array([np.sin(bearing) * np.cos(above), np.cos(bearing) * np.cos(above), np.sin(above)])
+    np.testing.assert_allclose(eye, Stage.of(found).eye, atol=1e-12)
+    toward = np.radians(float(face[-3:]))
+    assert abs(eye @ [np.sin(toward), np.cos(toward), 0.0]) < 0.25
+
+
+def test_the_view_has_the_colours_of_the_stills() -> None:
+    found = document("goodman-bray")
+    data, order = viewer_data(found), Stage.of(found).scene.order
+    first, other = ("#" + "".join(f"{part:02x}" for part in colour) for colour in (picture.BLOCK, picture.STANDS))
+    assert data["plain"] == [first if place == 1 else other for place in order]
+    assert len(set(data["plain"])) == 2
+
+
+def test_inputs_as_the_sheet_has_them() -> None:
+    seen = words(page("wet"))
+    assert "splits" not in seen
+    assert "mode full" not in seen
+    split = input_tables(document("wedge")["inputs"] | {"refine": 1})
+    assert any(("splits of the triangles asked for", "1") in table.rows for table in split)
+    plane = input_tables(document("plane")["inputs"])
+    assert ("water", "dry") not in [row for table in plane for row in table.rows]
+
+
+def test_a_fault_of_the_program_is_no_damage(monkeypatch) -> None:
+    """What breaks after the document was read is a bug, and is not blamed on the file."""
+
+    def broken(*_):
+        raise ValueError("a bug")
+
+    for module, name in ((room, "_rendered"), (room, "_verification"), (viewer, "_edges"), (viewer, "_explode")):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, broken)
+            with pytest.raises(ValueError, match="a bug"):
+                report_of(document("wedge"), with_pictures=False)
+
+
+@pytest.mark.parametrize("part", ["velocity", "order", "factor"])
+def test_arrays_that_do_not_fit_are_damage(part) -> None:
+    found = json.loads(json.dumps(document("wedge")))
+    found["scene"][part] = packed(np.zeros((3, 2)))
+    made = report_of(found, with_pictures=False)
+    assert [notice.code for notice in made.notices] == ["W372"]
+    assert "do not fit" in made.notices[0].message
