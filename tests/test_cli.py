@@ -98,7 +98,7 @@ def test_faults_go_to_stderr_and_into_the_json() -> None:
 
 
 def test_quiet_and_output_folder(tmp_path) -> None:
-    run = slopekit(*PAPER, "--quiet", "-o", str(tmp_path / "new"))
+    run = slopekit(*PAPER, "--quiet", "--no-pictures", "-o", str(tmp_path / "new"))
     assert run.stdout == "slides_on_both  1.5574  agree\n"
     assert json.loads((tmp_path / "new/result.json").read_text())["status"] == "slides_on_both"
     assert (tmp_path / "new/sheet.txt").read_text().startswith("slopekit ")

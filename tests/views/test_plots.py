@@ -322,10 +322,15 @@ def test_offers(scattered) -> None:
 
 def test_whole_documents_have_what_pictures_need(scattered) -> None:
     """What slopekit writes is never called damaged."""
-    swept = [sk.sweep(sk.load(WEDGE), keys) for keys in (
+    swept = [sk.sweep(sk.load(WEDGE), keys, methods="closed-form") for keys in (
         {"slope.face.dip": [20, 60, 80]}, {"slope.face.dip": [60, 80], "water.fill": [0, 1]})]  # fmt: skip
     runs = [sk.run(path_of(name)) for name in ("paper-wedge", "paper-footing", "plane", "bench", "blocks", "topple")]
-    studies = [*swept, *runs, sk.tornado(sk.load(WEDGE)), sk.kinematic(["40/175", "35/090"], face="65/180")]
+    studies = [
+        *swept,
+        *runs,
+        sk.tornado(sk.load(WEDGE), methods="closed-form"),
+        sk.kinematic(["40/175", "35/090"], face="65/180"),
+    ]
     for document in (scattered, *map(plain, studies)):
         for what in offers(document):
             assert misfit(document, need_of(what, document.get("kind") == "kinematic")) == "", what

@@ -251,8 +251,9 @@ def _dask(address: str) -> Iterator[Executor]:
         except TimeoutError:
             advice = "Start workers with dask worker and the address of the scheduler."
             raise DesignError([Fault("E301", f"the scheduler at {address} has no worker", "", advice)]) from None
-        versions = set(client.run(_version_here, on_error="return").values())
-        wrong = sorted(str(version) for version in versions if version != __version__)
+        answers = client.run(_version_here, on_error="return").values()
+        # a worker that went away just now has no version; the others do its work
+        wrong = sorted({str(found) for found in answers if found != __version__ and not isinstance(found, OSError)})
         if wrong:
             message = f"workers of {address} have not this slopekit ({__version__}): {', '.join(wrong)}"
             raise DesignError([Fault("E306", message, "", "Install the same slopekit on every worker.")])
