@@ -208,12 +208,14 @@ def _draw_all(record: dict[str, Any], folder: Path, plain: bool) -> None:
     except OSError as error:
         message = f"{folder} holds pictures of an earlier result: {error.strerror or error}"
         raise DesignError([Fault("E129", message, str(folder))]) from None
-    if plain:
-        if old:
-            typer.echo(
-                f"pictures of an earlier result were removed: {', '.join(f'{name}.png' for name in old)}", err=True
-            )
-        return
+    drawn = [] if plain else _drawn(record, folder)
+    gone = ", ".join(f"{name}.png" for name in old if name not in drawn)
+    if gone:
+        typer.echo(f"pictures of an earlier result were removed: {gone}", err=True)
+
+
+def _drawn(record: dict[str, Any], folder: Path) -> list[str]:
+    """Draw what the result can give; the names of what was drawn."""
     from slopekit.views.plots import offers
     from slopekit.views.rendering import require_drawing
 
@@ -221,14 +223,14 @@ def _draw_all(record: dict[str, Any], folder: Path, plain: bool) -> None:
         require_drawing(folder)
     except DesignError as error:  # everything else is there: say once what is missing
         (fault,) = error.faults
-        typer.echo(
-            f"result.json and sheet.txt are written, pictures are left out: {fault.code} {fault.message}", err=True
-        )
-        return
+        left = f"pictures are left out: {fault.code} {fault.message}"
+        typer.echo(f"result.json and sheet.txt are written, {left}", err=True)
+        return []
     given = offers(record)
     for what in _PICTURES:
         if what in given:
             draw_to(record, what, folder / f"{what}.png")
+    return [what for what in _PICTURES if (folder / f"{what}.png").exists()]
 
 
 def _scene_of(picture: str | None) -> Path | None:
