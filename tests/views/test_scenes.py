@@ -386,3 +386,18 @@ def test_run_draws_into_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     one = CliRunner().invoke(app, ["run", str(path_of("footing")), "--quiet", "--picture", str(tmp_path / "one.glb")])
     assert one.exit_code == 1  # the acceptance rule of the template is not met, and it is drawn all the same
     assert (tmp_path / "one.glb").stat().st_size > 1000
+
+
+def test_the_scale_bar_is_true(tmp_path: Path) -> None:
+    """The bar of 50 m against the pixels that the whole scene takes across."""
+    import matplotlib.image
+
+    picture = made("wedge", "exploded")
+    draw(document("wedge"), "exploded", tmp_path / "a.png")
+    pixels = matplotlib.image.imread(tmp_path / "a.png")[:, :, :3]
+    seen = np.flatnonzero((pixels[90:700, :800] < 0.97).any(axis=(0, 2)))
+    right = np.cross([0.0, 0.0, 1.0], picture.eye)
+    points = np.concatenate([layer.vertices[layer.triangles.ravel()] for layer in picture.layers])
+    per_metre = (seen[-1] - seen[0] + 1) / np.ptp(points @ (right / np.linalg.norm(right)))
+    bar = np.flatnonzero(pixels[728, :400].max(axis=1) < 0.3)
+    assert (bar[-1] - bar[0]) / per_metre == pytest.approx(50.0, rel=0.015)
