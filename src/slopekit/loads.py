@@ -194,13 +194,15 @@ def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | 
 class AssemblyLoads:
     """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
 
-    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch.
+    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch; `live` forces and moments that are part of
+    them and neither weight nor water.
     """
 
     forces: Floats
     moments: Floats
     weights: Floats
     water: Floats
+    live: tuple[Floats, Floats]
 
 
 def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
@@ -216,7 +218,7 @@ def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> Assembl
         arms = assembly.patches.centroids[own] - assembly.centroids[side[own]]
         np.subtract.at(moments, side[own], cross(arms, push))
     water[at] = 0.0
-    return AssemblyLoads(frozen(forces), frozen(moments), loads.weights, frozen(water))
+    return AssemblyLoads(frozen(forces), frozen(moments), loads.weights, frozen(water), loads.live)
 
 
 def assembly_loads(
@@ -236,8 +238,13 @@ def assembly_loads(
     pushes : forces and the blocks they act on
     """
     weights = unit_weights * assembly.volumes
-    forces = weights[:, None] * (np.array([0.0, 0.0, -1.0]) + seismic)
-    moments = np.zeros_like(forces)
+    live, turning = weights[:, None] * seismic, np.zeros((len(weights), 3))
+    for block, push_on in pushes:
+        live[block] += push_on.force
+        if push_on.at is not None:
+            turning[block] += cross(push_on.at - assembly.centroids[block], push_on.force)
+    forces = live + weights[:, None] * np.array([0.0, 0.0, -1.0])
+    moments = turning.copy()
     patches = assembly.patches
     water = pressures * patches.areas
     for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
@@ -246,8 +253,6 @@ def assembly_loads(
             push = sign * water[at, None] * patches.normals[at]
             np.add.at(forces, side[at], push)
             np.add.at(moments, side[at], cross(patches.centroids[at] - assembly.centroids[side[at]], push))
-    for block, push_on in pushes:
-        forces[block] += push_on.force
-        if push_on.at is not None:
-            moments[block] += cross(push_on.at - assembly.centroids[block], push_on.force)
-    return AssemblyLoads(frozen(forces), frozen(moments), frozen(weights), frozen(water))
+    return AssemblyLoads(
+        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning))
+    )

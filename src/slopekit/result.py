@@ -69,13 +69,16 @@ class FactorsOfSafety:
     """The factors of safety; None where one does not apply.
 
     limit : PRE-IE, zero (or the given) dilation: the answer; closed_form : of the kind (Hoek & Bray); static_bound :
-    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for.
+    an upper bound, unsafe as an answer; all_pairs_failed : the paper's criterion, when asked for; lowest, highest : of
+    the same mechanism of many blocks, whatever forces are locked in.
     """
 
     limit: float | None = None
     closed_form: float | None = None
     static_bound: float | None = None
     all_pairs_failed: float | None = None
+    lowest: float | None = None
+    highest: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +171,6 @@ class Result:
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
-    `lowest_limit` is the lowest of several limit states that were found (W348), None where there is only one.
     """
 
     design: Design
@@ -193,7 +195,6 @@ class Result:
     series: tuple[ReductionStep, ...] = ()
     findings: Findings | None = None
     balance: Balance | None = None
-    lowest_limit: float | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -208,11 +209,8 @@ class Result:
 
     @property
     def criterion_fos(self) -> float | None:
-        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor.
-
-        Of several limit states the lowest that was found.
-        """
-        limit = self.fos.limit if self.lowest_limit is None else self.lowest_limit
+        """The factor that acceptance is held against: the limit, or the lower of it and the all-pairs factor."""
+        limit = self.fos.limit
         if self.design.criterion == "limit" or limit is None:
             return limit
         return None if self.fos.all_pairs_failed is None else min(limit, self.fos.all_pairs_failed)
@@ -230,8 +228,6 @@ class Result:
         _, _, name = rule.name.partition(".")
         if not name:
             return self.criterion_fos
-        if name == "limit" and self.lowest_limit is not None:
-            return self.lowest_limit
         found: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return found
 
@@ -306,13 +302,15 @@ class Result:
                 "closed_form": self.fos.closed_form,
                 "static_bound": self.fos.static_bound,
                 "all_pairs_failed": self.fos.all_pairs_failed,
+                "lowest": self.fos.lowest,
+                "highest": self.fos.highest,
             },
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
-            "lowest_limit": self.lowest_limit,
+            "lowest_limit": None,
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

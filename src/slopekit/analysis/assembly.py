@@ -20,14 +20,12 @@ from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
 from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
-from slopekit.preie.parts import Part, at_other_strengths
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Ravelling, ravel, whole_model
+from slopekit.preie.blocks import Basis
+from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
 
-_MOST_ASKED, _NOT_UNIQUE = 60, 1e-3  # blocks whose limit is found at other strengths too; what counts as another
-_UNBALANCED = 1e-6  # of a block's load: what settles balances to a tenth of that
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -67,10 +65,8 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         loads = assembly_loads(assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
     with clock("solve"):
         ravelling = ravel(
-            assembly, loads, joint_strength(scene.strengths), design.mechanisms, design.stop_when, scene.idle
+            assembly, loads, joint_strength(scene.strengths), design.mechanisms
         )
-    with clock("other_strengths"):
-        others = _other_factors(design, ravelling)
     with clock("mechanisms"):
         found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     with clock("all_pairs"):
@@ -79,7 +75,10 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
             untied = untied_search(design, scene, loads, found[0].fos)
     status = found[0].status if found else "no_driving_force"
     sure = bool(found) and found[0].status != "not_converged"
-    limit, bound = (found[0].fos, found[0].static_bound) if sure else (None, None)
+    limit = found[0].fos if sure else None
+    bound = found[0].static_bound if found else None
+    governing = ravelling.failures[0].limit if ravelling.failures else None
+    low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
@@ -93,25 +92,25 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     parts = ravelling.parts
     balance = _balance(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
+    split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
-        sum(len(part.model.control_area) for part in parts), max((part.refined for part in first), default=0),
+        sum(len(part.model.control_area) for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
         _left_out(design, scene, parts),
-        max((part.limit.passes for part in first), default=0), found[0].change if found else 0.0,
+        max((part.limit.steps for part in first), default=0), found[0].change if found else 0.0,
     )  # fmt: skip
     result = Result(
         design=design, status=status,
-        fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None),
+        fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None, low, high),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
-        static_bound_proved=bound is not None and not any(part.held or part.at_rest for part in first),
+        static_bound_proved=bound is not None,
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance, others)),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads),
         findings=findings, balance=balance, timing_s=clock.done(),
-        lowest_limit=min(*others, limit) if limit is not None and _several(limit, others) else None,
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -128,22 +127,6 @@ def all_pairs(search: UntiedSearch) -> AllPairs:
     """The search as a result keeps it."""
     history = tuple((factor, failed) for factor, _, failed in search.history)
     return AllPairs(search.bracket, search.lost_equilibrium, history)
-
-
-def _other_factors(design: AssemblyDesign, ravelling: Ravelling) -> tuple[float, ...]:
-    """The limit once more with half and double the strength, as a test of whether it is the only one; small parts."""
-    if not ravelling.failures or not ravelling.failures[0].limit.factor:
-        return ()
-    part = ravelling.failures[0].parts[0]
-    if len(part.free) > _MOST_ASKED or part.limit.outcome is not Outcome.SLIDES:
-        return ()
-    found = at_other_strengths(part, design.stop_when, (0.5, 2.0))
-    return tuple(factor for factor in found if factor is not None)
-
-
-def _several(limit: float | None, others: Sequence[float]) -> bool:
-    """Whether the limits at other strengths are not that of the design: there are several limit states."""
-    return bool(limit) and any(abs(other / (limit or 1.0) - 1.0) > _NOT_UNIQUE for other in others)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
@@ -198,24 +181,8 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
-    for part in parts:
-        if part.held and part.limit.factor is None:
-            said.append(f"{part.held} deeper blocks were not looked at: no strength holds a block nearer the surface")
-        elif part.held:
-            said.append(
-                f"{part.held} blocks deeper than {part.layers} layers below the free surface were held; setting "
-                f"another layer free changed the factor by {part.change:.1g} (a check, not a proof)"
-            )
-        if part.at_rest:
-            said.append(
-                f"{part.at_rest} other blocks were held when the factor of the governing group was settled, and for "
-                "its static bound"
-            )
     if scene.assembly.in_section:
-        bonded = any(strength.cohesion_kpa for strength in scene.strengths)
-        ends = "three node pairs a contact where it has cohesion, else its two ends" if bonded else (
-            "node pairs at the ends of the contacts only: without cohesion their middle carries nothing else"
-        )  # fmt: skip
+        ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
     if design.mechanisms > 1 and scene.pressures.any():
         said.append("water in joints that a block has left: they stand open")
@@ -251,7 +218,7 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     for part in parts:
         if len(part.model.control_area) == 0:
             continue
-        known = known and part.limit.factor is not None and not part.held and not part.at_rest
+        known = known and part.limit.factor is not None
         joint = patches.joint[part.patch][part.model.pair_contact]
         normal += np.bincount(joint, part.limit.normal_force * part.model.force_scale, count)
     water = np.bincount(patches.joint, loads.water, count)
@@ -273,7 +240,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
 
 def _notices(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
-    closed: ClosedForm, balance: Balance | None, others: Sequence[float],
+    closed: ClosedForm, balance: Balance | None,
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
@@ -282,23 +249,21 @@ def _notices(
     first, limit = found[0], ravelling.failures[0].limit
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
-    if first.fos and _several(first.fos, others):
-        least, most = min(*others, first.fos), max(*others, first.fos)
-        yield Notice("W348", f"the limit state is not the only one: found with half or double the strength, factors go "
-                     f"from {least:.4g} to {most:.4g}; judge by the lowest")  # fmt: skip
     moved = max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0)
     if moved > MESH_CHANGE:
         yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")
-    if balance is not None and max(balance.force, balance.moment) > _UNBALANCED:
-        off = max(balance.force, balance.moment)
-        yield Notice("W347", f"the forces at the limit balance only to {off:.1g} of a block's load: with blocks that "
-                     "stand on an edge, or passes that did not settle, the factor is no surer than that")  # fmt: skip
-    if first.fos and not first.change <= design.stop_when:
-        yield Notice("W317", f"the passes did not settle: their factors still swing by {first.change * 100:.2g} %")
+    if limit.basis is Basis.PEAK and first.fos:
+        yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
+                     "rest, the peak of the elastic path; limits of such slopes were up to 4 % lower")  # fmt: skip
+    if limit.loads_last and first.fos:
+        yield Notice("W361", "with all loads on at once the blocks find no limit state: weight and water came first, the "
+                     "other loads after them, and F is where they just all fit on")  # fmt: skip
+    if limit.loads_last and first.fos is None and limit.carried is not None and limit.carried < 1.0:
+        yield Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
+                     "water, and no friction lets them carry all: there is no factor of safety")  # fmt: skip
     if first.fos and first.static_bound is None:
         yield Notice("W309", "the static bound was not found: joints free to dilate would wedge these blocks fast")
-    whole = not any(part.held or part.at_rest for part in ravelling.failures[0].parts)
-    if whole and first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
+    if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
@@ -313,8 +278,5 @@ def _notices(
         if ((moves[patches.plus] & fixed[patches.minus]) | (moves[patches.minus] & fixed[patches.plus])).any():
             yield Notice("W338", "the first mechanism touches blocks that are bedrock only because the model ends "
                          "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
-    if any(part.held for part in ravelling.parts):
-        yield Notice("W339", "deep blocks were held to find the first mechanism near the free surface: checked by "
-                     "setting one more layer free, not proved (see MODEL)")  # fmt: skip
     if isinstance(design, ToppleDesign) and closed.why_not:
         yield Notice("W340", closed.why_not)

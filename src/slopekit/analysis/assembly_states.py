@@ -11,8 +11,7 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.loads import AssemblyLoads
-from slopekit.preie.parts import Part
-from slopekit.preie.ravelling import whole_model
+from slopekit.preie.ravelling import Part, whole_model
 from slopekit.preie.rest import rest
 from slopekit.result import AtFactorOne, Movement
 

@@ -6,9 +6,8 @@ from slopekit.analysis.assembly_scene import AssemblyScene
 from slopekit.analysis.assembly_states import states_of_part
 from slopekit.arrays import Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
-from slopekit.preie.parts import Part
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Failure, block_sizes
+from slopekit.preie.ravelling import Failure, Part, block_sizes
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
 _OPENS = 1e-5  # an interface of which more than this part of the area opens
@@ -27,7 +26,7 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
     ways = {block.how for block in blocks}
     if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in failure.parts):
         status = "not_converged"
-    elif limit.outcome is Outcome.LIFTED:
+    elif limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
         status = next((way for word, way in _WITHOUT if word in ways), "falls")
     elif "topples" in ways:
         status = "topples"
@@ -74,7 +73,7 @@ def _how(motion: Floats, size: float, outcome: Outcome) -> str:
         top, bottom = moved + np.cross(turned, up), moved - np.cross(turned, up)
         flat = top[:2] @ top[:2] - bottom[:2] @ bottom[:2]
         return "topples" if flat > 0.0 else "rotates"
-    if outcome is Outcome.LIFTED:
+    if outcome in (Outcome.LIFTED, Outcome.NO_REST):
         return "lifts" if moved[2] > 0.0 else "falls"
     return "slides"
 

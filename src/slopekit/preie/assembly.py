@@ -40,7 +40,8 @@ class AssemblyModel:
     patch : (k,) index of the contact's patch
     points : (m, 3) m, where the node pairs lie
     moving : (n,) indices of the moving blocks in the assembly
-    load : (n, u) generalised forces in parts of the force scale
+    load : (n, u) generalised forces in parts of the force scale; live : (n, u) that part of it that is neither weight
+        nor water (earthquake, forces, active bolts)
     length_scale : m; force_scale : kN; area_scale : m²
     kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
     """
@@ -62,6 +63,7 @@ class AssemblyModel:
     points: Floats
     moving: Ints
     load: Floats
+    live: Floats
     length_scale: float
     force_scale: float
     area_scale: float
@@ -105,7 +107,7 @@ class AssemblyModel:
 
 def build_assembly(
     patches: Patches, fixed: Bools, centroids: Floats, forces: Floats, moments: Floats, strength: JointStrength,
-    in_section: bool, fewest_pairs: bool = True, refine: int = 0,
+    in_section: bool, refine: Ints | None = None, live: tuple[Floats, Floats] | None = None,
 ) -> AssemblyModel:  # fmt: skip
     """The model of an assembly of blocks.
 
@@ -115,8 +117,8 @@ def build_assembly(
     centroids : (b, 3) m; forces : (b, 3) kN; moments : (b, 3) kNm about the centroids
     strength : indexed by `patches.joint`
     in_section : the blocks move in their x-z section only
-    fewest_pairs : in a section, contacts without cohesion get no pairs but their ends
-    refine : how often the parts of a contact are split, in two in a section and in four in space
+    refine : (k,) how often the triangles of each contact in space are split in four
+    live : forces and moments (b, 3) that are part of those and neither weight nor water
 
     Raises
     ------
@@ -138,10 +140,10 @@ def build_assembly(
     length = math.sqrt(float(patches.areas[kept].mean()))
     axes = _section_axes(normals) if in_section else local_axes(normals)
     if in_section:
-        cohesion = strength.cohesion if fewest_pairs else np.ones_like(strength.cohesion)
-        where, pair_contact, areas = segment_pairs(patches, kept, cohesion, refine)
+        where, pair_contact, areas = segment_pairs(patches, kept)
     else:
-        where, pair_contact, areas = polygon_pairs(patches, kept, refine)
+        split = np.zeros(len(patches), dtype=np.int64) if refine is None else refine
+        where, pair_contact, areas = polygon_pairs(patches, kept, split[kept])
     offsets = np.einsum("mij,mj->mi", axes[pair_contact], where - middle[pair_contact]) / length
     joint = patches.joint[kept]
     if in_section:
@@ -158,7 +160,11 @@ def build_assembly(
     first = np.searchsorted(pair_contact, np.arange(len(kept))) if in_section else np.arange(len(where))
     area_scale = float(areas.mean())
     of_group = joint[group_contact]
-    load = np.concatenate([forces[moving], moments[moving] / length], axis=1) / force_scale
+    unknowns = [0, 2, 4] if in_section else list(range(6))
+    load, live_load = (
+        np.concatenate([force[moving], moment[moving] / length], axis=1)[:, unknowns] / force_scale
+        for force, moment in ((forces, moments), live or (np.zeros_like(forces), np.zeros_like(moments)))
+    )
     plus_motion = _motion(axes, (middle - centroids[moving[plus]]) / length, in_section)
     minus_motion = -_motion(axes, (middle - centroids[moving[minus]]) / length, in_section)
     minus_motion = minus_motion * (minus >= 0)[:, None, None]
@@ -175,7 +181,7 @@ def build_assembly(
         cohesion=frozen(strength.cohesion[joint[pair_contact]] * areas / force_scale),
         tan_friction=frozen(strength.tan_friction[of_group]), tan_dilation=frozen(strength.tan_dilation[of_group]),
         patch=kept, points=frozen(where), moving=moving,
-        load=frozen(load[:, [0, 2, 4]] if in_section else load),
+        load=frozen(load), live=frozen(live_load),
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
     )  # fmt: skip
 

@@ -34,6 +34,7 @@ class Outcome(Enum):
     SLIDES = "the blocks slide, or slide and turn, when the strength is divided by the factor"
     NO_STRENGTH = "the blocks move with nothing to hold them: no strength is called on"
     LIFTED = "the loads pull the blocks off every joint"
+    NO_REST = "the blocks come to rest at no strength: they topple whatever the friction"
     NO_DRIVING_FORCE = "nothing drives the blocks: they stand without strength"
     NOT_CONVERGED = "the passes did not settle"
 

@@ -83,15 +83,16 @@ class ProgramResult:
 class BlockProgram:
     """The program of this module for one model; its pattern is made once.
 
-    `cohesion` (g,) may be lowered between solutions, where contacts have opened, and `elastic` (ε), at most `stiffest`.
+    `cohesion` (g,) may be lowered between solutions, where contacts have opened, and `elastic` (ε), at most `stiffest`;
+    `ratio` is k_t / k_n of the elastic bed.
     """
 
-    def __init__(self, model: AssemblyModel) -> None:
+    def __init__(self, model: AssemblyModel, ratio: float = 1.0) -> None:
         self.model = model
         self.band = BandedStiffness(model)
         self.of_pair = model.group_of_pair
         self.give = 1.0 / model.control_area
-        self.group_give = 1.0 / model.by_group(model.control_area)
+        self.group_give = 1.0 / (ratio * model.by_group(model.control_area))
         self.cohesion = model.by_group(model.cohesion)
         self.load = model.load.ravel()
         self.load_size = float(np.abs(self.load).max())

@@ -2,10 +2,7 @@
 
 Blocks that touch only through bedrock form components, and each is solved for itself: a block that touches nothing
 changes nothing. The component with the lowest factor gives the mechanism; its moving blocks are taken away, and only
-what is left of that component is solved anew.
-
-In a large component in space the first mechanism is looked for near the free surface: blocks deeper than some layers
-are held, and layers are set free until another one changes nothing. That is a check, not a proof: `Part` says so.
+what is left of that component is solved anew. Contacts in space that twist get finer node pairs until the factor stays.
 """
 
 import math
@@ -18,23 +15,50 @@ from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.geometry.patches import Assembly
+from slopekit.geometry.patches import Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.blocks import BlocksLimit, limit_of_blocks, with_bound
-from slopekit.preie.key_blocks import depths, slide_alone
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.model import JointStrength
-from slopekit.preie.parts import Part, chosen, split_contacts
 from slopekit.preie.passes import Outcome
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
-_LAYERS_FROM = 200  # moving blocks in space beyond which the first mechanism is looked for in layers
-_FIRST_LAYERS = 1
-_ROUGHLY, _ALIKE = 1.5e-2, 3.0  # how well the mechanism of many blocks is found, before its factor is settled
-_SMALL = 6  # blocks of a mechanism whose neighbours are tried
-_ALONE = 12  # so many of them
-_LAYER = 2e-3  # what another layer may change, in parts of the factor
+_TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
+_MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """A solved component.
+
+    Attributes
+    ----------
+    blocks : (n,) indices in the assembly of the blocks that may move
+    patch : (k,) the assembly's patch of each contact of the model
+    refined : (p,) how often the triangles of each patch of the assembly were split, None where none was
+    mesh_change : what the last split did to the factor, in parts of it, None where none was made
+    """
+
+    model: AssemblyModel
+    limit: BlocksLimit
+    blocks: Ints
+    patch: Ints
+    refined: Ints | None = None
+    mesh_change: float | None = None
+
+    @property
+    def rank(self) -> float:
+        """Where it stands in the order of failure: what no strength holds comes first, what nothing drives last."""
+        if self.limit.outcome in (Outcome.LIFTED, Outcome.NO_REST):
+            return -1.0
+        if self.limit.outcome is Outcome.NOT_CONVERGED and self.limit.factor is None:
+            return -0.5  # it is not known to stand
+        if self.limit.outcome is Outcome.NO_STRENGTH:
+            return 0.0
+        if self.limit.outcome is Outcome.NO_DRIVING_FORCE or self.limit.factor is None:
+            return math.inf
+        return self.limit.factor
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,42 +91,32 @@ class Ravelling:
     ended: str
 
 
-def ravel(
-    assembly: Assembly,
-    loads: AssemblyLoads,
-    strength: JointStrength,
-    count: int = 1,
-    stop_when: float = 1e-4,
-    idle: Bools | None = None,
-) -> Ravelling:
+def ravel(assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1) -> Ravelling:
     """The first `count` mechanisms of an assembly.
 
     Parameters
     ----------
     strength : indexed by the patches' joint
-    stop_when : see `limit_of_blocks`
-    idle : (k,) patches that nothing presses on: they count in the static bound only
     """
-    idle = np.zeros(len(assembly.patches), dtype=bool) if idle is None else idle
-    scene = _Scene(assembly, loads, strength, stop_when, idle, block_sizes(assembly))
-    with threadpool_limits(1):  # bands are narrow: threads would only wait for each other
+    scene = _Scene(assembly, loads, strength)
+    with threadpool_limits(1):  # bands and fronts are narrow: threads would only wait for each other
         return _ravel(scene, count)
 
 
 def _ravel(scene: "_Scene", count: int) -> Ravelling:
-    assembly, size = scene.assembly, scene.sizes
+    assembly, size = scene.assembly, block_sizes(scene.assembly)
     there = ~assembly.fixed
     parts = list(_solved(scene, there, np.flatnonzero(there)))
     first = parts
     failures: list[Failure] = []
     ended = "count"
     while len(failures) < count:
-        parts = _refined(scene, parts)
+        parts = _refined(scene, there, parts)
         rank = min((part.rank for part in parts), default=math.inf)
         if rank == math.inf:
             ended = "stands" if parts else "gone"
             break
-        together = [_bounded(scene, there, part) for part in parts if part.rank <= rank + abs(rank) * _SAME]
+        together = [part for part in parts if part.rank <= rank + abs(rank) * _SAME]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([found for found, _ in moved])
         failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
@@ -131,9 +145,6 @@ class _Scene:
     assembly: Assembly
     loads: AssemblyLoads
     strength: JointStrength
-    stop_when: float
-    idle: Bools
-    sizes: Floats
 
 
 def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrength) -> AssemblyModel | None:
@@ -146,41 +157,19 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
     if not (free[patches.plus] | free[patches.minus]).any():
         return None
     return build_assembly(
-        patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section,
-        fewest_pairs=False,
-    )  # fmt: skip
-
-
-def _refined(scene: "_Scene", parts: list[Part]) -> list[Part]:
-    """The parts, those that come first with finer node pairs where their mechanism opens contacts with cohesion.
-
-    How much of such a contact opens depends on its pairs; where none is lost, or nothing has cohesion, they do not
-    matter much (torsion, at most).
-    """
-    done: set[int] = set()
-    while True:
-        first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
-        if first is None or first in done:
-            return parts
-        done.add(first)
-        part = parts[first]
-        if not part.limit.factor or part.limit.outcome is not Outcome.SLIDES or part.limit.bond.all():
-            continue
-        parts = [
-            *parts[:first],
-            split_contacts(scene.assembly, scene.loads, scene.strength, part, scene.stop_when),
-            *parts[first + 1 :],
-        ]
+        patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section, live=loads.live
+    )
 
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
-    gone = ~there & ~scene.assembly.fixed
     for blocks in _components(scene.assembly, among):
-        if scene.assembly.in_section or len(blocks) <= _LAYERS_FROM:
-            yield _limit(scene, gone, blocks, blocks)
+        found = _model(scene, there, blocks)
+        if found is None:
+            yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
-            yield _in_layers(scene, gone, blocks)
+            model, patch = found
+            yield Part(model, limit_of_blocks(model), blocks, patch)
 
 
 def _components(assembly: Assembly, among: Ints) -> list[Ints]:
@@ -200,105 +189,94 @@ def _components(assembly: Assembly, among: Ints) -> list[Ints]:
     return np.split(among[order], ends)
 
 
-def _model(scene: _Scene, gone: Bools, free: Ints, idle: bool) -> tuple[AssemblyModel, Ints] | None:
-    """The model with the blocks `free` moving and all others held, those `gone` taken away, and its patches."""
-    assembly, patches = scene.assembly, scene.assembly.patches
+def _model(
+    scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None
+) -> tuple[AssemblyModel, Ints] | None:
+    """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches."""
+    assembly, patches, loads = scene.assembly, scene.assembly.patches, scene.loads
     held = np.ones(len(assembly), dtype=bool)
     held[free] = False
-    out, moves = np.append(gone, False), np.append(~held, False)  # bedrock is never gone and never moves
+    out, moves = np.append(~there & ~assembly.fixed, False), np.append(~held, False)  # bedrock never goes nor moves
     kept = (moves[patches.plus] | moves[patches.minus]) & ~out[patches.plus] & ~out[patches.minus]
-    kept &= ~scene.idle | idle
     if not kept.any():
         return None
     model = build_assembly(
-        chosen(patches, kept), held, assembly.centroids, scene.loads.forces, scene.loads.moments, scene.strength,
-        assembly.in_section,
+        _chosen(patches, kept), held, assembly.centroids, loads.forces, loads.moments, scene.strength,
+        assembly.in_section, None if refine is None else refine[kept], loads.live,
     )  # fmt: skip
     return model, np.flatnonzero(kept)[model.patch]
 
 
-def _limit(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
-    """The limit of a component with some of its blocks free and the others held."""
-    part = _together(scene, gone, blocks, free)
-    if scene.assembly.in_section or len(free) == 1 or part.limit.outcome is Outcome.LIFTED:
-        return part
-    # normal forces are not unique where blocks wedge each other, and neither are limit states: single blocks that
-    # would slide out by themselves are tried for themselves
-    for block in slide_alone(scene.assembly, scene.loads, scene.strength, gone, free, part.rank)[:_ALONE]:
-        alone = _together(scene, gone, blocks, np.array([block]))
-        if alone.rank < part.rank - abs(part.rank) * _SAME:
-            part = replace(alone, at_rest=len(free) - 1)
-    return _grown(scene, gone, part, free)
+def finer_model(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, part: Part, level: int
+) -> AssemblyModel:
+    """The model of a part once more, the triangles of all its contacts split in four so often."""
+    free = np.ones(len(assembly), dtype=bool)
+    refine = np.full(len(assembly.patches), level, dtype=np.int64)
+    found = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
+    assert found is not None  # the part has a model
+    return found[0]
 
 
-def _grown(scene: _Scene, gone: Bools, part: Part, free: Ints) -> Part:
-    """A small mechanism with the neighbours that lower its factor: what rests on a block may push it out."""
-    patches = scene.assembly.patches
-    may = np.zeros(len(scene.assembly) + 1, dtype=bool)
-    may[free] = True
-    while len(part.free) <= _SMALL and 0.0 < part.rank < math.inf:
-        inside = np.zeros(len(may), dtype=bool)
-        inside[part.free] = True
-        near = np.concatenate([patches.minus[inside[patches.plus]], patches.plus[inside[patches.minus]]])
-        near = np.unique(near[may[near] & ~inside[near]])
-        groups = [np.sort(np.append(part.free, block)) for block in near.tolist()]
-        ranks = [_roughly(scene, gone, part.blocks, group).rank for group in groups]
-        if not ranks or not min(ranks) < part.rank * (1.0 - _LAYER):
+def _chosen(patches: Patches, kept: Bools) -> Patches:
+    """Some patches (k,) of an assembly, in their order."""
+    counts = np.diff(patches.first)
+    first = np.concatenate([[0], np.cumsum(counts[kept])])
+    return Patches(
+        patches.plus[kept], patches.minus[kept], patches.joint[kept], patches.normals[kept], patches.areas[kept],
+        patches.centroids[kept], patches.corners[np.repeat(kept, counts)], first,
+    )  # fmt: skip
+
+
+def _refined(scene: _Scene, there: Bools, parts: list[Part]) -> list[Part]:
+    """The parts, those that come first with finer node pairs where their mechanism twists contacts."""
+    done: set[int] = set()
+    while True:
+        first = min(range(len(parts)), key=lambda k: parts[k].rank, default=None)
+        if first is None or first in done:
+            return parts
+        done.add(first)
+        parts = [*parts[:first], _split(scene, there, parts[first]), *parts[first + 1 :]]
+
+
+def _split(scene: _Scene, there: Bools, part: Part) -> Part:
+    """A part with the contacts that twist split until its factor stays, or its node pairs are too many."""
+    for level in range(1, _MOST_SPLIT + 1):
+        twists = _twisting(part)
+        if not twists.any():
             break
-        best = _together(scene, gone, part.blocks, groups[int(np.argmin(ranks))])
-        if not best.rank < part.rank * (1.0 - 10.0 * _SAME):
+        refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
+        refine[part.patch[twists]] = level
+        found = _model(scene, there, part.blocks, refine)
+        if found is None or len(found[0].control_area) > _MOST_PAIRS:
             break
-        part = replace(best, at_rest=len(free) - len(best.free))
+        limit = limit_of_blocks(found[0])
+        if not limit.factor or not part.limit.factor:
+            break
+        change = abs(limit.factor / part.limit.factor - 1.0)
+        part = replace(part, model=found[0], patch=found[1], limit=limit, refined=refine, mesh_change=change)
+        if change < _MESH_CHANGE:
+            break
     return part
 
 
-def _roughly(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
-    """The limit of blocks that may move together, as well as it takes to know which of them do."""
-    found = _model(scene, gone, free, idle=False)
-    if found is None:
-        return Part(*_untouched(scene.loads, free), blocks, free, np.zeros(0, dtype=np.int64))
-    model, patch = found
-    return Part(model, limit_of_blocks(model, max(scene.stop_when, _ROUGHLY), bounded=False), blocks, free, patch)
-
-
-def _together(scene: _Scene, gone: Bools, blocks: Ints, free: Ints) -> Part:
-    """The limit of blocks that may move together."""
-    rough = _roughly(scene, gone, blocks, free)
-    if rough.limit.factor is None or rough.limit.change == 0.0:
-        return rough
-    # what is at rest in the mechanism only reacts: the factor is settled with the blocks that move
-    moving, _ = _moving(rough, scene.sizes)
-    if len(moving) < len(free):
-        parts = [_together(scene, gone, blocks, group) for group in _components(scene.assembly, np.sort(moving))]
-        part = min(parts, key=lambda found: found.rank)
-        if abs(part.rank / rough.rank - 1.0) < _ALIKE * max(rough.limit.change, _ROUGHLY):
-            return replace(part, at_rest=len(free) - len(part.free))
-    return replace(rough, limit=limit_of_blocks(rough.model, scene.stop_when, bounded=False, after=rough.limit))
-
-
-def _bounded(scene: _Scene, there: Bools, part: Part) -> Part:
-    """A part with its static bound."""
-    found = _model(scene, ~there & ~scene.assembly.fixed, part.free, idle=True)
-    return part if found is None else replace(part, limit=with_bound(found[0], part.limit))
-
-
-def _in_layers(scene: _Scene, gone: Bools, blocks: Ints) -> Part:
-    """The first mechanism of a large component, layer by layer from the free surface."""
-    depth = depths(scene.assembly, gone, blocks)
-    deepest, layers = int(depth.max()), _FIRST_LAYERS
-    before: float | None = None
-    while True:
-        free = blocks[depth < layers]
-        parts = [_limit(scene, gone, blocks, group) for group in _components(scene.assembly, free)]
-        part = min(parts, key=lambda found: found.rank)
-        held = len(blocks) - len(free)
-        if part.limit.outcome in (Outcome.LIFTED, Outcome.NO_STRENGTH) or layers > deepest:
-            return replace(part, held=held, layers=min(layers, deepest + 1))
-        if before is not None and before > 0.0 and (before < math.inf or layers > deepest):
-            change = 0.0 if part.rank == before else abs(part.rank / before - 1.0) if before < math.inf else math.inf
-            if change < max(scene.stop_when, _LAYER):
-                return replace(part, held=held, layers=layers, change=change)
-        before, layers = part.rank, layers + 1
+def _twisting(part: Part) -> Bools:
+    """Contacts in space (k,) that slip about a point near them: their friction depends on where their pairs lie."""
+    model, limit = part.model, part.limit
+    if model.unknowns == 3 or not limit.factor or len(model.plus) == 0:
+        return np.zeros(len(model.plus), dtype=bool)
+    velocity = np.concatenate([limit.velocity, np.zeros((1, model.unknowns))])
+    motion = np.einsum("kij,kj->ki", model.plus_motion, velocity[model.plus])
+    motion += np.einsum("kij,kj->ki", model.minus_motion, velocity[model.minus])
+    radius = np.sqrt(np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale)
+    twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
+    slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
+    carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
+        model.pair_contact, model.cohesion * limit.bond, len(model.plus)
+    )
+    weighs = carries * twist
+    twisting: Bools = (twist > _TWISTS * (slip + twist)) & (weighs > _TWISTS * float((carries * (slip + twist)).sum()))
+    return twisting
 
 
 def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksLimit]:
@@ -310,13 +288,14 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
         plus=none, minus=none, plus_motion=np.zeros((0, 6, 6)), minus_motion=np.zeros((0, 6, 6)),
         pair_contact=none, normal_rows=np.zeros((0, 6)), group_contact=none, slip_rows=np.zeros((0, 2, 6)),
         group_first=none, control_area=pairs, cohesion=pairs, tan_friction=pairs, tan_dilation=pairs, patch=none,
-        points=np.zeros((0, 3)), moving=free, load=load / size, length_scale=1.0, force_scale=size, area_scale=1.0,
-        kinematics=sparse.csr_matrix((0, load.size)), statics=sparse.csr_matrix((load.size, 0)),
+        points=np.zeros((0, 3)), moving=free, load=load / size, live=np.zeros_like(load), length_scale=1.0,
+        force_scale=size, area_scale=1.0, kinematics=sparse.csr_matrix((0, load.size)),
+        statics=sparse.csr_matrix((load.size, 0)),
     )  # fmt: skip
     driven = float(np.abs(load).max()) > 0.0
     limit = BlocksLimit(
-        Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, 0.0, load / size, pairs, np.zeros((0, 2)),
-        pairs, None, 0, 0, 0,
+        Outcome.LIFTED if driven else Outcome.NO_DRIVING_FORCE, None, Basis.NONE, 0.0, load / size, pairs,
+        np.zeros((0, 2)), pairs, None, None, None, None, False, 0, 0,
     )  # fmt: skip
     return model, limit
 

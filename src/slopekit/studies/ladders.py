@@ -5,7 +5,7 @@ Each rung is one way to a factor of safety with the time that it took. What the 
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -19,14 +19,12 @@ from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, GeometryError
 from slopekit.extents import SurfaceGeometry
-from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import limit_of_blocks
-from slopekit.preie.effort import passes_of_blocks
 from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages
 from slopekit.preie.model import Model
-from slopekit.preie.parts import at_other_strengths, finer_model
 from slopekit.preie.passes import Outcome
+from slopekit.preie.ravelling import finer_model
 from slopekit.result import Result
 
 #: What rungs vary, in words.
@@ -36,6 +34,7 @@ METHODS = {
     "passes": "plain passes, by their number",
     "tolerance": "plain passes, by their tolerance",
     "mesh": "limit, by node pairs",
+    "stiffness": "limit, by the shear stiffness of the elastic joints",
 }
 _PASSES = (1, 2, 3, 4, 6, 10, 16)
 _MOST_REFINED = 4
@@ -43,7 +42,7 @@ _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
 _FACET_EDGES = (4.0, 2.0, 1.0)  # the same for facet normals: they show a trend, no answer
 _ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
 _MOST_PAIRS = 12_000  # node pairs of a finer mesh; beyond that the rung is left out
-_TOLERANCES, _TOLERANCE_PASSES, _TIGHT = (1e-1, 1e-2, 1e-3, 1e-5, 1e-7), 6, 1e-7  # of each pass of many blocks
+_RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _SETTLED_PASSES = 12
 _STILL = 1e-13
 _OTHER_STRENGTH = 0.5  # strength divided by so much, and by the limit itself
@@ -279,8 +278,13 @@ def assembly_at_other_strengths(solved: SolvedAssembly) -> tuple[float | None, .
     failures = solved.ravelling.failures
     if not failures or not failures[0].limit.factor:
         return ()
-    by = (_OTHER_STRENGTH, failures[0].limit.factor)
-    return at_other_strengths(failures[0].parts[0], solved.result.design.stop_when, by)
+    model, found = failures[0].parts[0].model, []
+    with threadpool_limits(1):
+        for k in (_OTHER_STRENGTH, failures[0].limit.factor):
+            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
+            limit = limit_of_blocks(other, ranged=False)
+            found.append(k * limit.factor if limit.factor else None)
+    return tuple(found)
 
 
 def assembly_ladder(solved: SolvedAssembly) -> tuple[Rung, ...]:
@@ -297,41 +301,25 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
     if not failures or not failures[0].limit.factor:
         return
     part = failures[0].parts[0]
-    yield from _block_passes(part.model, _TIGHT, _PASSES, "passes")
-    for tolerance in _TOLERANCES:
-        yield from _block_passes(part.model, tolerance, (_TOLERANCE_PASSES,), "tolerance")
-    strength = joint_strength(scene.strengths)
+    for ratio in _RATIOS:
+        limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
+        yield Rung(
+            "stiffness", f"k_t / k_n {ratio:g}", len(part.model.control_area), ratio, limit.factor, seconds
+        )
     for level in range(3 if refines(solved) else 1):
         model = part.model
-        if refines(solved):
-            model = finer_model(scene.assembly, solved.loads, strength, part, level)
+        if level:
+            model = finer_model(scene.assembly, solved.loads, joint_strength(scene.strengths), part, level)
         if level and len(model.control_area) > _MOST_PAIRS:
             break
-        limit, seconds = timed(partial(limit_of_blocks, model, result.design.stop_when, bounded=False))
+        limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
         setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
-        factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
-        yield Rung("mesh", setting, len(model.control_area), level, factor, seconds)
+        yield Rung("mesh", setting, len(model.control_area), level, limit.factor, seconds)
 
 
 def refines(solved: SolvedAssembly) -> bool:
-    """Whether finer node pairs mean anything: in a section the ends of a contact without cohesion carry all it can."""
-    scene = solved.scene
-    return not scene.assembly.in_section or any(strength.cohesion_kpa for strength in scene.strengths)
-
-
-def _block_passes(model: AssemblyModel, tolerance: float, counts: Sequence[int], method: str) -> Iterator[Rung]:
-    pairs, before = len(model.control_area), math.inf
-    began = time.perf_counter()
-    for count, factor in enumerate(passes_of_blocks(model, tolerance), 1):
-        seconds = time.perf_counter() - began
-        if count in counts:
-            setting, effort = _times(count, "pass", "passes"), float(count)
-            if method == "tolerance":
-                setting, effort = f"{setting}, each to {tolerance:.0e}", tolerance
-            yield Rung(method, setting, pairs, effort, factor, seconds)
-        if count >= counts[-1] or abs(factor / before - 1.0) < _STILL:
-            return
-        before = factor
+    """Whether finer node pairs mean anything: in a section a flat contact slips as one, and its ends turn it."""
+    return not solved.scene.assembly.in_section
 
 
 def _passed(model: Model, count: int, stages: Stages) -> float | None:

@@ -183,7 +183,7 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
 def _factors(result: Result) -> list[str]:
     fos, dilating = result.fos, dilates(result.design)
     compared = fos.closed_form is not None or result.agree is not None
-    limit = f"{factor_text(fos.limit)}  limit, PRE-IE{', joints dilate as given' if dilating else ''}"
+    limit = f"{factor_text(fos.limit)}  limit of the elastic path, PRE-IE{', joints dilate as given' if dilating else ''}"
     if fos.limit is None:
         limit += f" ({result.status_text})"
     entries = [limit + (f"       {verdict(result)}" if compared else "")]
@@ -193,6 +193,9 @@ def _factors(result: Result) -> list[str]:
     else:
         instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
         entries.append(f"  none  closed form: {_NO_CLOSED_FORM[result.kind]}{instead}")
+    if fos.lowest is not None or fos.highest is not None:
+        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
+        entries.append(f"{ends}  same mechanism, whatever forces are locked in")
     if fos.static_bound is not None:
         above = ""
         if fos.limit:

@@ -148,13 +148,14 @@ def accept(result: Result) -> list[str]:
 
 def _judged_on(result: Result, rule: Rule) -> str:
     named: str = result.design.criterion if rule.name == "fos" else ""
-    if result.lowest_limit is not None and rule.name in ("fos", "fos.limit"):
-        named += f"{', ' if named else ''}the lowest limit state found, {result.lowest_limit:.4g}"
     return f" ({named})" if named else ""
 
 
 def _judgement(result: Result, rule: Rule) -> str:
     if result.judged(rule):
+        lowest = result.fos.lowest
+        if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
+            return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
         return "MET"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"

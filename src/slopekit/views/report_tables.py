@@ -35,9 +35,9 @@ def factor_table(document: Document) -> Table:
         closed = "none here" if document["agree"] is None else "none: see the status"
     answer = "the answer: forces and moments, slip does not dilate unless given"
     rows = [("limit (PRE-IE)", factor(fos["limit"]), "none: see the status" if fos["limit"] is None else answer)]
-    if document.get("lowest_limit") is not None:
-        said = "the limit state is not the only one (W348): acceptance is held against this"
-        rows.append(("lowest limit state found", factor(document["lowest_limit"]), said))
+    if fos.get("lowest") is not None or fos.get("highest") is not None:
+        ends = " .. ".join(factor(fos.get(end)) for end in ("lowest", "highest"))
+        rows.append(("same mechanism", ends, "whatever forces are locked in"))
     rows += [
         ("closed form", factor(fos["closed_form"]), closed),
     ]

@@ -60,15 +60,10 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
 
 def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:
     """The number that acceptance is held against, where it is not the limit."""
-    limit, lowest, pairs = fos["limit"], document.get("lowest_limit"), fos["all_pairs_failed"]
-    if limit is None:
+    limit, pairs = fos["limit"], fos["all_pairs_failed"]
+    if limit is None or pairs is None or document["inputs"].get("criterion", "limit") != "all-pairs":
         return ""
-    governs = "governs acceptance"
-    lower = limit if lowest is None else min(lowest, limit)
-    if document["inputs"].get("criterion", "limit") == "all-pairs" and pairs is not None and pairs < lower:
-        found = "" if lowest is None else f"; the lowest limit state found, {factor(lowest)}"
-        return f"{found}; all pairs failed {factor(pairs)} {governs}"
-    return "" if lowest is None else f"; the lowest limit state found, {factor(lowest)}, {governs}"
+    return f"; all pairs failed {factor(pairs)} governs acceptance" if pairs < limit else ""
 
 
 def meaning(document: Mapping[str, Any]) -> list[str]:

@@ -143,10 +143,10 @@ class Stage:
     def answer(self) -> str:
         """Status, factor and check: never a bare factor of safety."""
         fos = self.document.get("fos") or {}
-        limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), self.document.get("lowest_limit")
+        limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), fos.get("lowest")
         parts = [str(self.document.get("status_text", ""))]
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} (limit, PRE-IE)")
-        parts += [] if lowest is None else [f"lowest limit state found {lowest:.4f}"]
+        parts += [] if lowest is None or limit is None or lowest > 0.99 * limit else [f"same mechanism from {lowest:.4f}"]
         searched = fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
         parts += [] if closed is None else [f"closed form {closed:.4f}"]

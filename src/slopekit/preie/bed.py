@@ -1,0 +1,433 @@
+"""Many blocks on elastic joints without tension: forces at a displacement, their tangent, and Newton's method.
+
+    N_i = a_i <-B_n u>,    T_g = -k_t A_g s_g cut back to λ r_g,    r_g = Σ c + μ_g Σ N,    R = B_nᵀ N + B_tᵀ T + P
+
+`a` are the control areas (k_n is one in the model's units), k_t = ρ k_n, λ = 1/F. The law is holonomic: what is found
+at a displacement does not depend on the way there. Slip that dilates by tan ψ <= λ μ presses the joint:
+N_i = a_i <-B_n u + tan ψ p>, p the slip beyond the elastic one.
+
+A step of viscous flow adds η K_e (u - u_before) to what the forces have to balance, K_e the stiffness of joints that
+stick and pull; with η large enough it always has one solution.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats
+from slopekit.errors import SolverError
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.stiffness import Stiffness
+
+#: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
+SHEAR_TO_NORMAL = 0.4
+_DENSE = 400  # unknowns: below, B as a dense matrix multiplies faster
+_SHIFT = 1e-13  # of the stiffness, on its diagonal: blocks that nothing holds have a stiffness
+_ROUNDING = 2e-15  # of the springs' forces: what cannot be balanced any better
+_SETTLED, _SETTLED_ENOUGH = 1e-10, 1e-8  # unbalanced force in parts of the largest force
+_SHORTEST = 0.02  # step of a line search
+_TRIES = 12  # Newton steps
+_KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
+
+
+@dataclass(slots=True)
+class Forces:
+    """What the joints carry at a displacement.
+
+    Attributes
+    ----------
+    normal : (m,); friction : (g, t); strength : (g,) r, before it is reduced
+    touching : (m,); slips : (g,); direction : (g, t) of the slip; slip : (g,) its size
+    unbalanced : (N,) R; largest : of all forces; rounding : unbalanced force that is none
+    """
+
+    normal: Floats
+    friction: Floats
+    strength: Floats
+    touching: Bools
+    slips: Bools
+    direction: Floats
+    slip: Floats
+    unbalanced: Floats
+    largest: float
+    rounding: float
+
+    @property
+    def residual(self) -> float:
+        """Largest unbalanced generalised force."""
+        return float(np.abs(self.unbalanced).max())
+
+    def balanced(self, off: float, part: float = _SETTLED) -> bool:
+        """Whether an unbalanced force is as small as it should be."""
+        return off <= max(part * self.largest, self.rounding)
+
+    def same_modes(self, other: "Forces") -> bool:
+        """Whether the same pairs touch and the same joints slip."""
+        return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What the path changes: the strength (`ramp` None, the parameter is λ), or the load P + parameter x ramp.
+
+    `strength` is the λ that stays while the load changes.
+    """
+
+    load: Floats
+    ramp: Floats | None = None
+    strength: float = 1.0
+
+    @property
+    def working(self) -> Floats:
+        """The load whose work drives, (N,)."""
+        return self.load if self.ramp is None else self.ramp
+
+    def at(self, parameter: float) -> tuple[float, Floats]:
+        """λ and the load (N,)."""
+        if self.ramp is None:
+            return parameter, self.load
+        return self.strength, self.load + parameter * self.ramp
+
+    def harder(self, parameter: float, ratio: float) -> float:
+        """The parameter made worse: `ratio` < 1 times the strength, or the load divided by it."""
+        return parameter * ratio if self.ramp is None else parameter / ratio
+
+    def gap(self, bad: float, good: float) -> float:
+        """How far apart a good and a worse parameter are, 1 where they are the same."""
+        return bad / good if self.ramp is None else good / bad
+
+
+class Bed:
+    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load."""
+
+    def __init__(
+        self, model: AssemblyModel, drive: Drive, bond: Floats | None = None, ratio: float = SHEAR_TO_NORMAL
+    ) -> None:
+        self.model, self.drive = model, drive
+        self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
+        self.size = model.load.size
+        dense = self.size <= _DENSE
+        self.rows: Any = model.kinematics.toarray() if dense else model.kinematics
+        self.columns: Any = np.ascontiguousarray(self.rows.T) if dense else model.statics
+        self.area = model.control_area
+        self.group_of_pair = model.group_of_pair
+        self.spring = ratio * self._summed(self.area)
+        self.cohesion = self._summed(model.cohesion * (1.0 if bond is None else bond))
+        self.friction = model.tan_friction
+        self.dilates = bool(model.tan_dilation.any())
+        self.stiffness = Stiffness(model)
+        self.contacts = len(model.plus)
+        products = self.area[:, None, None] * model.normal_rows[:, :, None] * model.normal_rows[:, None, :]
+        self._products = products.reshape(self.pairs, -1)
+        self._pressing = self.area[:, None] * model.normal_rows
+        self._transposed = np.ascontiguousarray(model.slip_rows.transpose(0, 2, 1))
+        self._pair_starts = np.searchsorted(model.pair_contact, np.arange(self.contacts))
+        self._group_starts = np.searchsorted(model.group_contact, np.arange(self.contacts))
+        self._one_each = self.groups == self.contacts
+        every = np.ones(self.pairs, dtype=bool)
+        sticking = self.spring[:, None, None] * np.eye(self.tangents)
+        self.elastic = self._local(every, sticking)
+        self.evaluations = self.factorisations = 0
+        self.load_size = float(np.abs(drive.load).max())
+        self.elastic_solver = self.factored(self.elastic)
+        self.elastic_displacement: Floats = self.elastic_solver(drive.load)
+        self.elastic_work = abs(float(drive.working @ self.elastic_solver(drive.working)))
+
+    def _summed(self, of_pairs: Floats) -> Floats:
+        sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups)
+        return sums
+
+    # -- the law ------------------------------------------------------------------------------------------------------
+
+    def forces(
+        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: Forces | None = None
+    ) -> Forces:
+        """Forces at the displacement (N,).
+
+        Parameters
+        ----------
+        frozen : (g,) friction has these strengths, already reduced
+        modes : pairs touch and joints slip (in a section) as they do there, whatever the forces: all is linear
+        """
+        self.evaluations += 1
+        reduction, load = self.drive.at(parameter)
+        relative = self.rows @ at
+        opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
+        pressing = -self.area * opening
+        elastic = self.spring[:, None] * slip
+        size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
+        touching = opening < 0.0 if modes is None else modes.touching
+        normal = np.where(touching, pressing, 0.0)
+        strength = self.cohesion + self.friction * self._summed(normal)
+        allowed = reduction * strength if frozen is None else frozen
+        if modes is None:
+            slips = size > allowed
+            direction = elastic / np.maximum(size, 1e-300)[:, None]
+            carried = np.minimum(size, allowed)
+        else:
+            slips, direction = modes.slips, modes.direction
+            size = (elastic * direction).sum(axis=1)
+            carried = np.where(slips, allowed, size)
+        if self.dilates and frozen is None and slips.any():
+            normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes)
+            strength = self.cohesion + self.friction * self._summed(normal)
+        friction = -direction * carried[:, None]
+        if modes is not None:
+            friction = np.where(slips[:, None], friction, -elastic)
+        unbalanced = self.columns @ np.concatenate([normal, friction.ravel()]) + load
+        return Forces(
+            normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
+            max(self.load_size, float(normal.max())),
+            _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+        )  # fmt: skip
+
+    def _dilation(self, reduction: float) -> Floats:
+        """Tangents of dilation (g,): no joint dilates by more than its reduced friction angle."""
+        return np.minimum(self.model.tan_dilation, reduction * self.friction)
+
+    def _dilated(
+        self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats, modes: Forces | None
+    ) -> tuple[Floats, Bools, Floats]:
+        """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
+        dilation, of_pair = self._dilation(reduction), self.group_of_pair
+        pushes = self.area * dilation[of_pair] / self.spring[of_pair]
+        for _ in range(_KINKS):
+            allowed = reduction * (self.cohesion + self.friction * self._summed(np.where(touching, pressing, 0.0)))
+            gain = reduction * self.friction * self._summed(np.where(touching, pushes, 0.0))
+            beyond = (size - allowed) / (1.0 + gain)  # k_t A p
+            beyond = np.maximum(beyond, 0.0) if modes is None else np.where(modes.slips, beyond, 0.0)
+            now = pressing + pushes * beyond[of_pair] > 0.0 if modes is None else touching
+            if (now == touching).all():
+                break
+            touching = now
+        normal = np.where(touching, pressing + pushes * beyond[of_pair], 0.0)
+        return normal, touching, np.where(beyond != 0.0, size - beyond, carried)
+
+    def _local(self, touching: Bools, tangent: Floats) -> Floats:
+        """Stiffness (k, u, u) of the contacts: pairs that touch, and tangent stiffnesses (g, t, t)."""
+        unknowns = self.model.unknowns
+        of_pairs = np.add.reduceat(self._products * touching[:, None], self._pair_starts)
+        of_groups = np.matmul(self._transposed, np.matmul(tangent, self.model.slip_rows))
+        local: Floats = of_pairs.reshape(-1, unknowns, unknowns) + self._by_contact(of_groups)
+        return local
+
+    def _by_contact(self, of_groups: Floats) -> Floats:
+        if self._one_each:
+            return of_groups
+        sums: Floats = np.add.reduceat(of_groups, self._group_starts)
+        return sums
+
+    def tangent(
+        self, there: Forces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
+    ) -> Floats:
+        """Stiffness (k, u, u) of the contacts at some forces.
+
+        Parameters
+        ----------
+        coupled : friction follows the normal forces; turning : and, in space, the direction of slip
+        """
+        carried = np.sqrt((there.friction * there.friction).sum(axis=1))
+        sideways = self.spring.copy()
+        if turning:
+            np.divide(carried, there.slip, out=sideways, where=there.slips & (there.slip > 0.0))
+        else:
+            sideways[there.slips] = 0.0
+        e = there.direction
+        tangent = sideways[:, None, None] * np.eye(self.tangents)
+        along = np.where(there.slips, sideways, 0.0)
+        tangent -= along[:, None, None] * e[:, :, None] * e[:, None, :]
+        local = self._local(there.touching, tangent)
+        if coupled and there.slips.any():
+            reduction, _ = self.drive.at(parameter)
+            pressing = np.add.reduceat(self._pressing * there.touching[:, None], self.model.group_first)
+            slipping = np.matmul(self._transposed, e[:, :, None])[:, :, 0]  # (g, u)
+            gain = np.where(there.slips, reduction * self.friction, 0.0)
+            if not self.dilates:
+                local -= self._by_contact(slipping[:, :, None] * (gain[:, None] * pressing)[:, None, :])
+            else:
+                dilation = np.where(there.slips, self._dilation(reduction), 0.0)
+                stiff = self.spring + gain * dilation * self._summed(np.where(there.touching, self.area, 0.0))
+                beyond = (self.spring[:, None] * slipping + gain[:, None] * pressing) / stiff[:, None]
+                carries = np.where(there.slips, self.spring, 0.0)[:, None] * (slipping - beyond)
+                local += self._by_contact(slipping[:, :, None] * carries[:, None, :])
+                local -= self._by_contact((dilation[:, None] * pressing)[:, :, None] * beyond[:, None, :])
+        return local + viscosity * self.elastic if viscosity else local
+
+    def by_parameter(self, there: Forces, parameter: float) -> Floats:
+        """How the unbalanced force changes with the parameter, (N,)."""
+        if self.drive.ramp is not None:
+            return self.drive.ramp
+        weaker = np.where(there.slips, there.strength, 0.0)
+        normal = np.zeros(self.pairs)
+        if self.dilates:
+            dilation = np.where(there.slips, self._dilation(parameter), 0.0)
+            pushed = self._summed(np.where(there.touching, self.area, 0.0))
+            stiff = self.spring + parameter * self.friction * dilation * pushed
+            beyond = -weaker / stiff
+            weaker = -self.spring * beyond
+            normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond)[self.group_of_pair]
+        changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])
+        return changed
+
+    def factored(self, local: Floats, symmetric: bool = False) -> Callable[[Floats], Floats]:
+        """A solver of the stiffness.
+
+        Raises
+        ------
+        SolverError
+            E505 it is singular.
+        """
+        self.factorisations += 1
+        return self.stiffness.factored(local, _SHIFT, symmetric)
+
+    def motion(self, velocity: Floats, parameter: float) -> tuple[Floats, Floats]:
+        """Opening (m,) beyond what slip opens by itself, and slip (g, t), of a motion (N,)."""
+        relative = self.rows @ velocity
+        opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
+        if self.dilates:
+            reduction, _ = self.drive.at(parameter)
+            size = np.sqrt((slip * slip).sum(axis=1))
+            opening = opening - (self._dilation(reduction) * size)[self.group_of_pair]
+        return opening, slip
+
+    def turned(self, modes: Forces, velocity: Floats) -> Forces:
+        """The modes with the directions of slip of a motion (N,), where it slips."""
+        _, slip = self.motion(velocity, 1.0)
+        size = np.sqrt((slip * slip).sum(axis=1))
+        clear = modes.slips & (size > 1e-6 * float(size.max()))
+        direction = np.where(clear[:, None], slip / np.maximum(size, 1e-300)[:, None], modes.direction)
+        return replace(modes, direction=direction)
+
+    def viscous(self, moved: Floats) -> Floats:
+        """K_e times a displacement, (N,)."""
+        relative = self.rows @ moved
+        springs = np.concatenate([self.area, np.repeat(self.spring, self.tangents)])
+        force: Floats = self.columns @ (springs * relative)
+        return force
+
+    # -- Newton's method ----------------------------------------------------------------------------------------------
+
+    def step(
+        self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None
+    ) -> "Step":
+        """Balance of the forces and of viscous flow away from `before`.
+
+        Newton downhill; where that stalls full steps, which may climb; without `work` then passes of frozen friction.
+
+        Parameters
+        ----------
+        work : of the driving load, to be met by changing the parameter as well; None: the parameter stays
+        """
+        found = self._newton(at, before, parameter, viscosity, work, downhill=True)
+        if found.settled or (viscosity == 0.0 and work is None):
+            return found
+        found = self._newton(at, before, parameter, viscosity, work, downhill=False)
+        if found.settled or work is not None:
+            return found
+        return self._by_passes(before, parameter, viscosity)
+
+    def _off(
+        self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
+    ) -> tuple[Forces, Floats]:
+        there = self.forces(at, parameter, frozen)
+        if not viscosity:
+            return there, there.unbalanced
+        return there, there.unbalanced - viscosity * self.viscous(at - before)
+
+    def _newton(
+        self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
+    ) -> "Step":
+        working = self.drive.working
+        there, off = self._off(at, before, parameter, viscosity)
+        size = best = float(np.abs(off).max())
+        stalled = 0
+
+        def worked(at: Floats, part: float) -> bool:
+            return work is None or abs(work - float(working @ at)) < part * abs(work)
+
+        for taken in range(_TRIES + 1):
+            if there.balanced(size) and worked(at, 1e-9):
+                return Step(at, parameter, there, True, taken)
+            if taken == _TRIES or not np.isfinite(size):
+                break
+            try:
+                solver = self.factored(self.tangent(there, parameter, viscosity))
+            except SolverError:
+                break
+            if work is None:
+                way, change = solver(off), 0.0
+            else:
+                both = solver(np.stack([off, self.by_parameter(there, parameter)], axis=1))
+                gained = float(working @ both[:, 1])
+                if gained == 0.0:
+                    break
+                change = (work - float(working @ (at + both[:, 0]))) / gained
+                way = both[:, 0] + change * both[:, 1]
+            if not np.isfinite(way).all():
+                break
+            length = 1.0 if abs(change) <= 0.5 * abs(parameter) else 0.5 * abs(parameter) / abs(change)
+            nearest: tuple[float, Floats, float, Forces, Floats] | None = None
+            while True:
+                trial, tried = at + length * way, parameter + length * change
+                seen, left = self._off(trial, before, tried, viscosity)
+                now = float(np.abs(left).max())
+                if nearest is None or now < nearest[0]:
+                    nearest = now, trial, tried, seen, left
+                least = size if work is None else max(size, 1e-9 * self.load_size)
+                if not downhill or now < (1.0 - 0.1 * length) * least or length < _SHORTEST:
+                    break
+                length *= 0.5
+            stalled = stalled + 1 if nearest[0] > 0.75 * size and nearest[0] > 1e-8 * self.load_size else 0
+            size, at, parameter, there, off = nearest
+            if downhill and stalled >= 3:
+                break
+            if not downhill and size > 1e4 * best:
+                break
+            best = min(best, size)
+        good = there.balanced(size, _SETTLED_ENOUGH) and worked(at, 1e-6)
+        return Step(at, parameter, there, good, _TRIES)
+
+    def _by_passes(self, before: Floats, parameter: float, viscosity: float) -> "Step":
+        """Friction frozen: a convex energy, Newton with a line search along its slope; then Newton on everything."""
+        at = before
+        reduction, _ = self.drive.at(parameter)
+        for _ in range(6):
+            allowed = reduction * self.forces(at, parameter).strength
+            for _ in range(25):
+                there, off = self._off(at, before, parameter, viscosity, allowed)
+                if there.balanced(float(np.abs(off).max()), 1e-6):
+                    break
+                try:
+                    way = self.factored(self.tangent(there, parameter, viscosity, coupled=False), True)(off)
+                except SolverError:
+                    return Step(at, parameter, there, False, 0)
+                slope, low, high, length = float(off @ way), 0.0, None, 1.0
+                for _ in range(25):
+                    _, left = self._off(at + length * way, before, parameter, viscosity, allowed)
+                    now = float(left @ way)
+                    if abs(now) < 0.5 * abs(slope):
+                        break
+                    if now > 0.0:
+                        low = length
+                        length = 2.0 * length if high is None else 0.5 * (low + high)
+                    else:
+                        high = length
+                        length = 0.5 * (low + high)
+                at = at + length * way
+            found = self._newton(at, before, parameter, viscosity, None, downhill=True)
+            if found.settled:
+                return found
+        return Step(at, parameter, self.forces(at, parameter), False, 0)
+
+
+@dataclass(slots=True)
+class Step:
+    """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
+
+    at: Floats
+    parameter: float
+    forces: Forces
+    settled: bool
+    taken: int

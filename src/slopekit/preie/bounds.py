@@ -1,0 +1,264 @@
+"""What can be proved about the factor of many blocks: the static bound, and the range of one mechanism.
+
+**Static bound** S = 1/λ: the smallest λ for which some admissible forces balance the loads,
+
+    B_nᵀ N + B_tᵀ T + P = 0,    N >= 0,    |T_g| <= λ (c_g + μ_g Σ N)
+
+over all blocks that can move, none held. The products λ N make it no cone program, but for each λ the forces form a
+convex set that grows with λ, so that whatever satisfies the first-order conditions is the smallest. Newton on λ and
+the forces together (`Strengths.normality`) usually gets there at once; else each linearisation at the last λ and N is
+a cone program of its own, and a few of them settle.
+
+**Range**: the factors that one mechanism v can have under any admissible forces, N = 0 where it opens and
+T = -λ r in the direction of its slip (METHOD-3.md §13, M). One linear program in a section and cone program in space
+measures how far forces are from it at one λ; Newton with the dual finds the ends.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
+
+_CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
+_STEPS = 150
+_HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
+_LINEARISED, _SETTLED = 20, 1e-6  # cone programs at the most, and how little the last may change λ
+_SHED = 1e-3  # of the load: nothing balances it
+_BALANCED = 2e-2  # largest unbalanced force of a bound that says so
+_NOTHING = 1e-6  # λ below this: forces balance without friction, or joints free to dilate lock the blocks
+_MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is none
+_REACHES = 1e-9  # distance from the mechanism's forces, in parts of the load, that is none
+_NEAR = 1e-5  # how near an end of the range is found, in parts of the factor
+_WIDEST = 50.0  # times the factor: a range that goes on is cut there
+
+
+@dataclass(frozen=True, slots=True)
+class StaticBound:
+    """The static bound of a model.
+
+    Attributes
+    ----------
+    factor : None where there is none: nothing balances the loads (`lifted`), forces balance at any friction
+        (`locked`), or the search gave up
+    velocity : (N,) of the blocks, as joints that dilate would let them go, or as they set off where they are lifted
+    steps : of the interior-point method
+    """
+
+    factor: float | None
+    lifted: bool
+    locked: bool
+    velocity: Floats
+    steps: int
+
+
+def static_bound(model: AssemblyModel) -> StaticBound:
+    """The static bound of all blocks of a model."""
+    program = BlockProgram(model)
+    program.elastic *= _HARDLY
+    found = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
+    steps = found.steps
+    if not found.settled and not _is_lifted(found):
+        found = _linearised(program, found.at.load_factor)
+        steps += found.steps
+    if _is_lifted(found):
+        return StaticBound(None, True, False, program.release(), steps)
+    at = found.at
+    locked = at.load_factor < _NOTHING
+    return StaticBound(1.0 / at.load_factor if found.settled and not locked else None, False, locked, at.velocity, steps)
+
+
+def _is_lifted(found: ProgramResult) -> bool:
+    """Whether no strength however high balances the loads."""
+    return found.at.shed > _SHED and found.unbalanced < _BALANCED
+
+
+def _linearised(program: BlockProgram, reduction: float) -> ProgramResult:
+    """Cone programs linearised at the last λ and normal forces, from below λ, where they settle fastest."""
+    model = program.model
+    summed = model.by_group(program.start.normal)
+    if not 1e-4 < reduction < 1e4:
+        reduction = 1.0
+    reduction *= 0.9
+    steps, changed = 0, 1.0
+    for _ in range(_LINEARISED):
+        carried = program.cohesion + model.tan_friction * summed
+        strengths = Strengths(reduction * model.tan_friction, carried, summed)
+        tolerance = min(max(0.03 * changed, _CLOSE), 1e-3)
+        found = program.solve(strengths, program.start, tolerance, _STEPS)
+        steps += found.steps
+        if _is_lifted(found) or found.at.load_factor < _NOTHING:
+            break
+        changed = abs(found.at.load_factor / reduction - 1.0)
+        if changed < _SETTLED and found.settled:
+            break
+        reduction, summed = found.at.load_factor, model.by_group(found.at.normal)
+    settled = found.settled and (changed < 1e-4 or found.at.load_factor < _NOTHING)
+    return ProgramResult(found.at, settled, steps, found.unbalanced, ())
+
+
+# -- the range of one mechanism ---------------------------------------------------------------------------------------
+
+
+def mechanism_range(
+    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats
+) -> tuple[float | None, float | None] | None:
+    """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
+
+    Parameters
+    ----------
+    velocity : (N,) ; bond : (m,) 0 where a pair has lost its cohesion
+
+    Returns
+    -------
+    (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
+    """
+    away = _distance(model, velocity, bond)
+    if away(1.0 / factor)[0] > 1e3 * _REACHES:
+        return None
+    ends = []
+    for way in (1.0, -1.0):  # λ up: the lowest factor
+        ends.append(_end(away, 1.0 / factor, way))
+    high, low = ends
+    return (1.0 / high if high else None), (1.0 / low if low else None)
+
+
+def _end(away: Callable[[float], tuple[float, float]], inside: float, way: float) -> float | None:
+    """The λ at which the forces leave the mechanism, above (`way` 1) or below; None where they do not."""
+    outside, stride = inside, 1.02
+    while True:
+        outside *= stride**way
+        far, slope = away(outside)
+        if far > _REACHES:
+            break
+        inside = outside
+        if not 1.0 / _WIDEST < outside * stride**way / inside < _WIDEST or stride > _WIDEST:
+            return None
+        stride = stride * stride
+    while abs(outside / inside - 1.0) > _NEAR:
+        trial = outside - far / slope if slope * way > 0.0 else inside
+        if abs(trial / outside - 1.0) < 0.1 * _NEAR:
+            return trial
+        if not min(inside, outside) < trial < max(inside, outside):
+            trial = math.sqrt(inside * outside)
+        there, its_slope = away(trial)
+        if there > _REACHES:
+            outside, far, slope = trial, there, its_slope
+        else:
+            inside = trial
+    return inside
+
+
+def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[[float], tuple[float, float]]:
+    """How far (in parts of the load) admissible forces are from those of a mechanism at λ, and its slope in λ."""
+    from scipy import sparse
+
+    opening, slip = model.opening_and_slip(velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    fastest = max(float(np.abs(opening).max()), float(size.max()), 1e-300)
+    pairs, groups, tangents = len(opening), *slip.shape
+    dilation = (model.tan_dilation * size)[model.group_of_pair]
+    closed = opening - dilation <= _MOVES * fastest
+    slips = size > _MOVES * fastest
+    direction = np.where(slips[:, None], slip / np.maximum(size, 1e-300)[:, None], 0.0)
+    cohesion = model.by_group(model.cohesion * bond)
+    gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
+    pressed = sparse.diags(model.tan_friction) @ gather  # μ ΣN
+    one = np.ones((groups, 1))
+    # T = -λ r e + x, |x| <= s where it slips; |T| <= λ r + s elsewhere: the unknowns are N, x or T, and s
+    along = sparse.csr_matrix(
+        (direction.ravel(), (np.arange(groups * tangents), np.repeat(np.arange(groups), tangents))),
+        shape=(groups * tangents, groups),
+    )
+    statics = model.statics.tocsc()
+    of_normal, of_slip = statics[:, :pairs], statics[:, pairs:]
+    load = model.load.ravel()
+    stick = (~slips).astype(float)
+    upper = np.where(closed, np.inf, 0.0)
+    solve = _linear if tangents == 1 else _conic
+
+    def away(reduction: float) -> tuple[float, float]:
+        carried = reduction * (of_slip @ along)  # what r puts on the blocks, less the sign
+        balance = sparse.hstack([of_normal - carried @ pressed, of_slip, sparse.csr_matrix((len(load), 1))])
+        right = -load + carried @ cohesion
+        room = sparse.hstack([
+            -reduction * (sparse.diags(stick) @ pressed), sparse.csr_matrix((groups, groups * tangents)), -one,
+        ])  # fmt: skip
+        least = reduction * stick * cohesion
+        x, of_balance, of_room = solve(balance.tocsr(), right, room.tocsr(), least, upper, tangents)
+        if x is None:
+            return math.inf, 0.0
+        strength = pressed @ x[:pairs] + cohesion
+        # dual: how s falls with the right side and the matrix, both of which move with λ
+        slope = float(of_balance @ (of_slip @ (along @ strength))) - float(of_room @ (stick * strength))
+        return float(x[-1]), slope
+
+    return away
+
+
+Solved = tuple[Floats | None, Floats, Floats]
+
+
+def _linear(balance: Floats, right: Floats, room: Floats, least: Floats, upper: Floats, tangents: int) -> Solved:
+    """min s with |T| <= room, by a linear program (HiGHS)."""
+    from scipy import sparse
+    from scipy.optimize import linprog
+
+    groups, pairs = room.shape[0], len(upper)
+    pick = sparse.hstack([sparse.csr_matrix((groups, pairs)), sparse.eye(groups), sparse.csr_matrix((groups, 1))])
+    inequality = sparse.vstack([room + pick, room - pick])
+    cost = np.zeros(pairs + groups + 1)
+    cost[-1] = 1.0
+    bounds = np.empty((len(cost), 2))
+    bounds[:, 0], bounds[:, 1] = -np.inf, np.inf
+    bounds[:pairs, 0], bounds[:pairs, 1] = 0.0, upper
+    bounds[-1, 0] = 0.0
+    found = linprog(
+        cost, A_ub=inequality, b_ub=np.concatenate([least, least]), A_eq=balance, b_eq=right, bounds=bounds,
+        method="highs",
+    )  # fmt: skip
+    if found.status != 0:
+        return None, right, least
+    marginal = -found.ineqlin.marginals
+    return found.x, found.eqlin.marginals, marginal[:groups] + marginal[groups:]
+
+
+def _conic(balance: Floats, right: Floats, room: Floats, least: Floats, upper: Floats, tangents: int) -> Solved:
+    """The same by a cone program (Clarabel)."""
+    import clarabel
+    from scipy import sparse
+
+    groups, pairs = room.shape[0], len(upper)
+    width = pairs + groups * tangents + 1
+    shut = np.flatnonzero(upper == 0.0)
+    eye = sparse.eye(width, format="csr")
+    heads = room.tocsr()
+    cones = np.empty(groups * (1 + tangents), dtype=np.int64)  # rows of (room, T) group by group
+    cones.shape = (groups, 1 + tangents)
+    cones[:, 0] = np.arange(groups)
+    cones[:, 1:] = groups + np.arange(groups * tangents).reshape(groups, tangents)
+    tails = -eye[pairs : pairs + groups * tangents]
+    friction = sparse.vstack([heads, tails]).tocsr()[cones.ravel()]
+    of_friction = np.concatenate([least, np.zeros(groups * tangents)])[cones.ravel()]
+    rows = sparse.vstack([balance, eye[shut], -eye[:pairs], -eye[width - 1 :], friction]).tocsc()
+    ends = np.concatenate([right, np.zeros(len(shut) + pairs + 1), of_friction])
+    kinds = [
+        clarabel.ZeroConeT(len(right) + len(shut)), clarabel.NonnegativeConeT(pairs + 1),
+        *[clarabel.SecondOrderConeT(1 + tangents)] * groups,
+    ]  # fmt: skip
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    settings.max_threads = 1
+    cost = np.zeros(width)
+    cost[-1] = 1.0
+    found = clarabel.DefaultSolver(sparse.csc_matrix((width, width)), cost, rows, ends, kinds, settings).solve()
+    if not str(found.status).startswith(("Solved", "AlmostSolved")):
+        return None, right, least
+    dual = np.array(found.z)
+    first = len(right) + len(shut) + pairs + 1
+    return np.array(found.x), -dual[: len(right)], dual[first :: 1 + tangents]

@@ -1,0 +1,402 @@
+"""The limit of the elastic path: the factor of safety of many blocks (METHOD-3.md §13).
+
+Joints are elastic without tension (`preie.bed`). Gravity comes on at a strength well above the static bound, then
+
+    A   the strength goes down, λ x 0.85 a step, until the blocks run: implicit viscous flow shows that they do;
+    C   while they run, viscosity is taken away and λ set free, the work of the load prescribed and raised;
+    L   in a section, once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
+
+That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
+nothing helps the elastic peak, the factor at which the blocks were last at rest, stands as a bracket's end, and says so.
+With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from scipy.linalg import lapack
+
+from slopekit.arrays import Floats
+from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.program import BlockProgram, Strengths
+
+_STRIDE = 0.85  # of the strength, a step of stage A
+_RUNS = 30.0  # work in parts of the elastic: the blocks run
+_BRACKET = 2e-2  # how near A comes to the strength at which they run
+_NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
+_PATIENCE = 150  # factorisations in which a step of A should be at rest or run
+_ROUGHER = 7  # doublings of the strength to start from
+_LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
+_FARTHEST = 1e6  # load multiplier, or work of C in parts of the elastic
+_EASES, _THICKENS = 0.2, 5.0  # viscosity after a step that went well, and one that did not
+_THIN, _THICK = 1e-8, 1e-2  # viscosity in parts of the elastic stiffness: least, and to begin with
+_EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
+_FAILS = 8
+_EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled too
+_BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
+_STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
+_ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
+_FAR_DOWN, _PROPOSES, _MOST_STEPS = 1e-2, 1e-9, 150  # ε of the proposal, how well it has to settle, and steps
+_STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
+_TURNS = 12  # how often directions of slip in space follow the motion
+_OFF = 1e-9  # its residual, in parts of the largest force
+_KINEMATIC = 1e-6  # its motion: what should not open or slip, in parts of the fastest
+
+
+class PathOutcome(StrEnum):
+    """How the path ended."""
+
+    LIMIT = "limit state"
+    SETTLED = "the running forces stopped changing"
+    BRACKET = "last state at rest"
+    STANDS = "stands without strength"
+    NO_REST = "comes to rest at no strength"
+    GAVE_UP = "the search gave up"
+
+
+@dataclass(frozen=True, slots=True)
+class PathLimit:
+    """What the path found.
+
+    Attributes
+    ----------
+    outcome, parameter : λ = 1/F or the load multiplier, None where there is none
+    peak : the last parameter at rest, and the first that runs
+    motion : (N,) of the mechanism, its largest part 1; normal : (m,); friction : (g, t); bond : (m,)
+    displacement : (N,) of the elastic joints
+    reduction : λ of the joints there
+    residual : largest unbalanced force in parts of the largest load
+    started : the parameter at which gravity, or the first load, was at rest
+    factorisations : work done
+    """
+
+    outcome: PathOutcome
+    parameter: float | None
+    peak: tuple[float, float] | None
+    displacement: Floats
+    motion: Floats
+    normal: Floats
+    friction: Floats
+    reduction: float
+    residual: float
+    factorisations: int
+    started: float = math.nan
+
+    @property
+    def found(self) -> bool:
+        """Whether it is a limit state."""
+        return self.outcome in (PathOutcome.LIMIT, PathOutcome.SETTLED)
+
+
+@dataclass(slots=True)
+class _Flow:
+    """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended."""
+
+    at: Floats
+    forces: Forces
+    ended: str  # rest, runs, slow, lost
+    before: Floats
+    viscosity: float
+
+
+def _relaxed(
+    bed: Bed, at: Floats, parameter: float, viscosity: float, most: int = 80, far: float = 1e2, patience: int = 10000
+) -> _Flow:
+    """Let the blocks flow until they rest or run; viscosity 0 tries Newton's method first.
+
+    Parameters
+    ----------
+    far : work in parts of the elastic at which they run
+    patience : factorisations after which it is left for later
+    """
+    before, last, fails = at, viscosity, 0
+    patience += bed.factorisations
+    for _ in range(most):
+        if bed.factorisations > patience:
+            break
+        step = bed.step(at, at, parameter, viscosity)
+        if not step.settled:
+            viscosity, fails = max(_THICKENS * viscosity, _THICK), fails + 1
+            if fails > 6:
+                return _Flow(at, bed.forces(at, parameter), "lost", before, last)
+            continue
+        before, at, last, fails = at, step.at, viscosity, 0
+        if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
+            return _Flow(at, step.forces, "rest", before, last)
+        if abs(float(bed.drive.working @ at)) > far * bed.elastic_work:
+            return _Flow(at, step.forces, "runs", before, last)
+        viscosity = max(_EASES * viscosity, _THIN)
+    return _Flow(at, bed.forces(at, parameter), "slow", before, last)
+
+
+def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
+    """The limit of one bed.
+
+    Parameters
+    ----------
+    start : strength (λ) at which gravity comes on, or the first load multiplier
+    brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
+    """
+    strength = bed.drive.ramp is None
+    parameter, flow = _started(bed, start, 0 if brief else _ROUGHER)
+    if flow.ended != "rest":
+        return _result(bed, PathOutcome.NO_REST, None, None, flow.at, flow.at - flow.before, flow.forces)
+    at, begun = flow.at, parameter
+    runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
+    ratio = _STRIDE
+    nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
+    near = next(nearest)
+    while True:
+        if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
+            bad, flow = runs.pop()
+            if flow.ended != "runs":
+                flow = _relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
+            if flow.ended != "rest":
+                ended = _run(bed, flow, bad)
+                if ended is not None:
+                    return replace(ended, peak=(parameter, bad), started=begun)
+                runs.append((bad, flow))
+                near = next(nearest, 0.0)
+                if near == 0.0:
+                    break
+                continue
+            parameter, at = bad, flow.at
+        if runs:
+            ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
+        trial = bed.drive.harder(parameter, ratio)
+        tried = _tried(bed, at, trial)
+        if tried.ended != "rest":
+            runs.append((trial, tried))
+            continue
+        parameter, at = trial, tried.at
+        if (parameter < _LEAST * start) if strength else (parameter > _FARTHEST):
+            return _result(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
+        if not runs:
+            ratio = max(ratio * _STRIDE, 0.5)
+    forces = bed.forces(at, parameter)
+    peak = _result(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
+    return replace(peak, started=begun)
+
+
+def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
+    """Gravity on at a strength that holds the blocks, or the load before it is raised."""
+    none = np.zeros(bed.size)
+    if bed.drive.ramp is not None:
+        step = bed.step(bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
+        flow = _Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
+        return start, flow if step.settled else _relaxed(bed, none, 0.0, 1.0, far=1e9)
+    parameter = start
+    flow = _Flow(none, bed.forces(none, start), "lost", none, 0.0)
+    for _ in range(rougher + 1):
+        step = bed.step(bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
+        if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
+            return parameter, _Flow(step.at, step.forces, "rest", step.at, 0.0)
+        flow = _relaxed(bed, none, parameter, 1.0, far=3e2)
+        if flow.ended == "rest":
+            return parameter, flow
+        parameter *= 2.0
+    return parameter, flow
+
+
+def _tried(bed: Bed, at: Floats, parameter: float) -> _Flow:
+    """From one state at rest to a worse parameter."""
+    flow = _relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
+    if flow.ended == "rest" and flow.viscosity == 0.0:
+        working = bed.drive.working
+        if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
+            return _relaxed(bed, at, parameter, 0.3, far=_RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+    return flow
+
+
+def _run(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
+    """The limit of the motion that runs; None where its forces do not settle."""
+    if flow.ended != "runs":
+        flow = _relaxed(bed, flow.at, parameter, max(flow.viscosity, _THICK), far=_RUNS)
+    far = _RUNS
+    for again in range(3 if bed.tangents == 1 else 1):
+        found = _eased(bed, flow, parameter)
+        if found is not None or again == 2 or bed.tangents > 1:
+            return found
+        far *= 20.0
+        flow = _relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, far=far)
+        if flow.ended != "runs":
+            return _eased(bed, flow, parameter)
+    return None
+
+
+def _eased(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
+    """Stage C: viscosity goes, the parameter is free, the work grows."""
+    working = bed.drive.working
+    at, forces, viscosity = flow.at, bed.forces(flow.at, parameter), flow.viscosity
+    work = float(working @ at)
+    moved, gained = at - flow.before, work - float(working @ flow.before)
+    if gained == 0.0 or work == 0.0:
+        return None
+    eases, grows, steps, fails = _EASES, 1.5, 0, 0
+    while steps < 60 and fails < _FAILS:
+        more = work * (grows - 1.0)
+        thinner = eases * viscosity * gained / more
+        step = bed.step(at + moved * (more / gained), at, parameter, thinner, work + more)
+        if not step.settled or not 0.3 < step.parameter / parameter < 3.0:
+            eases, grows, fails = min(math.sqrt(eases), 0.98), max(grows**0.6, 1.003), fails + 1
+            continue
+        steps, fails = steps + 1, 0
+        same, changed = step.forces.same_modes(forces), abs(step.parameter / parameter - 1.0)
+        moved, gained, viscosity = step.at - at, more, thinner
+        at, parameter, forces, work = step.at, step.parameter, step.forces, work + more
+        viscous = forces.residual / bed.load_size
+        if step.taken <= 4:
+            grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
+        if viscous < (_EXACT if bed.tangents == 1 else _EXACT_IN_SPACE) and bed.size <= _BORDERED:
+            exact = limit_state(bed, at, moved, parameter)
+            if exact is not None:
+                return exact
+        far = work > 1e3 * bed.elastic_work
+        if same and viscous < _STEADY and (changed < 1e-2 * _STEADY or (changed < _STEADY and far)):
+            return _result(bed, PathOutcome.SETTLED, parameter, None, at, moved, forces)
+        if work > _FARTHEST * bed.elastic_work:
+            break
+    return None
+
+
+def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
+    """The limit from one state of the elastic joints far down the path, found at once; None where there is none.
+
+    The interior-point program with strengths that follow the normal forces has for its conditions those of the elastic
+    joints at a displacement v / ε, λ free. Where it gets there the law itself has to hold, at ten times the
+    displacement again and again: λ goes like the limit plus a part of 1/t.
+    """
+    model = bed.model
+    program = BlockProgram(model, ratio)
+    program.cohesion = model.by_group(model.cohesion * bond)
+    program.elastic = _FAR_DOWN
+    found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
+    if not found.settled or found.at.shed > _OFF or found.at.load_factor < _LEAST:
+        return None
+    at, parameter = found.at.velocity / _FAR_DOWN, found.at.load_factor
+    before = at
+    forces = bed.forces(at, parameter)
+    last = math.nan
+    for _ in range(12):
+        step = bed.step(at, at, parameter, 0.0, float(bed.drive.working @ at))
+        if not step.settled:
+            return None
+        motion, last = step.at - before, parameter
+        at, before, parameter, forces = 10.0 * step.at, step.at, step.parameter, step.forces
+        if float(bed.drive.working @ at) > _FARTHEST * bed.elastic_work:
+            break
+    if abs(parameter / last - 1.0) > 10.0 * _STEADY:
+        return None
+    settled = parameter + (parameter - last) / 9.0
+    return _result(bed, PathOutcome.SETTLED, settled, None, before, motion, forces)
+
+
+def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLimit | None:
+    """Stage L: the exact limit state of the contact modes at a displacement; None where there is none.
+
+    The displacement is t v + w: v the motion, along which nothing changes, w what the joints have given. Newton on w
+    and the parameter, modes held; accepted only if residual, N >= 0, |T| <= λ r, and the motion all agree. In space
+    the directions of slip are those of the motion found, until they stay.
+    """
+    modes = bed.forces(at, parameter)
+    v = moved / np.sqrt(float(moved @ moved))
+    at = at - v * (float((across := bed.viscous(v)) @ at) / float(across @ v))
+    for _ in range(1 if bed.tangents == 1 else _TURNS):
+        found = _of_modes(bed, modes, at, v, parameter)
+        if found is None:
+            return None
+        at, parameter, here, v, agrees = found
+        if agrees:
+            return _result(bed, PathOutcome.LIMIT, parameter, None, at, v, here)
+        if bed.tangents == 1:
+            return None
+        modes = bed.turned(modes, v)
+    return None
+
+
+def _of_modes(
+    bed: Bed, modes: Forces, w: Floats, v: Floats, parameter: float
+) -> tuple[Floats, float, Forces, Floats, bool] | None:
+    """Displacement w, parameter, forces and motion of the modes, and whether the motion has them; None: inadmissible"""
+    across = bed.viscous(v)
+    along = float(across @ v)
+    for _ in range(8):
+        here = bed.forces(w, parameter, modes=modes)
+        solver = _bordered(bed, here, parameter, across)
+        if solver is None:
+            return None
+        change = solver(np.append(here.unbalanced, -float(across @ w)))
+        if not np.isfinite(change).all():
+            return None
+        w, parameter = w + change[:-1], parameter + float(change[-1])
+        if abs(float(change[-1])) < 1e-13 * abs(parameter) and float(np.abs(change[:-1]).max()) < 1e-12 * float(
+            np.abs(w).max()
+        ):
+            break
+    here = bed.forces(w, parameter, modes=modes)
+    reduction, _ = bed.drive.at(parameter)
+    spare = reduction * here.strength - np.sqrt((here.friction * here.friction).sum(axis=1))
+    outside = -min(float(here.normal.min()), float(spare.min()))
+    if parameter <= 0.0 or here.residual > _OFF * max(modes.largest, here.largest):
+        return None
+    if outside > _ADMISSIBLE * bed.load_size:
+        return None
+    solver = _bordered(bed, here, parameter, across)
+    if solver is not None:  # the null vector of the stiffness
+        motion = solver(np.append(np.zeros(bed.size), along))
+        if abs(float(motion[-1])) < _KINEMATIC * abs(parameter) and _moves(
+            bed, here, motion[:-1], parameter, _KINEMATIC
+        ):
+            return w, parameter, here, motion[:-1], True
+        if bed.tangents > 1 and abs(float(motion[-1])) < _STEADY:
+            return w, parameter, here, motion[:-1], False
+    agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
+    return (w, parameter, here, v, True) if agrees else None
+
+
+def _bordered(bed: Bed, here: Forces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
+    """A solver of the modes' stiffness with the parameter as one more unknown and `across` as one more equation."""
+    size = bed.size
+    matrix = np.zeros((size + 1, size + 1))
+    local = bed.tangent(here, parameter, turning=False) + _STEADIES * bed.elastic
+    matrix[:-1, :-1] = bed.stiffness.dense(local)
+    matrix[:-1, -1] = -bed.by_parameter(here, parameter)
+    matrix[-1, :-1] = across
+    lu, pivots, info = lapack.dgetrf(matrix)
+    if info != 0:
+        return None
+
+    def solve(right: Floats) -> Floats:
+        found: Floats = lapack.dgetrs(lu, pivots, right)[0]
+        return found
+
+    return solve
+
+
+def _moves(bed: Bed, modes: Forces, motion: Floats, parameter: float, part: float) -> bool:
+    """Whether a motion opens, slips and holds what the modes say, up to a part of its fastest."""
+    opening, slip = bed.motion(motion, parameter)
+    forward = (slip * modes.direction).sum(axis=1)
+    aside = np.abs(slip - forward[:, None] * modes.direction).max(axis=1)
+    aside[~modes.slips] = np.abs(slip[~modes.slips]).max(axis=1)
+    most = part * max(float(np.abs(opening).max()), float(np.abs(slip).max()))
+    return (
+        float(opening.min()) > -most
+        and float(opening[modes.touching].max(initial=0.0)) < most
+        and float(forward[modes.slips].min(initial=0.0)) > -most
+        and float(aside.max()) < most
+    )
+
+
+def _result(
+    bed: Bed, outcome: PathOutcome, parameter: float | None, peak: tuple[float, float] | None, at: Floats,
+    motion: Floats, forces: Forces,
+) -> PathLimit:  # fmt: skip
+    fastest = max(float(np.abs(motion).max(initial=0.0)), 1e-300)
+    return PathLimit(
+        outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
+        bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
+    )  # fmt: skip
