@@ -28,12 +28,12 @@ from slopekit.preie.assembly import AssemblyModel
 
 _MOST_BYTES = 900_000_000
 _MOST_TRIALS = 8
-_LEAF = 16  # blocks that are not halved again: 8 to 24 take the same time within noise, 40 a tenth more
+_LEAF = 96  # unknowns of pieces that are not halved again: half or twice as many take a tenth more time
 _UNEVEN = 0.15  # of a piece, how far from its middle it may be cut
 _ALIKE = 0.9  # cosine between normals of one joint set
 _GROWTH = 1e8  # of multipliers, where pivots of one front only no longer do
-_ALWAYS_DENSE, _NEVER_DENSE = 60, 1000
-_WORTH_DISSECTION = 3e-3
+_DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
+_DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
 
 Solver = Callable[[Floats], Floats]
 
@@ -77,36 +77,34 @@ class Stiffness:
         SolverError
             E504 the factors do not fit into memory; E505 K is singular, or no shift makes it positive definite.
         """
+        if symmetric not in self.plans:
+            self.plans[symmetric] = _Plan(self.model, self._chosen(symmetric))
+        plan = self.plans[symmetric]
         values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
-        if symmetric:
-            for _ in range(_MOST_TRIALS):
-                solve = self.plans[True].factored(values, shift, inertia)
-                if solve is not None:
-                    return solve
-                shift = max(100.0 * shift, 1e-16)
-            raise SolverError([Fault("E505", "the stiffness of the assembly is not positive definite")])
-        if False not in self.plans:
-            self.plans[False] = _Plan(self.model, self._chosen(False))
-        solve = self.plans[False].factored(values, shift, inertia)
-        if solve is None and isinstance(self.plans[False].way, Fronts) and self.way is None:
-            # pivots of one front do not do: LAPACK's band takes them from wherever they are
-            solve = _Plan(self.model, Band(self.model, False)).factored(values, shift, inertia)
-        if solve is None:
-            raise SolverError([Fault("E505", "the stiffness of the assembly is singular")])
-        return solve
+        solve = plan.factored(values, shift, inertia)
+        for _ in range(1, _MOST_TRIALS if symmetric else 1):
+            if solve is not None:
+                break
+            shift = max(100.0 * shift, 1e-16)
+            solve = plan.factored(values, shift, inertia)
+        if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
+            # pivots from one front do not do: the band's come from wherever they are
+            solve = _Plan(self.model, _fitting(Band(self.model, False))).factored(values, shift, inertia)
+        if solve is not None:
+            return solve
+        what = "not positive definite" if symmetric else "singular"
+        raise SolverError([Fault("E505", f"the stiffness of the assembly is {what}")])
 
     def _chosen(self, symmetric: bool) -> "Dense | Band | Fronts":
         if self.way is not None:
             return _fitting(self.way(self.model, symmetric))
-        size = self.model.load.size
-        if size <= _ALWAYS_DENSE:
+        if self.model.load.size <= _DENSE:
             return Dense(self.model, symmetric)
-        ways: list[Dense | Band | Fronts] = [Band(self.model, symmetric)]
-        if size <= _NEVER_DENSE:
-            ways.append(Dense(self.model, symmetric))
-        if min(way.seconds for way in ways) > _WORTH_DISSECTION:
-            ways.append(Fronts(self.model, symmetric))
-        return _fitting(min(ways, key=lambda way: way.seconds))
+        band = Band(self.model, symmetric)
+        if band.seconds < _DISSECT:
+            return _fitting(band)
+        fronts = Fronts(self.model, symmetric)
+        return _fitting(fronts if fronts.seconds < band.seconds else band)
 
 
 def _fitting(way: "Dense | Band | Fronts") -> "Dense | Band | Fronts":
@@ -138,9 +136,8 @@ class _Plan:
         if inertia is not None:
             diagonal += inertia
         sizes = np.abs(diagonal)
-        entries[self.diagonal] = diagonal + shift * (
-            (diagonal if self.way.symmetric else sizes) + sizes.sum() / len(sizes)
-        )
+        own = diagonal if self.way.symmetric else sizes
+        entries[self.diagonal] = diagonal + shift * (own + sizes.sum() / len(sizes))
         solve = self.way.factored(entries)
         if solve is None or isinstance(self.way, Dense):
             return solve
@@ -163,7 +160,6 @@ class Dense:
         self.place = np.arange(len(model.load))
         self.size = self.unknowns**2
         self.bytes = 8 * self.size
-        self.seconds = (1.0 if symmetric else 2.0) * self.unknowns**3 / 3.0 / 20e9
 
     def at(self, row: Ints, column: Ints) -> Ints:
         """Where entries of K are stored."""
@@ -193,7 +189,8 @@ class Band:
         self.rows = (1 if symmetric else 3) * self.reach + 1
         self.size = self.unknowns * self.rows
         self.bytes = 8 * self.size
-        self.seconds = (1.0 if symmetric else 3.0) * self.unknowns * self.reach**2 / 25e9
+        work = (1.0 if symmetric else 3.0) * self.unknowns * self.reach**2
+        self.seconds = work / 25e9 + self.unknowns * (1e-7 + self.reach * 3e-9)
 
     def at(self, row: Ints, column: Ints) -> Ints:
         """Where entries of K are stored."""
@@ -220,7 +217,7 @@ class Fronts:
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
         n, u = model.load.shape
         edges = np.unique(np.sort(_touching(model), axis=0), axis=1)
-        self.place, counts = _dissection(edges, _along_joints(model), _LEAF)
+        self.place, counts = _dissection(edges, _along_joints(model), max(_LEAF // u, 1))
         self.symmetric, self.u = symmetric, u
         ends = np.cumsum(counts)
         starts = ends - counts
@@ -249,15 +246,13 @@ class Fronts:
             )
             for i in range(len(counts))
         ]  # fmt: skip
-        waiting = most = 0  # updates that a parent has not yet taken
-        for i, kids in enumerate(children):
-            waiting += int(others[i]) ** 2
-            most = max(most, waiting)
-            waiting -= sum(int(others[kid]) ** 2 for kid in kids)
-        self.bytes = 8 * (self.size + most)
+        updates = others * others
+        taken = np.array([int(updates[kids].sum()) for kids in children])
+        self.bytes = 8 * (self.size + int((np.cumsum(updates) - np.cumsum(taken) + taken).max()))
         p, q = own.astype(float), others.astype(float)
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
-        self.seconds = (1.0 if symmetric else 2.0) * self.flops / 25e9 + 60e-6 * len(counts)
+        work, moved = (1.0 if symmetric else 2.0) * np.array([self.flops, float((q * q).sum())])
+        self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + 50e-6 * len(counts)  # with two solutions
 
     def at(self, row: Ints, column: Ints) -> Ints:
         """Where entries of K are stored."""
@@ -316,19 +311,22 @@ class Fronts:
             done.append((start, start + p, later, factor, swaps, below, beside))
 
         def solve(right: Floats) -> Floats:
-            found = np.array(right.reshape(len(right), -1), order="C")
-            across = found.T  # its columns, an unknown each, are what BLAS can overwrite
+            if right.ndim == 2:  # dtrsv is 4 to 6 times as fast as dtrsm of two columns
+                return np.stack([solve(column) for column in right.T], axis=1)
+            found = right.copy()
             unit = 0 if symmetric else 1
             for start, end, later, factor, swaps, below, _ in done:
+                own = found[start:end]
                 if swaps is not None:
-                    found[start:end] = found[start:end][swaps]
-                blas.dtrsm(1.0, factor, across[:, start:end], side=1, lower=1, trans_a=1, diag=unit, overwrite_b=1)
+                    own[:] = own[swaps]
+                blas.dtrsv(factor, own, lower=1, diag=unit, overwrite_x=1)
                 if len(later):
-                    found[later] -= below @ found[start:end]
+                    found[later] -= below @ own
             for start, end, later, factor, _, _, beside in reversed(done):
+                own = found[start:end]
                 if len(later):
-                    found[start:end] -= beside.T @ found[later]
-                blas.dtrsm(1.0, factor, across[:, start:end], side=1, lower=1 - unit, trans_a=unit, overwrite_b=1)
+                    own -= found[later] @ beside
+                blas.dtrsv(factor, own, lower=1 - unit, trans=1 - unit, overwrite_x=1)
             return found
 
         return solve
@@ -371,7 +369,7 @@ def _along_joints(model: AssemblyModel) -> Floats:
     """
     dimensions = [0, 1, 2] if model.unknowns == 6 else [0, 2]
     n, both = len(model.load), model.minus >= 0
-    pairs = np.bincount(model.pair_contact, minlength=len(model.plus))
+    pairs = np.maximum(np.bincount(model.pair_contact, minlength=len(model.plus)), 1)
     of_block = np.concatenate([model.plus, model.minus]) + 1
     contacts = np.maximum(np.bincount(of_block, minlength=n + 1), 1)
     centres = np.empty((n, len(dimensions)))
