@@ -1,5 +1,7 @@
 """Each way to solve with the stiffness of an assembly against SciPy's sparse LU of Σ Jᵀ S J, contact by contact."""
 
+import gc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -58,7 +60,7 @@ def small_pieces(monkeypatch) -> None:
 
 @pytest.mark.parametrize("way", [*WAYS, None])
 @given(st.sampled_from(list(SCENES)), st.booleans(), st.booleans(), st.booleans(), st.integers(0, 10**6))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy, seed) -> None:
     """Same matrix, same shift; both solutions may be off by their rounding, 1e-16 times the condition, below 1e6."""
     model = model_of(name, untouched)
@@ -176,3 +178,17 @@ def test_what_separates_a_cube_is_a_plane() -> None:
     assert fronts.own.max() <= 6 * 81
     assert fronts.flops < band.unknowns * band.reach**2 / 2.0
     assert sorted(fronts.place) == list(range(len(model.load)))
+
+
+def test_factors_go_with_their_solver() -> None:
+    """No cycle keeps them until the collector comes: of large models they are hundreds of megabytes."""
+    model = model_of("wall")
+    for way in WAYS:
+        solve = Stiffness(model, way).factored(stiffness_of(model, True, 1), 1e-6)
+        gc.collect()
+        gc.disable()
+        try:
+            del solve
+            assert gc.collect() == 0
+        finally:
+            gc.enable()

@@ -1,12 +1,18 @@
 """Stiffness of an assembly, K = Σ Jᵀ S J over its contacts, and solvers of K x = b.
 
-Three ways, the fastest for a model chosen once (seconds of one Cholesky factorisation, one core):
+Three ways, the fastest for a model chosen once; ms of one symmetric (general) factorisation and assembly, one core:
 
-=====================================  ========  ======  ======  ======
-model                                  unknowns  dense   band    fronts
-=====================================  ========  ======  ======  ======
-TABLE
-=====================================  ========  ======  ======  ======
+===================  ========  =============  =============  =============
+model                unknowns  dense          band           fronts
+===================  ========  =============  =============  =============
+columns of a slope         48  0.03 (0.03)    0.02 (0.02)    0.03 (0.05)
+bench of 41 blocks        246  0.25 (0.43)    0.19 (0.20)    0.20 (0.32)
+5 x 5 x 5 boxes           750  4.3 (8.6)      0.95 (1.9)     1.2 (2.2)
+stack of 1,000           3000                 0.22 (0.38)    1.7 (3.8)
+bench of 501             3006                 8.3 (17)       7.7 (14)
+wall 50 x 100           15075                 36 (75)        25 (46)
+bench of 7,251          43506                 3200 (-)       710 (1330)
+===================  ========  =============  =============  =============
 
 Dense and band are LAPACK's. The third is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are
 halved by a least set of blocks between the halves, and so on; halves first, what separates them last, each in a dense
@@ -126,7 +132,8 @@ class _Plan:
         row, column = np.broadcast_arrays(unknown[:, :, None], unknown[:, None, :])
         kept = there[:, :, None] & there[:, None, :]
         self.kept = np.flatnonzero(kept & (row >= column) if way.symmetric else kept)
-        self.index = way.at(row.ravel()[self.kept], column.ravel()[self.kept])
+        parts = np.array_split(self.kept, 1 + len(self.kept) // 100_000)  # 3 million of 7,251 blocks
+        self.index = np.concatenate([way.at(row.flat[part], column.flat[part]) for part in parts])
         self.order = (way.place[:, None] * u + np.arange(u)).ravel()  # where each unknown goes
         self.diagonal = way.at(self.order, self.order)
 
@@ -311,8 +318,6 @@ class Fronts:
             done.append((start, start + p, later, factor, swaps, below, beside))
 
         def solve(right: Floats) -> Floats:
-            if right.ndim == 2:  # dtrsv is 4 to 6 times as fast as dtrsm of two columns
-                return np.stack([solve(column) for column in right.T], axis=1)
             found = right.copy()
             unit = 0 if symmetric else 1
             for start, end, later, factor, swaps, below, _ in done:
@@ -329,7 +334,8 @@ class Fronts:
                 blas.dtrsv(factor, own, lower=1 - unit, trans=1 - unit, overwrite_x=1)
             return found
 
-        return solve
+        # dtrsv is 4 to 6 times as fast as dtrsm of two columns
+        return lambda right: solve(right) if right.ndim == 1 else np.stack([solve(b) for b in right.T], axis=1)
 
 
 def _touching(model: AssemblyModel) -> Ints:
