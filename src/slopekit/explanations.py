@@ -317,7 +317,7 @@ EXPLANATIONS: Mapping[str, str] = {
     "E257": "Two blocks of the design lie in each other. Where they do, their faces do not meet and carry "
     "nothing, so no factor of safety would mean anything. Overlaps below a thousandth of the smaller "
     "block are reported and left (W333).",
-    "E504": "The stiffness of so many blocks in space does not fit into memory as a band. Take fewer or larger "
+    "E504": "The stiffness of so many blocks in space does not fit into memory. Take fewer or larger "
     "blocks, or a shorter bench.",
     "E505": "The equations of the blocks could not be factorised. This is a bug of ours: please report it with "
     "the design.",

@@ -5,15 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from slopekit.errors import SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
-from slopekit.preie import banded
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.banded import BandedStiffness
 from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, columns, wall, weighed
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
@@ -264,82 +260,3 @@ def test_nothing_to_solve() -> None:
     for changed in (replace(scene, fixed=~scene.fixed), replace(scene, forces=0.0 * scene.forces)):
         with pytest.raises(SolverError, match="E502"):
             changed.model(30.0)
-
-
-# -- the banded solver ------------------------------------------------------------------------------------------------
-
-
-def dense(model: AssemblyModel, stiffness: np.ndarray) -> np.ndarray:
-    """Σ Jᵀ S J, contact by contact."""
-    n, u = model.load.shape
-    total = np.zeros((n * u, n * u))
-    for k in range(len(model.plus)):
-        j = np.zeros((u, n * u))
-        j[:, model.plus[k] * u : (model.plus[k] + 1) * u] += model.plus_motion[k]
-        if model.minus[k] >= 0:
-            j[:, model.minus[k] * u : (model.minus[k] + 1) * u] += model.minus_motion[k]
-        total += j.T @ stiffness[k] @ j
-    return total
-
-
-def banded_case(name: str, isolated: bool) -> AssemblyModel:
-    """A model whose blocks are numbered anyhow, one of them perhaps touching nothing."""
-    build, c = SCENES[name]
-    scene = build()
-    if isolated:
-        scene = scene.with_untouched_block()
-    return scene.model(30.0, c)
-
-
-@given(st.sampled_from(list(SCENES)), st.booleans(), st.booleans(), st.integers(0, 10**6))
-@settings(max_examples=25, deadline=None)
-def test_the_band_against_a_dense_solve(name, isolated, symmetric, seed) -> None:
-    """NumPy's dense solve of the same matrix with the same shift; 1e-9 of the solution at a condition below 1e6."""
-    model = banded_case(name, isolated)
-    n, u = model.load.shape
-    rng, shift = np.random.default_rng(seed), 1e-3
-    half = rng.normal(size=(len(model.plus), u, u))
-    stiffness = np.matmul(half, half.transpose(0, 2, 1)) + 0.1 * np.eye(u)
-    if not symmetric:
-        stiffness = stiffness + 0.5 * (half - half.transpose(0, 2, 1))
-    full = dense(model, stiffness)
-    diagonal = full.diagonal().copy()
-    full[np.arange(n * u), np.arange(n * u)] += shift * (np.abs(diagonal) + np.abs(diagonal).mean())
-    solve = BandedStiffness(model).factored(stiffness, shift, symmetric)
-    for right in (rng.normal(size=n * u), rng.normal(size=(n * u, 2))):
-        exact = np.linalg.solve(full, right)
-        found = solve(right)
-        assert found.shape == right.shape
-        assert np.abs(found - exact).max() < 1e-9 * np.abs(exact).max()
-
-
-def test_a_symmetric_stiffness_may_go_the_general_way() -> None:
-    model = wall(4, 3).model(30.0)
-    half = np.random.default_rng(7).normal(size=(len(model.plus), 3, 3))
-    stiffness, right = np.matmul(half, half.transpose(0, 2, 1)), np.random.default_rng(8).normal(size=model.load.size)
-    band = BandedStiffness(model)
-    one, other = (band.factored(stiffness, 1e-6, symmetric)(right) for symmetric in (True, False))
-    assert one == pytest.approx(other, rel=1e-7, abs=1e-7 * np.abs(one).max())
-
-
-def test_the_band_is_narrow() -> None:
-    """A wall of 10 courses needs a band of some courses, however long it is and however its blocks are numbered."""
-    heights = [BandedStiffness(wall(10, long).model(30.0)).height for long in (10, 40)]
-    assert max(heights) <= 3 * 2 * 11
-    model = wall(10, 40).model(30.0)
-    assert BandedStiffness(model).size == model.load.size
-
-
-def test_no_shift_helps_what_pulls() -> None:
-    model = wall(2, 2).model(30.0)
-    nothing = np.zeros((len(model.plus), 3, 3))
-    with pytest.raises(SolverError, match="E505"):
-        BandedStiffness(model).factored(nothing, 0.0)
-    with pytest.raises(SolverError, match="E505"):
-        BandedStiffness(model).factored(nothing, 0.0, symmetric=False)
-
-
-def test_a_band_too_large_for_memory_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr(banded, "_MOST_BYTES", 1000)
-    with pytest.raises(SolverError, match="E504"):
-        BandedStiffness(wall(3, 3).model(30.0))

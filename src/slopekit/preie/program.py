@@ -22,11 +22,11 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.banded import BandedStiffness
 from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
 from slopekit.preie.iterates import Iterate, Step
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.springs import Coupling, Springs
+from slopekit.preie.stiffness import Stiffness
 
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
 _ELASTIC_ENERGY = 1e-3  # what an elastic bed of the whole assembly may store beside the load factor; a hundredth of it
@@ -89,7 +89,7 @@ class BlockProgram:
 
     def __init__(self, model: AssemblyModel, ratio: float = 1.0) -> None:
         self.model = model
-        self.band = BandedStiffness(model)
+        self.solver = Stiffness(model)
         self.of_pair = model.group_of_pair
         self.give = 1.0 / model.control_area
         self.group_give = 1.0 / (ratio * model.by_group(model.control_area))
@@ -150,7 +150,7 @@ class BlockProgram:
             springs = np.where(pressed, _ROUGH * model.control_area, 0.0)
             held = roughness * (model.by_group(springs) > 0.0)
             rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
-            velocity = self.band.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
+            velocity = self.solver.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
             opening, _ = model.opening_and_slip(velocity)
             fastest = max(float(np.abs(velocity).max()), 1e-300)
             pulled = pressed & (opening > _LETS_GO * fastest)
@@ -165,7 +165,7 @@ class BlockProgram:
         model = self.model
         tangents = np.eye(model.slip_rows.shape[1]) / self.group_give[:, None, None]
         local = self.pattern.stiffness(model.control_area, tangents)
-        velocity = self.band.factored(local, 1e-12)(self.load)
+        velocity = self.solver.factored(local, 1e-12)(self.load)
         opening, slip = model.opening_and_slip(velocity)
         normal, friction = -model.control_area * opening, -slip / self.group_give[:, None]
         stored = float((self.give * normal * normal).sum() + (self.group_give[:, None] * friction * friction).sum())
@@ -273,7 +273,7 @@ class _Newton:
             model, program.of_pair, 1.0 / (program.elastic * program.give + at.gap / at.normal),
             program.elastic * program.group_give, scale, off.coupling,
         )  # fmt: skip
-        solver = program.band.factored(springs.stiffness(program.pattern), _SHIFT, strengths.symmetric)
+        solver = program.solver.factored(springs.stiffness(program.pattern), _SHIFT, strengths.symmetric)
         border = model.forces_on_blocks(*springs.of_factor).ravel()
         row = border if strengths.symmetric else model.forces_on_blocks(*springs.row).ravel()
         columns = solver(np.stack([border, load], axis=1))

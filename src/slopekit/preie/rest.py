@@ -23,8 +23,8 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.banded import BandedStiffness
 from slopekit.preie.contact import ContactMode, JointStiffness, tractions
+from slopekit.preie.stiffness import Stiffness
 
 _STANDS = 1e-10  # unbalanced force in parts of the largest force
 _AIM = 1e-13
@@ -108,7 +108,7 @@ def rest(model: AssemblyModel, factor: float, stiffness: JointStiffness, start: 
     Raises
     ------
     SolverError
-        E504 the model is too large for its band.
+        E504 the model is too large for memory.
     """
     steps = passes = 0
     for state in ElasticBed(model, stiffness).path(factor, start):
@@ -142,12 +142,12 @@ class ElasticBed:
     Raises
     ------
     SolverError
-        E504 the model is too large for its band.
+        E504 the model is too large for memory.
     """
 
     def __init__(self, model: AssemblyModel, stiffness: JointStiffness) -> None:
         self.model, self.stiffness = model, stiffness
-        self.banded = BandedStiffness(model)
+        self.solver = Stiffness(model)
         self.load = model.load.ravel()
         self.group_area = model.by_group(model.control_area) * model.area_scale  # m²
         self.spring = (
@@ -212,7 +212,7 @@ class ElasticBed:
         spring = self.model.by_group(self.spring)[:, None, None]
         sideways = spring * np.matmul(rows.transpose(0, 2, 1), rows)
         local = np.add.reduceat(self.by_pair, self.first_pair, axis=0)
-        return self.banded.factored(local + np.add.reduceat(sideways, self.first_group, axis=0), 1e-12)(self.load)
+        return self.solver.factored(local + np.add.reduceat(sideways, self.first_group, axis=0), 1e-12)(self.load)
 
     # -- rest ---------------------------------------------------------------------------------------------------------
 
@@ -318,7 +318,7 @@ class ElasticBed:
             if seen.size <= max(_PASS_AIM, 4.0 * seen.rounding):
                 return False, at, step
             try:
-                way = self.banded.factored(self.contact_stiffness(seen, False), shift)(seen.unbalanced)
+                way = self.solver.factored(self.contact_stiffness(seen, False), shift)(seen.unbalanced)
             except SolverError:  # nothing touches any more
                 return True, at, step
             length, seen = self._down(at, way, seen, lambda there: self.seen(there, cohesion, factor, sums))
@@ -364,7 +364,7 @@ class ElasticBed:
             if seen.size <= seen.rounding or min(sizes[-_FRUITLESS:]) > best[0]:
                 break
             try:
-                way = self.banded.factored(self.contact_stiffness(seen, True), _TOGETHER_SHIFT, False)(seen.unbalanced)
+                way = self.solver.factored(self.contact_stiffness(seen, True), _TOGETHER_SHIFT, False)(seen.unbalanced)
             except SolverError:
                 break
             most, length = max(sizes[-_LOOK_BACK:]), 1.0

@@ -79,7 +79,7 @@ def all_blocks_untied(
     Raises
     ------
     SolverError
-        E504 the model is too large for its band.
+        E504 the model is too large for memory.
     """
     search = _Search(model, ElasticBed(model, stiffness), relative)
     blocks = len(model.load)
