@@ -10,10 +10,11 @@ elastic, no-tension joints whose slip is incremental, strength lowered slowly, m
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
+import clarabel
 import numpy as np
 from scipy import sparse
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
@@ -74,33 +75,45 @@ def arrays_of(model: AssemblyModel) -> Arrays:
     )  # fmt: skip
 
 
+def in_parts_of_blocks(given: Arrays) -> Arrays:
+    """The same in other units: the balance of a block in parts of its load, forces in parts of the lighter block's.
+
+    A pebble's balance counts as much as a boulder's; λ is the same.
+    """
+    size = 3 if given.directions == 1 else 6
+    loads = np.linalg.norm(given.load.reshape(-1, size), axis=1)
+    of_unknown = np.repeat(np.maximum(loads, 1e-6 * loads.max()), size)
+
+    def scaled(rows: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        return rows * forces[:, None] / of_unknown
+
+    of_pairs = np.where(given.normal != 0.0, of_unknown, np.inf).min(axis=1)
+    of_groups = of_pairs[np.searchsorted(given.group, np.arange(len(given.friction)))]
+    return replace(
+        given, normal=scaled(given.normal, of_pairs), cohesion=given.cohesion / of_pairs,
+        slip=scaled(given.slip, np.repeat(of_groups, given.directions)), load=given.load / of_unknown,
+    )  # fmt: skip
+
+
 # -- the static bound -------------------------------------------------------------------------------------------------
 
 _LEAST, _MOST = 1e-4, 1e4  # strength factors λ between which a bound is looked for
 _CLOSE = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-_NOTHING = 1e-9  # of a mean load: what HiGHS leaves of a friction force too large
+_NEARLY_NOTHING = 1e-7  # and what Clarabel does, which ends within 1e-8 of the largest force
+_NOTHING = 1e-9  # of a block's load: what HiGHS leaves of a friction force too large
 
 
-def static_bound(model: AssemblyModel, parts: float = 1e-8) -> float | None:
-    """The highest F at which admissible forces are in equilibrium with the loads of a section.
+def static_bound(model: AssemblyModel, parts: float | None = None) -> float | None:
+    """The highest F at which admissible forces are in equilibrium with the loads; all blocks are free.
 
-    The least excess s of friction, |T| <= λ r + s, is a linear program that falls with λ: bisected until λ is known to
-    `parts`. None: there is no equilibrium at any friction; infinite: there is without any.
+    The least excess s of friction, |T| <= λ r + s, is a linear program in a section (HiGHS) and a cone program in space
+    (Clarabel). It falls with λ, which is bisected until it is known to `parts` (1e-8 in a section, 1e-5 in space).
+    None: there is no equilibrium at any friction; infinite: there is without any.
     """
-    given = arrays_of(model)
-    pairs, groups = len(given.area), len(given.friction)
-    sums = sparse.csr_matrix((given.friction[given.group], (given.group, np.arange(pairs))), shape=(groups, pairs))
-    one, excess = sparse.identity(groups), sparse.csr_matrix(np.ones((groups, 1)))
-    balance = sparse.hstack([model.statics, sparse.csr_matrix((len(given.load), 1))]).tocsr()
-    cost = np.append(np.zeros(pairs + groups), 1.0)
-    bounds = [(0.0, None)] * pairs + [(None, None)] * groups + [(0.0, None)]
-
-    def stands(strength: float) -> bool:
-        cone = sparse.vstack([sparse.hstack([-strength * sums, sign * one, -excess]) for sign in (1.0, -1.0)]).tocsr()
-        most = np.tile(strength * given.of_groups(given.cohesion), 2)
-        found = linprog(cost, cone, most, balance, -given.load, bounds, method="highs", options=_CLOSE)
-        return found.status == 0 and found.fun <= _NOTHING
-
+    given = in_parts_of_blocks(arrays_of(model))
+    in_section = given.directions == 1
+    stands = (_linear if in_section else _conic)(given)
+    parts = (1e-8 if in_section else 1e-5) if parts is None else parts
     low, high = _LEAST, 1.0
     while not stands(high):
         low, high = high, 4.0 * high
@@ -115,6 +128,56 @@ def static_bound(model: AssemblyModel, parts: float = 1e-8) -> float | None:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if stands(middle) else (middle, high)
     return 1.0 / high
+
+
+def _linear(given: Arrays) -> Callable[[float], bool]:
+    """Whether admissible forces exist in a section, by λ."""
+    pairs, groups = len(given.area), len(given.friction)
+    sums = sparse.csr_matrix((given.friction[given.group], (given.group, np.arange(pairs))), shape=(groups, pairs))
+    one, excess = sparse.identity(groups), sparse.csr_matrix(np.ones((groups, 1)))
+    balance = sparse.csr_matrix(np.hstack([given.normal.T, given.slip.T, np.zeros((len(given.load), 1))]))
+    cost = np.append(np.zeros(pairs + groups), 1.0)
+    bounds = [(0.0, None)] * pairs + [(None, None)] * groups + [(0.0, None)]
+
+    def stands(strength: float) -> bool:
+        cone = sparse.vstack([sparse.hstack([-strength * sums, sign * one, -excess]) for sign in (1.0, -1.0)]).tocsr()
+        most = np.tile(strength * given.of_groups(given.cohesion), 2)
+        found = linprog(cost, cone, most, balance, -given.load, bounds, method="highs", options=_CLOSE)
+        return found.status == 0 and found.fun <= _NOTHING
+
+    return stands
+
+
+def _conic(given: Arrays) -> Callable[[float], bool]:
+    """Whether admissible forces exist in space, by λ: every node pair has a friction force of its own."""
+    pairs, unknowns = len(given.area), len(given.load)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
+    cones = [
+        clarabel.ZeroConeT(unknowns),
+        clarabel.NonnegativeConeT(pairs + 1),
+        *[clarabel.SecondOrderConeT(3)] * pairs,
+    ]
+    balance = sparse.csr_matrix(np.hstack([given.normal.T, given.slip.T, np.zeros((unknowns, 1))]))
+    pressed = sparse.diags(np.append(-np.ones(pairs), np.append(np.zeros(2 * pairs), -1.0))).tocsr()
+    pressed = pressed[np.append(np.arange(pairs), 3 * pairs)]
+    cost, curved = np.append(np.zeros(3 * pairs), 1.0), sparse.csc_matrix((3 * pairs + 1, 3 * pairs + 1))
+    first, each = 3 * np.arange(pairs), np.arange(pairs)
+
+    def stands(strength: float) -> bool:
+        rows = np.concatenate([first, first, first + 1, first + 2])
+        columns = np.concatenate([each, np.full(pairs, 3 * pairs), pairs + 2 * each, pairs + 2 * each + 1])
+        values = np.concatenate([-strength * given.friction, -np.ones(3 * pairs)])
+        cone = sparse.csr_matrix((values, (rows, columns)), shape=(3 * pairs, 3 * pairs + 1))
+        right = np.zeros(3 * pairs)
+        right[first] = strength * given.cohesion
+        right = np.concatenate([-given.load, np.zeros(pairs + 1), right])
+        left = sparse.vstack([balance, pressed, cone]).tocsc()
+        found = clarabel.DefaultSolver(curved, cost, left, right, cones, settings).solve()
+        return str(found.status) in ("Solved", "AlmostSolved") and found.x[-1] <= _NEARLY_NOTHING
+
+    return stands
 
 
 # -- every limit state of a few blocks --------------------------------------------------------------------------------
@@ -343,7 +406,8 @@ class _Bed:
                 return None
             change, more = both[:, 0], 0.0
             if work is not None:
-                more = (miss - float(load @ both[:, 0])) / float(load @ both[:, 1])
+                works = float(load @ both[:, 1])
+                more = (miss - float(load @ both[:, 0])) / works if works else math.inf
                 if not abs(more) < 0.5 * strength:
                     return None
                 change = both[:, 0] + more * both[:, 1]
