@@ -446,6 +446,9 @@ def history(model: AssemblyModel, start: float, stiffness: float = 0.4, cohesion
 
     Joints are elastic without tension, their slip is incremental: what slipped stays slipped. Every state is reached by
     viscous flow. When the assembly runs, λ is freed and the work of the loads grows until λ stays.
+
+    Trust the factor where it `end`s "settled". Dry walls near tipping often do not: some come to rest only at many
+    times their friction, and lose their way from there.
     """
     given = arrays_of(model)
     bed = _Bed(given, given.cohesion if cohesion is None else cohesion, stiffness)
