@@ -1,149 +1,376 @@
-"""Many blocks: slopekit against a plain sequence of generic conic solves. By hand: ``python -m benchmarks.blocks``.
+"""What the limit of many blocks is worth: published and random assemblies through the public reader.
 
-``python -m benchmarks.blocks quick`` leaves out 10,000 blocks. Every case runs in a process of its own, whose largest
-memory is measured before the conic solver is loaded.
+    python -m benchmarks.blocks                          the table of named cases, METHOD-3 §13 (about a minute)
+    python -m benchmarks.blocks multipliers [W1 ...]     walls: the horizontal load at which F is 1
+    python -m benchmarks.blocks populations [sections | walls | benches ...] [-n N] [-j 2] [--plain] [-o file]
+    python -m benchmarks.blocks speed [quick]            times and memory beside a generic conic solver
 
-Scenes: a stack of 100 blocks a column on a 30° incline, in as many columns that do not touch as it takes; Goodman &
-Bray's 16 columns (φ = 38.15°) in rows behind each other that do not touch, all in one model; a wall in running bond,
-10 courses on a base of 20° (φ = 35°); the same wall 32 x 32, which slides and turns and has no closed form.
-
-The other side is METHOD.md §4 done plainly, on the same model in the same process: Clarabel (qdldl, 1e-8), friction
-frozen at the normal forces of the last pass, until three factors agree to 1e-4, at most 40 passes. At 10,000 blocks one
-pass is timed and multiplied by the passes of the same scene at 1,000.
+A population reports how many designs of a static bound of 0.3 or more get a number, numbers above the static bound
+(that of slopekit, and one of all blocks by an independent program), F of the strength divided by 0.5 and by 3, of
+the design mirrored, listed in another order, moved to UTM and with its polygons from another corner (`--plain`: none of
+these), and CPU seconds. `-o` keeps a line of JSON a design.
 """
 
+import argparse
 import json
 import math
-import resource
-import subprocess
+import multiprocessing
+import signal
 import sys
 import time
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from types import FrameType
+from typing import Any
 
 import numpy as np
 
-SIZES = (100, 1000, 10000)
-_SECONDS = 3600.0  # a case that takes longer is given up
+from benchmarks import populations
+from benchmarks.populations import Design
+
+_SECONDS = 120.0  # of CPU time, after which an analysis is given up
+_JUDGED = 0.3  # static bounds from which a number is asked for
+_ABOVE = 1e-4  # by how much a factor may be above a static bound, both being known to that
+_SAME = {"strength": 1e-6, "other": 1e-8}  # what the same slope in another writing may change
 
 
-def slides_at(phi: float, dip: float) -> float:
-    """The factor of what slides on one plane without cohesion, tan φ / tan β."""
-    return math.tan(math.radians(phi)) / math.tan(math.radians(dip))
+@dataclass(frozen=True)
+class Answer:
+    """What one analysis says, and its CPU seconds; `status` is "error" or "time" where it says nothing."""
+
+    status: str
+    seconds: float
+    factor: float | None = None
+    bound: float | None = None
+    lowest: float | None = None
+    highest: float | None = None
+    blocks: int = 0
+    codes: tuple[str, ...] = ()
+    fault: str = ""
 
 
-def scene_of(name: str, blocks: int):
-    """A scene, its friction angle and its exact factor (None: there is none)."""
-    from tests.preie.block_scenes import Scene, columns, stack, wall
+def answer(design: Design, seconds: float = _SECONDS) -> Answer:
+    """Analyse a design, without its memory of earlier ones."""
+    from slopekit.errors import SlopekitError
+    from tests.properties import changes
 
-    if name == "stack":
-        one = stack(100, width=300.0)
-        p, times = one.patches, max(1, blocks // 100)
-        shift = np.repeat(np.arange(times), len(p)) * len(one)
-        minus = np.tile(p.minus, times)
-        patches = replace(
-            p, plus=np.tile(p.plus, times) + shift, minus=np.where(minus < 0, -1, minus + shift),
-            joint=np.tile(p.joint, times), normals=np.tile(p.normals, (times, 1)), areas=np.tile(p.areas, times),
-            centroids=np.tile(p.centroids, (times, 1)), corners=np.tile(p.corners, (times, 1)),
-            first=2 * np.arange(times * len(p) + 1),
-        )  # fmt: skip
-        whole = (np.tile(part, (times, 1)) for part in (one.centroids, one.forces, one.moments))
-        return Scene(patches, *whole, np.zeros(times * len(one), dtype=bool), True), 35.0, slides_at(35.0, 30.0)
-    if name == "columns":
-        from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-        from tests.preie.block_scenes import GOODMAN_BRAY
-
-        exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
-        return columns(rows=math.ceil(blocks / 16)), 38.15, exact
-    if name == "square wall":
-        return wall(32, 32), 35.0, None
-    return wall(10, blocks // 10), 35.0, slides_at(35.0, 20.0)
-
-
-def case(name: str, blocks: int, passes: int | None) -> dict:
-    """Both solvers on one scene; `passes`: how many the other one is said to need, None: run them."""
-    from slopekit.preie.blocks import limit_of_blocks
-    from slopekit.preie.program import BlockProgram, Strengths
-
-    scene, phi, exact = scene_of(name, blocks)
-    began = time.perf_counter()
-    model = scene.model(phi)
-    built = time.perf_counter() - began
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    began = time.perf_counter()
-    program = BlockProgram(model)
-    program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, 3e-7, 150)
-    bound = time.perf_counter() - began
-    began = time.perf_counter()
-    found = limit_of_blocks(model)
-    both = time.perf_counter() - began
-    ours = {
-        "name": name, "blocks": len(scene), "pairs": len(model.control_area), "built": built, "bound_s": bound,
-        "limit_s": max(both - bound, 0.0), "both_s": both, "factor": found.factor, "bound": found.static_bound,
-        "outcome": found.outcome.name, "change": found.change, "passes": found.passes, "steps": found.steps,
-        "bound_steps": found.bound_steps, "exact": exact, "before_mb": before,
-        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-    }  # fmt: skip
-    from tests.preie.assembly_oracle import conic_sequence
-
-    theirs = conic_sequence(model, most=40 if passes is None else 1)
-    return ours | {
-        "conic_s": theirs.seconds if passes is None else theirs.seconds * passes,
-        "conic_passes": theirs.passes if passes is None else passes, "conic_settled": theirs.settled,
-        "conic_factor": theirs.factor if passes is None else None, "conic_pass_s": float(np.mean(theirs.each)),
-        "estimated": passes is not None, "conic_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
-    }  # fmt: skip
-
-
-def in_a_process(name: str, blocks: int, passes: int | None) -> dict | None:
-    """`case` in a fresh interpreter, one thread; None where it was given up."""
-    command = [sys.executable, "-m", "benchmarks.blocks", "case", name, str(blocks), str(passes or 0)]
+    changes._run.cache_clear()
+    signal.signal(signal.SIGPROF, _late)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    began = time.process_time()
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=_SECONDS)
-    except (subprocess.TimeoutExpired, subprocess.CalledProcessError) as error:
-        print(f"{name}, {blocks} blocks: {str(error.stderr or error)[-300:]}")
-        return None
-    found: dict = json.loads(done.stdout.splitlines()[-1])
+        found = changes.run(design)
+    except TimeoutError:
+        return Answer("time", time.process_time() - began)
+    except SlopekitError as error:
+        return Answer("error", time.process_time() - began, fault=str(error))
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    fos = found.fos
+    return Answer(
+        found.status, time.process_time() - began, fos.limit, fos.static_bound, getattr(fos, "lowest", None),
+        getattr(fos, "highest", None), found.model.moving_blocks, tuple(notice.code for notice in found.warnings),
+    )  # fmt: skip
+
+
+def _late(number: int, frame: FrameType | None) -> None:
+    raise TimeoutError
+
+
+# -- named cases ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Case:
+    """A design and what is known of it: the factor, the range of its mechanism, its static bound, and from where."""
+
+    name: str
+    design: Design
+    factor: float | None
+    source: str
+    lowest: float | None = None
+    highest: float | None = None
+    bound: float | None = None
+
+
+_PATH = "METHOD-3 §13"
+_FORM = "closed form"
+
+
+def named() -> list[Case]:
+    """The cases of METHOD-3 §13 and what has a closed form or is published."""
+    from tests.properties import test_not_unique as known
+
+    tangent = math.tan(math.radians(35.0)) / math.tan(math.radians(30.0))
+    found = [
+        Case("two blocks", known.TWO_BLOCKS, 0.529555, _PATH, 0.52049, 0.52955, 0.52956),
+        Case("shards", known.SHARDS, 3.749624, _PATH, 3.7050, 3.7496, 3.74962),
+        Case("bonded row", known.BONDED_ROW, 1.535061, _PATH, 1.5032, 1.5351, 1.53506),
+        Case("rough columns", known.ROUGH_COLUMNS, 0.818, _PATH, 0.669, 0.971, 1.0),
+        Case("bonded columns", known.BONDED_COLUMNS, 0.172230, _PATH, 0.009, 0.425, 0.468),
+        Case("leaning row", known.LEANING_ROW, None, "0.0073 .. 0.047 today"),
+        Case("bench, 8 moving", known.BENCH, 2.498175, _PATH, 2.491, 2.509, 2.634),
+        Case("template bench", _template("bench"), 1.5990, _PATH, 1.589, 1.751, 1.7775),
+    ]
+    for n in (16, 32, 64, 100, 200):
+        known_range = (0.799, 1.111, 1.19089) if n == 16 else ()
+        factor = populations.goodman_bray_factor(n)
+        found.append(Case(f"columns, {n}", populations.goodman_bray(n), factor, _FORM, *known_range))
+    found += [Case(f"stack, {n}", populations.stack(n), tangent, _FORM) for n in (3, 10, 100)]
+    for number in (1, 2, 6):
+        design, factor = populations.active_passive(number)
+        found.append(Case(f"active, passive {number}", design, factor, _FORM))
+    found += [
+        Case("arch t/R 0.2006", populations.arch(), 0.6 / 0.309215, "Cocchetti & Rizzi 2020"),
+        Case("arch t/R 0.15", populations.arch(0.15, 0.7), 1.988989, "linear program"),
+        Case("arch t/R 0.1", populations.arch(0.10, 0.7), None, "cannot stand, Milankovitch"),
+        Case("frame of 14", populations.frame(), None, "associated multiplier published", bound=1.0),
+        Case("torsion", populations.torsion(), 2.2956, _FORM),
+    ]
+    for name, wall in populations.WALLS.items():
+        found.append(Case(f"{name} at {wall.multiplier}", wall.design(), 1.0, "Ferris & Tin-Loi 2001"))
     return found
 
 
-def printed(x: dict) -> str:
-    """A row of the table."""
-    factor = f"{x['factor']:.6f}" if x["factor"] else x["outcome"]
-    bound = f"{x['bound']:.5f}" if x["bound"] else "none"
-    error = f"{x['factor'] / x['exact'] - 1:.0e}" if x["exact"] and x["factor"] else "-"
-    other = f"{x['conic_factor']:.5f}" if x["conic_factor"] else "-"
-    passes = f"{x['conic_passes']}{'e' if x['estimated'] else '' if x['conic_settled'] else '!'}"
-    return (f"{x['name']:12s}{x['blocks']:7d}{x['pairs']:8d}{x['bound_s']:8.2f}{x['both_s']:8.2f}"
-            f"{x['bound_steps']:5d}+{x['steps']:<5d}{x['passes']:4d}{factor:>11s}{bound:>9s}{error:>8s}"
-            f"{x['memory_mb']:7.0f}{x['conic_s']:9.2f}{passes:>5s}{other:>10s}{x['conic_pass_s']:8.2f}"
-            f"{x['conic_mb']:7.0f}{x['conic_s'] / x['both_s']:7.1f}")  # fmt: skip
+def _template(name: str) -> Design:
+    from ruamel.yaml import YAML
+
+    text = (Path(__file__).parents[1] / "templates" / f"{name}.yaml").read_text(encoding="utf-8")
+    found: Design = YAML(typ="safe", pure=True).load(text)
+    return found
 
 
-def table(quick: bool) -> None:
-    """All scenes and sizes."""
-    print(f"{'scene':12s}{'blocks':>7s}{'pairs':>8s}{'bound s':>8s}{'both s':>8s}{'steps':>10s} {'pass':>4s}{'F':>11s}"
-          f"{'bound':>9s}{'error':>8s}{'MB':>7s}{'conic s':>9s}{'pass':>5s}{'F':>10s}{'s/pass':>8s}{'MB':>7s}"
-          f"{'times':>7s}")  # fmt: skip
-    for name in ("stack", "columns", "wall", "square wall"):
-        rows: list[dict] = []
-        for blocks in SIZES if name != "square wall" else (1000,):
-            if blocks == SIZES[-1] and quick:
-                continue
-            passes = rows[-1]["conic_passes"] if blocks == SIZES[-1] and rows else None
-            found = in_a_process(name, blocks, passes)
-            if found:
-                rows.append(found)
-                print(printed(found), flush=True)
-        if len(rows) > 1:
-            first, last = rows[0], rows[-1]
-            size = math.log(last["blocks"] / first["blocks"])
-            ours, other = (math.log(last[key] / first[key]) / size for key in ("both_s", "conic_s"))
-            print(f"{'':12s}time grows with blocks^{ours:.2f}, conic^{other:.2f}")
-    print("both: bound and limit. pass: e estimated from 1,000 blocks, ! not settled after 40. MB: peak of the process")
+def show_named() -> None:
+    """The table; "program S" is an independent static bound of all blocks, with ! where F is above it."""
+    print(f"{'case':18s}{'blocks':>7s}{'F':>12s}{'lowest':>10s}{'highest':>10s}{'S':>10s}{'CPU s':>8s}"
+          f"{'known F':>12s}{'error':>9s}{'program S':>11s}  {'known range and S':30s}source, status")  # fmt: skip
+    for case in named():
+        got, bound = answer(case.design), None
+        if "solids" not in case.design:
+            from tests.preie.path_oracle import model_of, static_bound
+
+            bound = static_bound(model_of(case.design))
+        above = "!" if got.factor and got.factor > (bound or math.inf) * (1.0 + _ABOVE) else ""
+        error = f"{got.factor / case.factor - 1.0:.1e}" if got.factor and case.factor else "-"
+        known = f"{_figure(case.lowest, 4)} .. {_figure(case.highest, 4)} {_figure(case.bound, 4)}"
+        print(f"{case.name:18s}{got.blocks:7d}{_figure(got.factor, 8):>12s}{_figure(got.lowest, 5):>10s}"
+              f"{_figure(got.highest, 5):>10s}{_figure(got.bound, 5):>10s}{got.seconds:8.2f}"
+              f"{_figure(case.factor, 8):>12s}{error:>9s}{_figure(bound, 5) + above:>11s}  {known:30s}"
+              f"{case.source}; {got.status} {' '.join(got.codes)}", flush=True)  # fmt: skip
+
+
+def _figure(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def show_multipliers(names: Iterable[str]) -> None:
+    """The multipliers of published walls at which F is 1, by the secant through runs."""
+    print("wall  blocks  published  associated  found     error    runs  CPU s")
+    for name in names:
+        wall = populations.WALLS[name]
+        found, runs, seconds = multiplier(wall.design, wall.multiplier)
+        error = f"{found / wall.multiplier - 1.0:+.2%}" if found else "-"
+        print(f"{name}  {wall.blocks:8d}  {wall.multiplier:9.3f}  {wall.associated:10.5f}  {_figure(found, 5):8s}"
+              f"  {error:7s}  {runs:4d}  {seconds:5.1f}", flush=True)  # fmt: skip
+
+
+def multiplier(design: Callable[[float], Design], near: float, parts: float = 1e-5) -> tuple[float | None, int, float]:
+    """The k at which F(k) = 1 (None: a run had no number), how many runs it took and their CPU seconds."""
+    points: list[tuple[float, float]] = []
+    k, seconds = near, 0.0
+    for runs in range(1, 13):
+        got = answer(design(k))
+        seconds += got.seconds
+        if got.factor is None:
+            return None, runs, seconds
+        points.append((k, got.factor - 1.0))
+        if abs(got.factor - 1.0) < parts:
+            return k, runs, seconds
+        if len(points) == 1:
+            k *= min(max(got.factor, 0.95), 1.05)
+            continue
+        (k0, f0), (k1, f1) = points[-2:]
+        k = min(max(k1 - f1 * (k1 - k0) / (f1 - f0), 0.8 * k1), 1.25 * k1) if f1 != f0 else 1.001 * k1
+    return None, runs, seconds
+
+
+# -- populations ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A design of a population: its answer, those to the same design in other words, and an independent static bound.
+
+    `other` has factors by what was done, in terms of the first: F(strength / k) k. `program` is None where no
+    admissible forces exist or where it was not asked (benches). `path` is where an independent history ends, asked for
+    in sections that got no number.
+    """
+
+    population: str
+    number: int
+    first: Answer
+    other: Mapping[str, float | None] = field(default_factory=dict)
+    program: float | None = None
+    path: float | None = None
+
+
+def judged(task: tuple[str, int, bool]) -> Judged:
+    """Make one design, run it, and unless `plain` run what must not change its factor."""
+    population, number, plain = task
+    design = populations.POPULATIONS[population][0](number)
+    first = answer(design)
+    from tests.preie.path_oracle import model_of, static_bound, with_bonds
+
+    program, path = static_bound(model_of(design)), None
+    if population != "benches" and first.factor is None and program is not None and program < math.inf:
+        ended, _ = with_bonds(model_of(design, fewest_pairs=False), 2.0 / program)
+        path = ended.factor if ended.end == "settled" else None
+    other: dict[str, float | None] = {}
+    for name, (change, times) in ({} if plain else _changes(design)).items():
+        factor = answer(change(design)).factor
+        other[name] = None if factor is None else times * factor
+    return Judged(population, number, first, other, program, path)
+
+
+def _changes(design: Design) -> dict[str, tuple[Callable[[Design], Design], float]]:
+    """What leaves a factor as it is, or divides it by a number; a scattered bench in other words is another bench."""
+    from tests.properties import changes
+
+    found: dict[str, tuple[Callable[[Design], Design], float]] = {
+        "strength / 0.5": (lambda given: changes.reduced(given, 0.5), 0.5),
+        "strength / 3": (lambda given: changes.reduced(given, 3.0), 3.0),
+        "moved to UTM": (changes.moved, 1.0),
+    }
+    if not any(joint_set.get("scatter") for joint_set in design.get("sets", {}).values()):
+        found |= {"mirrored": (changes.mirrored, 1.0), "another order": (changes.reordered, 1.0)}
+    if "blocks" in design:
+        found["another corner"] = (populations.rolled, 1.0)
+    if design["kind"] == "topple":  # its columns have no place and no sides
+        found = {name: change for name, change in found.items() if name.startswith("strength")}
+    return found
+
+
+def all_judged(population: str, count: int | None, plain: bool, workers: int) -> Iterator[Judged]:
+    """The designs of a population in turn, each in one of so many processes."""
+    size = populations.POPULATIONS[population][1] if count is None else count
+    tasks = [(population, number, plain) for number in range(size)]
+    if workers == 1:
+        yield from map(judged, tasks)
+        return
+    with multiprocessing.get_context("spawn").Pool(workers) as pool:
+        yield from pool.imap(judged, tasks)
+
+
+def report(found: list[Judged]) -> str:
+    """Figures of a population, as text."""
+    stands = [one for one in found if one.first.status == "no_driving_force" or one.program == math.inf]
+    asked = [one for one in found if one not in stands and (one.program or 0.0) >= _JUDGED]
+    none = [one for one in asked if one.first.factor is None]
+    numbers = [one for one in found if one.first.factor is not None]
+    lines = [
+        f"{found[0].population}: {len(found)} designs; statuses {dict(Counter(one.first.status for one in found))}",
+        f"  a number: {len(asked) - len(none)} of {len(asked)} whose static bound is {_JUDGED} or more and finite"
+        f"{_share(len(asked) - len(none), len(asked))}; {len(numbers)} numbers in all; {len(stands)} stand without any"
+        " strength",
+        f"  without a number: {_listed(none)}",
+    ]
+    if found[0].population != "benches":
+        could = [one for one in none if one.path]
+        given = len(asked) - len(none)
+        share = _share(given, given + len(could))
+        lines.append(f"  of these an independent history has one: {_listed(could)}; a number among all with one{share}")
+    bounds: dict[str, Callable[[Judged], float | None]] = {
+        "its own static bound": lambda one: one.first.bound, "the independent one": lambda one: one.program or 0.0,
+    }  # fmt: skip
+    pairs = [(one.first.bound, one.program) for one in found if one.first.bound and one.program]
+    far = [ours / theirs - 1.0 for ours, theirs in pairs if math.isfinite(theirs)]
+    higher = sum(1 for x in far if x > _ABOVE)
+    lines.append(f"  static bounds and independent ones: {_spread(list(map(abs, far)), _ABOVE)}; {higher} higher")
+    for name, bound_of in bounds.items():
+        above = [one for one in numbers if _excess(one, bound_of(one)) > _ABOVE]
+        worst = max((_excess(one, bound_of(one)) for one in above), default=0.0)
+        lines.append(f"  above {name} by more than {_ABOVE:g}: {len(above)}, worst {worst:.1e}; {_listed(above)}")
+    ranged = [one for one in numbers if one.first.lowest is not None and one.first.highest is not None]
+    outside = [one for one in ranged if not _in_range(one.first)]
+    lines.append(f"  with lowest and highest: {len(ranged)}, the factor outside: {len(outside)}; {_listed(outside)}")
+    for name in dict.fromkeys(name for one in found for name in one.other):
+        both = [one for one in numbers if one.other.get(name)]
+        lost = sum(1 for one in found if name in one.other and (one.other[name] is None) != (one.first.factor is None))
+        most = _SAME["strength" if name.startswith("strength") else "other"]
+        far = [abs(float(one.other[name] or 0.0) / float(one.first.factor or 1.0) - 1.0) for one in both]
+        lines.append(f"  {name}: {_spread(far, most)}; a number in one and none in the other: {lost}")
+    seconds = np.array([one.first.seconds for one in found])
+    lines.append("  CPU s: median {:.3f}, 95 % {:.2f}, worst {:.1f}".format(*np.quantile(seconds, [0.5, 0.95, 1.0])))
+    codes = Counter(code for one in found for code in one.first.codes)
+    lines.append(f"  warnings: {dict(codes.most_common(8))}")
+    faults = Counter(one.first.fault[:90] for one in found if one.first.fault)
+    return "\n".join([*lines, *(f"  error: {text} ({count})" for text, count in faults.items())])
+
+
+def _excess(one: Judged, bound: float | None) -> float:
+    if one.first.factor is None or bound is None:
+        return 0.0
+    return math.inf if bound == 0.0 else one.first.factor / bound - 1.0
+
+
+def _in_range(one: Answer) -> bool:
+    if one.lowest is None or one.highest is None or one.factor is None:
+        return False
+    return one.lowest * (1.0 - _ABOVE) <= one.factor <= one.highest * (1.0 + _ABOVE)
+
+
+def _share(part: int, whole: int) -> str:
+    return f" ({part / whole:.1%})" if whole else ""
+
+
+def _spread(far: list[float], most: float) -> str:
+    if not far:
+        return "none to compare"
+    beyond = sum(1 for x in far if x > most)
+    return f"{beyond} of {len(far)} differ by more than {most:g}, median {np.median(far):.0e}, worst {max(far):.1e}"
+
+
+def _listed(chosen: list[Judged], most: int = 12) -> str:
+    more = f" and {len(chosen) - most} more" if len(chosen) > most else ""
+    return f"numbers {' '.join(str(one.number) for one in chosen[:most])}{more}" if chosen else "none"
+
+
+def main(words: list[str]) -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.blocks")
+    parser.add_argument("what", nargs="?", default="named", choices=["named", "multipliers", "populations", "speed"])
+    parser.add_argument("of", nargs="*", help="populations, walls, or the word quick")
+    parser.add_argument("-n", type=int, help="so many designs of each population")
+    parser.add_argument("-j", type=int, default=1, help="processes")
+    parser.add_argument("--plain", action="store_true", help="run each design once only")
+    parser.add_argument("-o", type=Path, help="keep a line of JSON a design here")
+    given = parser.parse_args(words)
+    if given.what == "speed":
+        from benchmarks import block_speed
+
+        block_speed.table("quick" in given.of)
+    elif given.what == "named":
+        show_named()
+    elif given.what == "multipliers":
+        show_multipliers(given.of or populations.WALLS)
+    else:
+        for population in given.of or populations.POPULATIONS:
+            if population not in populations.POPULATIONS:
+                sys.exit(f"no such population: {population}; there are {', '.join(populations.POPULATIONS)}")
+            _show_population(population, given)
+
+
+def _show_population(population: str, given: Any) -> None:
+    found = []
+    for one in all_judged(population, given.n, given.plain, given.j):
+        found.append(one)
+        if given.o:
+            with given.o.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(asdict(one)) + "\n")
+    print(report(found), flush=True)
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["case"]:
-        print(json.dumps(case(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]) or None)))
-    else:
-        table("quick" in sys.argv[1:])
+    main(sys.argv[1:])

@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 
 import slopekit as sk
-from benchmarks.blocks import scene_of, slides_at
+from benchmarks.block_speed import scene_of, slides_at
 from benchmarks.rivals import (
     Answer,
     OneBlock,

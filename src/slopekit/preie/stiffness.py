@@ -62,6 +62,7 @@ class Stiffness:
         self.motion = np.concatenate([model.plus_motion, model.minus_motion], axis=2)
         self.motion_t = np.ascontiguousarray(self.motion.transpose(0, 2, 1))
         self.plans = {True: _Plan(model, self._chosen(True))}
+        self._dense_index: Ints | None = None
 
     def factored(
         self, stiffness: Floats, shift: float, symmetric: bool = True, inertia: Floats | None = None
@@ -100,6 +101,19 @@ class Stiffness:
             return solve
         what = "not positive definite" if symmetric else "singular"
         raise SolverError([Fault("E505", f"the stiffness of the assembly is {what}")])
+
+    def dense(self, stiffness: Floats) -> Floats:
+        """K itself, (n u, n u), of a small model."""
+        model, u = self.model, self.model.unknowns
+        size = model.load.size
+        values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion))
+        if self._dense_index is None:
+            side = np.stack([model.plus, np.where(model.minus < 0, len(model.load), model.minus)], axis=1)
+            place = (side[:, :, None] * u + np.arange(u)).reshape(len(side), -1)
+            row, column = np.broadcast_arrays(place[:, :, None], place[:, None, :])
+            self._dense_index = np.where((row < size) & (column < size), row * size + column, size * size).ravel()
+        matrix = np.bincount(self._dense_index, values.ravel(), size * size + 1)[:-1]
+        return matrix.reshape(size, size)
 
     def _chosen(self, symmetric: bool) -> "Dense | Band | Fronts":
         if self.way is not None:
