@@ -225,7 +225,7 @@ def judged(task: tuple[str, int, bool]) -> Judged:
 
     program, path = static_bound(model_of(design)), None
     if population != "benches" and first.factor is None and program is not None and program < math.inf:
-        ended, _ = with_bonds(model_of(design, fewest_pairs=False), 2.0 / program)
+        ended, _ = with_bonds(model_of(design), 2.0 / program)
         path = ended.factor if ended.end == "settled" else None
     other: dict[str, float | None] = {}
     for name, (change, times) in ({} if plain else _changes(design)).items():

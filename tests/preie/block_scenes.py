@@ -35,7 +35,7 @@ class Scene:
         return len(self.centroids)
 
     def model(
-        self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, fewest_pairs=True, refine=0
+        self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, refine=0
     ):
         """Its model; degrees and kPa, one for all joints or one each."""
         each = np.ones(int(self.patches.joint.max()) + 1)
@@ -43,7 +43,7 @@ class Scene:
         strength = JointStrength(np.asarray(c) * each, *tangents, 0.0 * each)
         found: AssemblyModel = build_assembly(
             self.patches, self.fixed, self.centroids, self.forces, self.moments, strength, self.in_section,
-            fewest_pairs, refine,
+            np.full(len(self.patches), refine),
         )  # fmt: skip
         return found
 

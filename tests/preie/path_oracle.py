@@ -26,8 +26,8 @@ from slopekit.loads import assembly_loads
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 
 
-def model_of(design: Mapping[str, Any], fewest_pairs: bool = True, refine: int = 0) -> AssemblyModel:
-    """The model of a design with all of its blocks free; `fewest_pairs=False`: Simpson's points in a section."""
+def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
+    """The model of a design with all of its blocks free."""
     scene = assembly_scene(sk.load(dict(design)), Clock())
     blocks, patches = scene.assembly, scene.assembly.patches
     loads = assembly_loads(blocks, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
@@ -35,7 +35,7 @@ def model_of(design: Mapping[str, Any], fewest_pairs: bool = True, refine: int =
     touched[patches.plus] = touched[patches.minus] = True
     return build_assembly(
         patches, blocks.fixed | ~touched[:-1], blocks.centroids, loads.forces, loads.moments,
-        joint_strength(scene.strengths), blocks.in_section, fewest_pairs, refine,
+        joint_strength(scene.strengths), blocks.in_section, np.full(len(patches), refine), loads.live,
     )  # fmt: skip
 
 

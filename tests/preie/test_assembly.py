@@ -1,6 +1,7 @@
 """The arrays of many blocks against geometry: rigid motions, virtual work, areas, integrals, dense matrices."""
 
 import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from slopekit.errors import SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
-from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.assembly import AssemblyModel, build_assembly
+from slopekit.preie.model import JointStrength
 from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, columns, wall, weighed
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
@@ -173,30 +175,36 @@ def integral(corners: np.ndarray, function) -> float:
     return total
 
 
+POLYGONS = {
+    "parallelogram": [(0, 0), (3, 0.5), (4, 3), (1, 2.5)],
+    "rectangle": [(0, 0), (2, 0), (2, 1), (0, 1)],
+    "triangle": [(0, 0), (3, 0.5), (1, 2)],
+    "nearly a parallelogram": [(0, 0), (3, 0.5), (4, 3.01), (1, 2.5)],
+    "pentagon": [(0, 0), (2, -0.5), (3, 1), (2, 2), (0, 1.5)],
+    "hexagon": [(0, 0), (2, -0.5), (3, 1), (2.5, 2), (1, 2.4), (-0.2, 1.5)],
+}
+
+
+def in_space(shape) -> np.ndarray:
+    """A flat polygon (k, 2) turned and moved, (k, 3)."""
+    turn = Rotation.from_rotvec([0.4, -0.3, 0.8]).as_matrix()
+    return np.column_stack([np.array(shape, dtype=float), np.zeros(len(shape))]) @ turn.T + [3.0, -2.0, 5.0]
+
+
 @pytest.mark.parametrize("refine", [0, 1, 3])
-@pytest.mark.parametrize(
-    ("shape", "pairs"),
-    [
-        ([(0, 0), (3, 0.5), (4, 3), (1, 2.5)], 5),  # a parallelogram
-        ([(0, 0), (2, 0), (2, 1), (0, 1)], 5),
-        ([(0, 0), (3, 0.5), (1, 2)], 4),
-        ([(0, 0), (3, 0.5), (4, 3.01), (1, 2.5)], 6),  # not quite one
-        ([(0, 0), (2, -0.5), (3, 1), (2, 2), (0, 1.5)], 8),
-        ([(0, 0), (2, -0.5), (3, 1), (2.5, 2), (1, 2.4), (-0.2, 1.5)], 10),
-    ],
-)
-def test_pairs_integrate_quadratics_over_a_patch(shape, pairs, refine) -> None:
+@pytest.mark.parametrize("name", POLYGONS)
+def test_pairs_integrate_quadratics_over_a_patch(name, refine) -> None:
     """METHOD.md §5: exact to degree two, positive, hull = polygon; a rule of another kind as reference.
 
-    Split in four each time: n² triangles have (n + 1)(n + 2)/2 corners and n² centroids; neighbours share a side.
+    A fan of k triangles about the area centroid (a triangle is its own), each split into n² with n = 2^refine: n² more
+    pairs on their centroids; k n (n + 1) / 2 + 1 on the corners of a fan. A parallelogram as it is has five.
     """
-    turn = Rotation.from_rotvec([0.4, -0.3, 0.8]).as_matrix()
-    corners = np.column_stack([np.array(shape, dtype=float), np.zeros(len(shape))]) @ turn.T + [3.0, -2.0, 5.0]
+    corners = in_space(POLYGONS[name])
     model = polygon_patch(corners).model(30.0, refine=refine)
     areas = model.control_area * model.area_scale
-    n, triangles = 2**refine, len(shape) - 2
-    split = triangles * ((n + 1) * (n + 2) // 2 + n * n) - (triangles - 1) * (n + 1)
-    assert len(areas) == (split if refine else pairs)
+    n, k = 2**refine, len(corners)
+    fan = (n + 1) * (n + 2) // 2 + n * n if k == 3 else k * n * (n + 1) // 2 + 1 + k * n * n
+    assert len(areas) == (5 if name in ("parallelogram", "rectangle") and refine == 0 else fan)
     assert (areas > 0.0).all()
     rng = np.random.default_rng(5)
     for _ in range(5):
@@ -212,27 +220,49 @@ def test_pairs_integrate_quadratics_over_a_patch(shape, pairs, refine) -> None:
         assert float(np.abs(model.points - corner).sum(axis=1).min()) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_pairs_of_a_segment() -> None:
-    """Simpson's rule with cohesion (exact for what is linear times linear); its ends alone, half each, without."""
+@pytest.mark.parametrize("refine", [0, 1, 2])
+@pytest.mark.parametrize("name", POLYGONS)
+def test_pairs_do_not_depend_on_the_first_corner(name, refine) -> None:
+    """The same points with the same areas, in another order; 1e-12 of the coordinates is their rounding."""
+    corners = in_space(POLYGONS[name])
+
+    def listed(by: int) -> np.ndarray:
+        model = polygon_patch(np.roll(corners, by, axis=0)).model(30.0, refine=refine)
+        rows = np.column_stack([model.points, model.control_area * model.area_scale])
+        return rows[np.argsort(rows[:, :3] @ np.array([1.0, math.sqrt(2.0), math.pi]))]
+
+    for by in range(1, len(corners)):
+        assert listed(by) == pytest.approx(listed(0), abs=1e-12)
+
+
+@pytest.mark.parametrize("refine", [0, 2])
+@pytest.mark.parametrize("c", [0.0, 1.0])
+def test_pairs_of_a_segment(c, refine) -> None:
+    """Simpson's rule with cohesion and without, on one friction force; sections have nothing to refine."""
     scene = wall(1, 1)
-    simpson, ends_alone = [1 / 6, 2 / 3, 1 / 6], [0.5, 0.5]
-    for c, fewest, shares in ((1.0, True, simpson), (0.0, True, ends_alone), (0.0, False, simpson)):
-        model = scene.model(30.0, c, fewest_pairs=fewest)
-        assert model.control_area * model.area_scale == pytest.approx(2.0 * np.array(shares))
-        ends = scene.patches.corners
-        assert model.points[[0, -1]] == pytest.approx(ends)
-        assert len(model.group_first) == 1
+    model = scene.model(30.0, c, refine=refine)
+    assert model.control_area * model.area_scale == pytest.approx(2.0 * np.array([1 / 6, 2 / 3, 1 / 6]))
+    ends = scene.patches.corners
+    assert model.points == pytest.approx(np.array([ends[0], ends.mean(axis=0), ends[1]]))
+    assert len(model.group_first) == 1
 
 
-@pytest.mark.parametrize("refine", [1, 2, 4])
-def test_pairs_of_a_segment_in_parts(refine) -> None:
-    """Simpson's rule on each half: area and moments to degree three, those of the whole."""
-    model = wall(1, 1).model(30.0, 1.0, refine=refine)
-    coarse = wall(1, 1).model(30.0, 1.0)
-    assert len(model.control_area) == 2 ** (refine + 1) + 1
-    for power in range(4):
-        sums = [m.control_area * m.area_scale @ m.points[:, 0] ** power for m in (model, coarse)]
-        assert sums[0] == pytest.approx(sums[1], rel=1e-12, abs=1e-12)
+def test_live_loads_are_those_given_as_such() -> None:
+    """In the units of the load, of the moving blocks alone; none where none are given."""
+    scene = bench(BENCH)
+    rng = np.random.default_rng(8)
+    live = 0.2 * rng.normal(size=scene.forces.shape), 0.2 * rng.normal(size=scene.forces.shape)
+    each = np.ones(int(scene.patches.joint.max()) + 1)
+    model = build_assembly(
+        scene.patches, scene.fixed, scene.centroids, scene.forces + live[0], scene.moments + live[1],
+        JointStrength(0.0 * each, each, 0.0 * each, 0.0 * each), False, live=live,
+    )  # fmt: skip
+    free = ~scene.fixed
+    assert model.live[:, :3] * model.force_scale == pytest.approx(live[0][free])
+    assert model.live[:, 3:] * model.force_scale * model.length_scale == pytest.approx(live[1][free])
+    dead = (model.load - model.live)[:, :3] * model.force_scale
+    assert dead == pytest.approx(scene.forces[free], abs=1e-9 * np.abs(scene.forces).max())
+    assert (scene.model(30.0).live == 0.0).all()
 
 
 def test_fixed_blocks_and_bedrock_are_the_same() -> None:

@@ -105,7 +105,7 @@ def test_a_history_ends_near_the_limit_of_the_elastic_path(design, factor, parts
     Two blocks end 1.0 % lower, Goodman & Bray's columns 0.8 %: where blocks slide together what is locked in between
     them is not defined by the motion.
     """
-    model = model_of(design, fewest_pairs=False)
+    model = model_of(design)
     bound = static_bound(model)
     assert bound is not None
     found, _ = with_bonds(model, 2.0 / bound)
@@ -172,7 +172,7 @@ def test_random_sections_end_where_a_history_does(number) -> None:
     passes, 0.635 and 0.517 by a history, 0.644 and 0.517 by the path).
     """
     design = populations.section(number)
-    model = model_of(design, fewest_pairs=False)
+    model = model_of(design)
     bound, found = static_bound(model), changes.run(design).fos
     assert bound is not None
     assert found.limit is not None

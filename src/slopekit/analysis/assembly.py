@@ -22,7 +22,7 @@ from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
 from slopekit.preie.passes import Outcome
 from slopekit.preie.blocks import Basis
-from slopekit.preie.ravelling import Part, Ravelling, ravel, whole_model
+from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
 
@@ -54,6 +54,36 @@ def analyse_assembly(design: AssemblyDesign) -> Result:
         Where no blocks can be formed, or loads act on none.
     """
     return solve_assembly(design).result
+
+
+def load_multiplier(without: AssemblyDesign, unit: AssemblyDesign, target: float) -> tuple[float, str] | None:
+    """The multiplier of what one design has more of loads than another at which its factor is a target; the status.
+
+    None where the blocks do not stand without it, stand with any of it, or the motion does not settle.
+    """
+    clock = Clock()
+    scenes = [assembly_scene(design, clock) for design in (without, unit)]
+    loads = [
+        assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+        for scene in scenes
+    ]
+    ramp = (loads[1].forces - loads[0].forces, loads[1].moments - loads[0].moments)
+    if not ramp[0].any() and not ramp[1].any():
+        return None
+    scene = scenes[0]
+    found = critical_load(scene.assembly, loads[0], ramp, joint_strength(scene.strengths), 1.0 / target)
+    return None if found is None else (found[0], mechanism(found[1], scene).status)
+
+
+def assembly_factors(design: AssemblyDesign) -> tuple[str, float | None, ClosedForm, bool]:
+    """Status, factor of safety, closed form and whether they settled, and nothing that a sheet prints beside them."""
+    scene = assembly_scene(design, Clock())
+    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    ravelling = ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=False)
+    found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+    status = found[0].status if found else "no_driving_force"
+    settled = status != "not_converged" and not (found and found[0].change > design.stop_when)
+    return status, found[0].fos if found and settled else None, _closed_form(design, found)[0], settled
 
 
 def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:

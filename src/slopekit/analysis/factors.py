@@ -102,7 +102,14 @@ def factors_of(design: Design, pre_ie: bool = True) -> Factors:
     stages = _stages(design)
     if closed is None or stages is None:
         from slopekit.analysis import analyse
+        from slopekit.design.blocky import AssemblyDesign
 
+        if isinstance(design, AssemblyDesign):
+            from slopekit.analysis.assembly import assembly_factors
+
+            status, factor, beside, settled = assembly_factors(design)
+            difference, agree = compare(factor, status, beside, design.agree_within)
+            return Factors(status, factor, None, beside.factor, difference, agree, False, settled)
         result = analyse(design)
         settled = result.status != "not_converged" and result.model.residual <= design.stop_when
         return Factors(

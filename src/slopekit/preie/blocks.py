@@ -31,8 +31,9 @@ _OPENS, _OPENS_ROUGHLY = 1e-6, 1e-4  # of the fastest motion: exact limit states
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
-_FIRST_LOAD = 0.05  # part of the loads beside weight to begin with
-_SPAN = 64.0  # strengths tried: the full one times and divided by this
+_FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
+_WEAKER = (0.8, 0.6, 0.4, 0.2, 0.1, 0.05)  # strengths tried where the loads fit on at the full one
+_STRONGER = (3.0,)  # and where they do not: friction that is no help by then never is
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
@@ -187,6 +188,29 @@ def _opened(model: AssemblyModel, found: PathLimit, bond: Floats) -> Bools | Non
     return opened
 
 
+def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:
+    """The multiplier of a load (n, u), on top of the model's own, at which its strength times λ just holds.
+
+    The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
+    their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
+    """
+    bond = np.ones(len(model.control_area))
+    own, grows = model.load.ravel(), ramp.ravel()
+    first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
+    for _ in range(_MOST_ROUNDS):
+        found = follow(Bed(model, Drive(own, grows, reduction), bond), first)
+        opened = _opened(model, found, bond)
+        if opened is None or not opened.any():
+            break
+        bond = np.where(opened, 0.0, bond)
+    basis = Basis.LIMIT if found.outcome is PathOutcome.LIMIT else Basis.SETTLED
+    return found, BlocksLimit(
+        Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(found.motion.reshape(model.load.shape)),
+        frozen(found.normal), frozen(found.friction), frozen(bond), None, None, None, None, False,
+        found.factorisations, 0,
+    )  # fmt: skip
+
+
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
 
 
@@ -243,18 +267,17 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         return None, None, work
     part = full.parameter if full.parameter is not None else math.inf
     fits, fails = (1.0, None) if part >= 1.0 else (None, 1.0)
-    found, last = full, full
-    reduction, stride = 1.0, 0.7 if part >= 1.0 else 1.0 / 0.7
-    while fits is None or fails is None:
-        reduction *= stride
-        if not 1.0 / _SPAN < reduction < _SPAN:
-            return None, part, work
+    found = full
+    for reduction in _WEAKER if part >= 1.0 else _STRONGER:
         last = carried(reduction)
-        stride = stride * abs(stride) if abs(math.log(stride)) < 1.0 else stride
         if last.outcome is not PathOutcome.STANDS and (last.parameter or 0.0) < 1.0:
             fails, found = reduction, last
         else:
             fits = reduction
+        if fits is not None and fails is not None:
+            break
+    if fits is None or fails is None:
+        return None, part, work
     for _ in range(40):
         state = exact(found, fails)
         if state is not None and min(fits, fails) * (1 - 1e-9) <= (state.parameter or 0.0) <= max(fits, fails) * (

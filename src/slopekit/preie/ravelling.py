@@ -18,9 +18,10 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
+from slopekit.preie.path import PathOutcome
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
@@ -91,14 +92,17 @@ class Ravelling:
     ended: str
 
 
-def ravel(assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1) -> Ravelling:
+def ravel(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, count: int = 1, ranged: bool = True
+) -> Ravelling:
     """The first `count` mechanisms of an assembly.
 
     Parameters
     ----------
     strength : indexed by the patches' joint
+    ranged : whether the range of the mechanisms' factors is wanted
     """
-    scene = _Scene(assembly, loads, strength)
+    scene = _Scene(assembly, loads, strength, ranged)
     with threadpool_limits(1):  # bands and fronts are narrow: threads would only wait for each other
         return _ravel(scene, count)
 
@@ -145,6 +149,7 @@ class _Scene:
     assembly: Assembly
     loads: AssemblyLoads
     strength: JointStrength
+    ranged: bool = True
 
 
 def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrength) -> AssemblyModel | None:
@@ -161,6 +166,40 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
     )
 
 
+def critical_load(
+    assembly: Assembly, loads: AssemblyLoads, ramp: tuple[Floats, Floats], strength: JointStrength, reduction: float
+) -> tuple[float, Failure] | None:
+    """The lowest multiplier of a load on top of others at which the strength times λ just holds, over all components.
+
+    Parameters
+    ----------
+    ramp : forces and moments (b, 3) that grow
+
+    Returns
+    -------
+    multiplier and mechanism; None where the blocks do not stand without the ramp, or stand with any of it
+    """
+    scene = _Scene(assembly, replace(loads, live=ramp), strength)
+    there = ~assembly.fixed
+    lowest: tuple[float, Part] | None = None
+    with threadpool_limits(1):
+        for blocks in _components(assembly, np.flatnonzero(there)):
+            found = _model(scene, there, blocks)
+            if found is None or not found[0].live.any():
+                continue
+            model, patch = found
+            path, limit = load_limit(model, model.live, reduction)
+            if path.found and path.parameter is not None:
+                if lowest is None or path.parameter < lowest[0]:
+                    lowest = path.parameter, Part(model, limit, blocks, patch)
+            elif path.outcome is not PathOutcome.STANDS:
+                return None
+    if lowest is None:
+        return None
+    blocks, motion = _moving(lowest[1], block_sizes(assembly))
+    return lowest[0], Failure((lowest[1],), blocks, motion)
+
+
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     for blocks in _components(scene.assembly, among):
@@ -169,7 +208,7 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = found
-            yield Part(model, limit_of_blocks(model), blocks, patch)
+            yield Part(model, limit_of_blocks(model, scene.ranged), blocks, patch)
 
 
 def _components(assembly: Assembly, among: Ints) -> list[Ints]:
@@ -250,7 +289,7 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
         found = _model(scene, there, part.blocks, refine)
         if found is None or len(found[0].control_area) > _MOST_PAIRS:
             break
-        limit = limit_of_blocks(found[0])
+        limit = limit_of_blocks(found[0], scene.ranged)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)

@@ -9,6 +9,7 @@
 """
 
 import math
+import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,8 +17,9 @@ from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
-from slopekit.analysis.factors import closed_form_of, has_closed_form
+from slopekit.analysis.factors import Factors, closed_form_of, has_closed_form
 from slopekit.design.common import Design
+from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
@@ -43,6 +45,8 @@ _JUMP = 1e-5, 0.02  # so near to each other, levels that far apart are a jump: P
 _ONE_JUMP = 1e-5  # of a value: jumps so near to each other are one
 _SAME = 2e-3  # a step that other node pairs make in the factor of PRE-IE: no jump
 _SLOW_EDGE, _SLOW_RESOLUTION, _SLOW_NEAR = 1e-3, 1e-8, 2e-8
+_LOAD = re.compile(r"loads\.seismic\.k|loads\.forces\.\d+\.force")  # what the path of many blocks may drive
+_UNIT_LOAD = 1.0
 _Samples: TypeAlias = list[Sample[Point]]
 
 
@@ -84,6 +88,7 @@ def solve(
     low, high = parse_within(one, text if equals else within)
     target, own = _target(design, fos)
     closed: Answers | None = None
+    direct: tuple[float, str] | None = None
     asked = _Asked(design, one, low, high, target, crew, advance)
     if has_closed_form(design):
         quick = asked.search("closed_form")
@@ -94,14 +99,17 @@ def solve(
         _look_again(search, quick, crossings, asked)
         found = _crossings(search)
     else:
-        search = asked.search("pre_ie", slow=True)
-        found = _look_roughly(search, asked, bool(equals) or within is not None)
-    pre_ie = _answers("pre_ie", asked, search, found)
+        search, found = asked.search("pre_ie", slow=True), []
+        direct = _by_load(asked)
+        if direct is None:
+            found = _look_roughly(search, asked, bool(equals) or within is not None)
+    pre_ie = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, *direct)
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     before = asked.before()
     solution = Solution(design, one, target, (low, high), own, before, closed, pre_ie, None)
-    solution = replace(solution, rounded=_rounded(solution, asked), warnings=tuple(notices(solution)))
+    rounded = None if direct is not None else _rounded(solution, asked)
+    solution = replace(solution, rounded=rounded, warnings=tuple(notices(solution)))
     return replace(solution, seconds=time.perf_counter() - began)
 
 
@@ -290,6 +298,32 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
         search.find_edges(_SLOW_EDGE)
         crossings = _crossings(search)
     return crossings
+
+
+def _by_load(asked: _Asked) -> tuple[float, str] | None:
+    """The value of a load of many blocks, and the status, straight from the elastic path in it; None: it has none."""
+    if not _LOAD.fullmatch(asked.key.path):
+        return None
+    from slopekit.analysis.assembly import load_multiplier
+    from slopekit.design.blocky import AssemblyDesign
+
+    without, unit = (
+        with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
+    )
+    if not isinstance(without, AssemblyDesign) or not isinstance(unit, AssemblyDesign):
+        return None
+    found = load_multiplier(without, unit, asked.target)
+    if found is None or not asked.low <= found[0] * _UNIT_LOAD <= asked.high:
+        return None
+    return found[0] * _UNIT_LOAD, found[1]
+
+
+def _in_load(asked: _Asked, value: float, status: str) -> Answers:
+    """The answer of the path in the load: at this value its limit state has the target for its factor, exactly."""
+    point = Point(Factors(status, asked.target, None, None, None, None, False, True))
+    here = (value, asked.target)
+    found = Found("root", value, asked.target, status, (here, here), False, point)
+    return Answers("pre_ie", (found,), (), None, None, (), (0.0, value), 1, None)
 
 
 def _crossings(search: Search[Point]) -> list[Crossing[Point]]:
