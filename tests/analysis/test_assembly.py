@@ -11,7 +11,8 @@ import trimesh
 
 import slopekit as sk
 from slopekit.errors import DesignError, GeometryError
-from slopekit.preie import ravelling
+from slopekit.preie.blocks import Basis
+from slopekit.preie.passes import Outcome
 from slopekit.result import Result
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
@@ -230,16 +231,6 @@ def test_loads_on_a_bench_find_their_block() -> None:
     assert error.value.faults[0].code == "E255"
 
 
-def test_a_large_bench_is_looked_at_in_layers(monkeypatch) -> None:
-    """The same key block as when all blocks are free at once, and the result says what was held."""
-    free = sk.run(BENCH, set={"sets.S1.spacing": 3})
-    monkeypatch.setattr(ravelling, "_LAYERS_FROM", 5)
-    result = sk.run(BENCH, set={"sets.S1.spacing": 3})
-    assert result.fos.limit == pytest.approx(free.fos.limit, rel=2e-3)
-    assert "W339" in codes(result)
-    assert any("layers below the free surface" in said for said in result.model.left_out)
-
-
 COLUMNS = {
     "slopekit": 1, "kind": "topple", "columns": {"dip": 60, "width": 10, "heights": [4, 8, 12, 10, 6], "base_step": 1},
     "strength": {"j": {"c": 0, "phi": 38}}, "rock": {"unit_weight": 25},
@@ -283,7 +274,7 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 
 
 def test_what_the_results_of_hard_scenes_say() -> None:
-    """Passes that swing, bonds that break, no bound, meshes that are inside out: each has its notice."""
+    """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
     from slopekit.analysis import assembly as room
     from slopekit.analysis.assembly_scene import assembly_scene
     from slopekit.analysis.motions import mechanism
@@ -295,11 +286,25 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     loads = room.assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures)
     ravelling_ = room.ravel(scene.assembly, loads, strength)
     failure = ravelling_.failures[0]
-    limit = replace(failure.limit, change=0.01, bond=np.array([1.0, 0.0, 1.0]), static_bound=None)
-    changed = replace(failure, parts=(replace(failure.parts[0], limit=limit, held=3, layers=2),))
-    sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-    said = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""), None, ())
-    assert {notice.code for notice in said} == {"W317", "W307", "W309", "W339"}
+    part = failure.parts[0]
+
+    def said(mesh_change: float | None = None, **changes) -> dict[str, str]:
+        limit = replace(part.limit, **changes)
+        changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
+        sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
+        notices = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""), None)
+        return {notice.code: notice.message for notice in notices}
+
+    assert said() == {}
+    bond = np.array([1.0, 0.0, 1.0])
+    assert said(basis=Basis.PEAK, change=0.01, bond=bond, static_bound=None).keys() == {"W317", "W307", "W309"}
+    assert said(loads_last=True, carried=1.2).keys() == {"W361"}
+    lost = said(loads_last=True, carried=0.4321, factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
+    assert "at 0.4321 of the loads beside weight and water" in lost["W362"]
+    assert "W361" not in lost
+    assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
+    assert "W341" not in said(static_bound=1.09 * part.limit.factor)
+    assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:

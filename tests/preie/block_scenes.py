@@ -34,9 +34,7 @@ class Scene:
     def __len__(self) -> int:
         return len(self.centroids)
 
-    def model(
-        self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, refine=0
-    ):
+    def model(self, phi: float | Sequence[float], c=0.0, psi: float | Sequence[float] = 0.0, refine=0):
         """Its model; degrees and kPa, one for all joints or one each."""
         each = np.ones(int(self.patches.joint.max()) + 1)
         tangents = (np.tan(np.radians(angle)) * each for angle in (phi, psi))

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 
 from slopekit.closed_form.blocks import two_blocks
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-from slopekit.preie.blocks import BlocksLimit, limit_of_blocks
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.passes import Outcome
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (
@@ -37,8 +37,9 @@ def tangent(degrees: float) -> float:
 
 
 def holds(found: BlocksLimit, factor: float, parts: float) -> None:
-    """The factor, below a bound and settled."""
+    """The factor, a limit state that is below a bound."""
     assert found.outcome is Outcome.SLIDES
+    assert found.basis in (Basis.LIMIT, Basis.SETTLED)
     assert found.factor == pytest.approx(factor, rel=parts)
     assert found.static_bound is not None
     assert found.factor <= found.static_bound
@@ -47,26 +48,34 @@ def holds(found: BlocksLimit, factor: float, parts: float) -> None:
 # -- closed forms -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("per_course", [10, 100])
-def test_a_long_wall_slides_on_its_base(per_course) -> None:
-    """tan 35° / tan 20°; the elastic bed in the program raises the load factor by 1e-5 at most."""
-    found = limit_of_blocks(wall(10, per_course).model(35.0))
-    holds(found, tangent(35) / tangent(20), 1e-5)
-    assert found.static_bound == pytest.approx(tangent(35) / tangent(20), rel=1e-5)
+@pytest.mark.parametrize("per_course", [4, 10])
+def test_a_wall_slides_on_its_base(per_course) -> None:
+    """tan 35° / tan 20° exactly; the bound is found to 1e-6."""
+    found = limit_of_blocks(wall(10, per_course).model(35.0), ranged=False)
+    holds(found, tangent(35) / tangent(20), 1e-9)
+    assert found.static_bound == pytest.approx(tangent(35) / tangent(20), rel=1e-6)
+
+
+@pytest.mark.parametrize("scene", [wall(2, 2), wall(6, 4)])
+def test_the_range_of_a_wall_that_slides_on_its_base_is_a_point(scene) -> None:
+    """tan 35° / tan 20°: the balance along its base leaves no choice, whatever forces are locked in above it."""
+    found = limit_of_blocks(scene.model(35.0))
+    exact = tangent(35) / tangent(20)
+    assert (found.lowest, found.highest) == (pytest.approx(exact, rel=1e-4), pytest.approx(exact, rel=1e-4))
 
 
 @pytest.mark.parametrize(("count", "width"), [(3, 2.0 * 3), (100, 300.0)])
 def test_a_stack_on_an_incline(count, width) -> None:
     """tan 35° / tan 30°, whichever joints slip."""
-    holds(limit_of_blocks(stack(count, width=width).model(35.0)), tangent(35) / tangent(30), 1e-6)
+    holds(limit_of_blocks(stack(count, width=width).model(35.0)), tangent(35) / tangent(30), 1e-9)
 
 
 def test_a_stack_whose_base_is_rougher() -> None:
     """Joints at 31°, the base at 40°: the second joint from below slides, tan 31° / tan 30°; the lowest block stays."""
     found = limit_of_blocks(stack(5, width=12.0, joint_of_base=1).model([31.0, 40.0]))
-    holds(found, tangent(31) / tangent(30), 1e-6)
+    holds(found, tangent(31) / tangent(30), 1e-9)
     moves = np.abs(found.velocity).max(axis=1)
-    assert moves[0] < 1e-3  # what the elastic bed gives
+    assert moves[0] < 1e-6
     assert moves[-1] == pytest.approx(1.0)
 
 
@@ -75,10 +84,10 @@ def test_an_active_block_pushes_a_passive_one(passive_dip, c, factor) -> None:
     """cases.json 7c_two_block_1, 2 and 6: forces by hand. The interface is smooth and without cohesion."""
     scene = active_passive(passive_dip)
     found = limit_of_blocks(scene.model([30.0, 30.0, 0.0], [c, c, 0.0]))
-    holds(found, factor, 1e-5)
+    holds(found, factor, 5e-7)  # seven digits
     bases = 50.0**0.5, 10.0 / math.cos(math.radians(passive_dip))
     exact = two_blocks(tuple(-scene.forces[:, 2]), (45.0, passive_dip), bases, (30.0, 30.0), (c, c))
-    assert found.factor == pytest.approx(exact.factor, rel=1e-5)
+    assert found.factor == pytest.approx(exact.factor, rel=1e-9)
     assert (found.bond == 1.0).all()
 
 
@@ -91,10 +100,10 @@ def test_a_block_alone_tips_at_its_geometric_limit(dip, space) -> None:
         scene = boxes_in_space((1, 1, 1), (2.0, 3.0, height), dip) if space else stack(1, dip, 2.0, height)
         found = limit_of_blocks(scene.model(70.0))
         if stands:
-            holds(found, tangent(70) / tangent(dip), 1e-5)
+            holds(found, tangent(70) / tangent(dip), 1e-6 if space else 1e-9)
         else:
             assert found.outcome is Outcome.LIFTED
-            assert found.factor is None
+            assert (found.factor, found.basis) == (None, Basis.NONE)
             if not space:  # in space it may fly off as well as turn: both open its base
                 assert found.velocity[0, 2] == pytest.approx(-1.0) or abs(found.velocity[0, 2]) > 0.2
 
@@ -123,25 +132,25 @@ def test_goodman_and_bray(risers, bound) -> None:
     exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
     model = columns(risers=risers).model(38.15)
     found = limit_of_blocks(model)
-    holds(found, exact, 1e-5)
+    holds(found, exact, 1e-10)
     assert found.static_bound == pytest.approx(bound, abs=1e-4)
     size = np.abs(found.velocity).max(axis=1)
     turns = np.abs(found.velocity[:, 2]) > 1e-3 * np.abs(found.velocity).max()
-    modes = ["stable" if s < 1e-4 else "topple" if t else "slide" for s, t in zip(size, turns, strict=True)]
+    modes = ["stable" if s < 1e-6 else "topple" if t else "slide" for s, t in zip(size, turns, strict=True)]
     assert modes == 3 * ["slide"] + 10 * ["topple"] + 3 * ["stable"]
     opening, _ = model.opening_and_slip(found.velocity)
     base = (model.minus < 0) & (np.arange(len(model.minus)) < 16)
-    ends = opening[base[model.pair_contact]].reshape(16, 2)
+    ends = opening[base[model.pair_contact]].reshape(16, 3)[:, [0, 2]]
     assert (ends[3:13].max(axis=1) > 1e-3).all()  # lifts off at one end,
-    assert ends[3:13].min(axis=1) == pytest.approx(0.0, abs=1e-3)  # turns about the other
-    assert np.abs(ends[:3]).max() < 1e-3
+    assert ends[3:13].min(axis=1) == pytest.approx(0.0, abs=1e-6)  # turns about the other
+    assert np.abs(ends[:3]).max() < 1e-6
 
 
 @pytest.mark.parametrize("phi", [33.0, 38.6598, 45.0])
 def test_columns_at_other_strengths(phi) -> None:
     """F = tan φ / tan 38.1512°: all strength is friction."""
     exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, phi)).factor
-    assert limit_of_blocks(columns().model(phi)).factor == pytest.approx(exact, rel=1e-5)
+    assert limit_of_blocks(columns().model(phi), ranged=False).factor == pytest.approx(exact, rel=1e-10)
 
 
 def test_slender_columns() -> None:
@@ -150,15 +159,13 @@ def test_slender_columns() -> None:
     width, step = 150.0 / 63.0, 15.0 / 63.0
     exact = toppling_factor_of_safety(ColumnSlope(heights, width, step, 30.0, 25.0, 38.15))
     assert exact.table.base_holds.all()
-    found = limit_of_blocks(columns(heights, width, step).model(38.15))
-    assert found.outcome is Outcome.NOT_CONVERGED or found.factor == pytest.approx(exact.factor, rel=1e-3)
+    holds(limit_of_blocks(columns(heights, width, step).model(38.15), ranged=False), exact.factor, 1e-9)
 
 
 def test_rows_that_do_not_touch_have_the_factor_of_one() -> None:
     """Three rows of columns side by side: one model, three components."""
-    found = limit_of_blocks(columns(rows=3).model(38.15))
-    assert found.factor == pytest.approx(0.99996, abs=1e-4)
-    assert found.factor <= found.static_bound
+    exact = toppling_factor_of_safety(ColumnSlope(GOODMAN_BRAY, 10.0, 1.0, 30.0, 25.0, 38.15)).factor
+    holds(limit_of_blocks(columns(rows=3).model(38.15), ranged=False), exact, 1e-10)
 
 
 # -- cohesion ---------------------------------------------------------------------------------------------------------
@@ -169,7 +176,7 @@ def test_cohesion_of_a_plane_that_slides_counts_in_full() -> None:
     weight, dip = 25.0 * 8.0, math.radians(30.0)
     exact = (5.0 * 8.0 + weight * math.cos(dip) * tangent(20)) / (weight * math.sin(dip))
     found = limit_of_blocks(stack(1, width=8.0).model(20.0, 5.0))
-    holds(found, exact, 1e-6)
+    holds(found, exact, 1e-9)
     assert (found.bond == 1.0).all()
 
 
@@ -181,7 +188,7 @@ def test_cohesion_of_a_joint_that_opens_is_lost() -> None:
     """
     scene = boxes_in_section_side_by_side()
     found = limit_of_blocks(scene.model([35.0, 10.0, 30.0], [0.0, 0.0, 50.0]))
-    holds(found, tangent(10) / tangent(30), 1e-5)
+    holds(found, tangent(10) / tangent(30), 1e-9)
     model = scene.model([35.0, 10.0, 30.0], [0.0, 0.0, 50.0])
     between = (model.minus >= 0)[model.pair_contact]
     assert (found.bond[between] == 0.0).all()
@@ -190,13 +197,14 @@ def test_cohesion_of_a_joint_that_opens_is_lost() -> None:
 
 def test_a_wall_that_cohesion_alone_holds() -> None:
     """F = c A / (W sin β) on the base, 5 x 20 / (25 x 200 x sin 20°)."""
-    found = limit_of_blocks(wall(10, 10).model(0.0, 5.0))
-    holds(found, 5.0 * 20.0 / (25.0 * 200.0 * math.sin(math.radians(20.0))), 1e-4)
+    found = limit_of_blocks(wall(10, 10).model(0.0, 5.0), ranged=False)
+    holds(found, 5.0 * 20.0 / (25.0 * 200.0 * math.sin(math.radians(20.0))), 1e-9)
 
 
 def test_no_strength_at_all() -> None:
     """φ = 0 and c = 0: an answer, not a number out of range."""
-    assert limit_of_blocks(wall(10, 10).model(0.0)).factor is None
+    found = limit_of_blocks(wall(4, 4).model(0.0))
+    assert (found.outcome, found.factor) == (Outcome.NO_STRENGTH, None)
 
 
 def test_more_cohesion_is_never_less_safe() -> None:
@@ -230,41 +238,45 @@ SCENES = {
 @pytest.fixture(scope="module", params=SCENES)
 def known(request) -> tuple[Scene, float, float, BlocksLimit]:
     scene, phi, c = SCENES[request.param]
-    return scene, phi, c, limit_of_blocks(scene.model(phi, c))
+    return scene, phi, c, limit_of_blocks(scene.model(phi, c), ranged=False)
 
 
-def same(found: BlocksLimit, known: BlocksLimit, parts: float = 3e-6) -> None:
-    """Ten times what the method calls settled (3e-7): another frame rounds, and steps, otherwise."""
+def same(found: BlocksLimit, known: BlocksLimit, parts: float = 1e-8) -> None:
+    """METHOD-3 §13: within 1e-9 in sections; in space 1e-8. The bound is found to 1e-6.
+
+    A block that touches nothing has no stiffness: with one the limit is settled, not exact.
+    """
     assert found.outcome is known.outcome
+    assert found.basis in (Basis.LIMIT, Basis.SETTLED)
     assert found.factor == pytest.approx(known.factor, rel=parts)
-    if known.static_bound is not None and found.static_bound is not None:
-        assert found.static_bound == pytest.approx(known.static_bound, rel=parts)
+    assert known.static_bound is not None
+    assert found.static_bound == pytest.approx(known.static_bound, rel=3e-6)
 
 
 def test_units_do_not_matter(known) -> None:
     """m and kN to km and MN: kPa become GPa."""
     scene, phi, c, reference = known
     in_km = scene.mapped(length=1e-3, force=1e-3)
-    same(limit_of_blocks(in_km.model(phi, c * 1e-3 / 1e-6)), reference)
+    same(limit_of_blocks(in_km.model(phi, c * 1e-3 / 1e-6), ranged=False), reference)
 
 
 def test_a_mirror_image_is_as_safe(known) -> None:
     scene, phi, c, reference = known
-    same(limit_of_blocks(scene.mapped(np.diag([-1.0, 1.0, 1.0])).model(phi, c)), reference)
+    same(limit_of_blocks(scene.mapped(np.diag([-1.0, 1.0, 1.0])).model(phi, c), ranged=False), reference)
 
 
 @pytest.mark.parametrize("angle", [31.0, 180.0])
 def test_the_compass_does_not_matter(known, angle) -> None:
     scene, phi, c, reference = known
     if not scene.in_section or angle == 180.0:
-        same(limit_of_blocks(scene.mapped(turned_about_vertical(angle)).model(phi, c)), reference)
+        same(limit_of_blocks(scene.mapped(turned_about_vertical(angle)).model(phi, c), ranged=False), reference)
 
 
 def test_the_place_does_not_matter(known) -> None:
-    """500 km east and 4,000 km north: coordinates keep 1e-9 m."""
+    """500 km east and 4,000 km north: coordinates keep 1e-9 m, and a degenerate contact takes other signs from it."""
     scene, phi, c, reference = known
     moved = scene.mapped(shift=(5e5, 0.0, 300.0) if scene.in_section else (5e5, 4e6, 300.0))
-    same(limit_of_blocks(moved.model(phi, c)), reference, 1e-5)
+    same(limit_of_blocks(moved.model(phi, c), ranged=False), reference, 1e-6)
 
 
 def test_the_numbering_of_blocks_and_contacts_does_not_matter(known) -> None:
@@ -278,23 +290,24 @@ def test_the_numbering_of_blocks_and_contacts_does_not_matter(known) -> None:
             patches, plus=name[patches.plus], minus=np.where(patches.minus < 0, -1, name[patches.minus])
         ),
     )  # fmt: skip
-    same(limit_of_blocks(renamed.model(phi, c)), reference)
+    same(limit_of_blocks(renamed.model(phi, c), ranged=False), reference)
 
 
 def test_a_block_that_touches_nothing_changes_nothing(known) -> None:
     scene, phi, c, reference = known
-    same(limit_of_blocks(scene.with_untouched_block().model(phi, c)), reference)
+    same(limit_of_blocks(scene.with_untouched_block().model(phi, c), ranged=False), reference)
 
 
 def test_strength_reduced_by_the_factor_leaves_one(known) -> None:
     scene, phi, c, reference = known
     reduced = math.degrees(math.atan(tangent(phi) / reference.factor))
-    assert limit_of_blocks(scene.model(reduced, c / reference.factor)).factor == pytest.approx(1.0, abs=1e-5)
+    left = limit_of_blocks(scene.model(reduced, c / reference.factor), ranged=False).factor
+    assert left == pytest.approx(1.0, abs=1e-9)
 
 
 def test_more_strength_is_never_less_safe(known) -> None:
     scene, phi, c, reference = known
-    assert limit_of_blocks(scene.model(phi + 1.0, 1.1 * c)).factor > reference.factor
+    assert limit_of_blocks(scene.model(phi + 1.0, 1.1 * c), ranged=False).factor > reference.factor
 
 
 # -- what a limit state is --------------------------------------------------------------------------------------------
@@ -310,34 +323,35 @@ LIMITS = SCENES | {
 
 @pytest.mark.parametrize("name", LIMITS)
 def test_the_answer_is_a_limit_state(name) -> None:
-    """Balance, strength, contact and flow with zero dilation, checked one by one; 2e-3: the give of the elastic bed.
+    """Balance, strength, contact and flow with zero dilation, checked one by one.
 
-    Work: what the loads do on the mechanism is what friction takes, λ Σ (c A + μ N) |slip|.
+    Forces to 1e-7 of a block's load, motion to 1e-4 of the fastest: where blocks slide together several motions have
+    the same forces, and the flow itself is taken. Work: what the loads do on the mechanism is what friction takes.
     """
     scene, phi, c = LIMITS[name]
     model = scene.model(phi, c)
-    found = limit_of_blocks(model)
+    found = limit_of_blocks(model, ranged=False)
     assert found.outcome is Outcome.SLIDES
-    assert found.factor <= (found.static_bound or math.inf)
-    load = float(np.abs(model.load).max())
-    assert np.abs(model.forces_on_blocks(found.normal_force, found.friction) + model.load).max() < 1e-5 * load
-    assert (found.normal_force >= 0.0).all()
+    assert found.basis in (Basis.LIMIT, Basis.SETTLED)
+    assert found.factor <= (found.static_bound or 0.0)
+    assert np.abs(model.unbalanced(found.normal_force, found.friction)).max() < 1e-6
+    assert (found.normal_force >= -1e-12).all()
     strength = model.by_group(model.cohesion * found.bond) + model.tan_friction * model.by_group(found.normal_force)
     opening, slip = model.opening_and_slip(found.velocity)
     fastest = max(float(np.abs(opening).max()), float(np.abs(slip).max()))
     opening, slip = opening / fastest, slip / fastest
     size = np.sqrt((slip * slip).sum(axis=1))
     carried = np.sqrt((found.friction**2).sum(axis=1)) * found.factor
-    slack = 2e-3 * max(1.0, float(strength.mean()))
-    assert (carried <= strength + 1e-4 * strength.mean()).all()
-    assert opening.min() > -2e-3
+    slack = 1e-4 * max(1.0, float(strength.mean()))
+    assert (carried <= strength + 1e-7 * max(1.0, float(strength.mean()))).all()
+    assert opening.min() > -1e-4
     pressed = found.normal_force / found.normal_force.max()
-    assert np.minimum(pressed, np.abs(opening)).max() < 2e-3  # a pair presses or opens
+    assert np.minimum(pressed, np.abs(opening)).max() < 1e-4  # a pair presses or opens
     assert ((strength - carried) * size).max() < slack
     taken = (found.friction * slip).sum(axis=1) * found.factor
     assert np.abs(taken + strength * size).max() < slack  # friction opposes the slip
     work = float((model.load * found.velocity).sum()) / fastest
-    assert work == pytest.approx(float((strength * size).sum()) / found.factor, rel=2e-2)
+    assert work == pytest.approx(float((strength * size).sum()) / found.factor, rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["stack", "columns", "boxes"])
@@ -348,7 +362,8 @@ def test_the_limit_against_a_conic_sequence(name) -> None:
     """
     scene, phi, c = LIMITS[name]
     model = scene.model(phi, c)
-    assert limit_of_blocks(model).factor == pytest.approx(assembly_oracle.conic_sequence(model).factor, rel=2e-3)
+    exact = assembly_oracle.conic_sequence(model).factor
+    assert limit_of_blocks(model, ranged=False).factor == pytest.approx(exact, rel=2e-3)
 
 
 # -- benches ----------------------------------------------------------------------------------------------------------
@@ -362,9 +377,9 @@ def test_random_benches(seed) -> None:
     found = limit_of_blocks(model)
     assert found.outcome is Outcome.SLIDES
     assert found.static_bound is not None
-    assert found.factor <= found.static_bound
+    assert found.lowest <= found.factor <= found.highest <= found.static_bound
     reduced = math.degrees(math.atan(tangent(phi) / found.factor))
-    assert limit_of_blocks(scene.model(reduced)).factor == pytest.approx(1.0, abs=2e-4)
+    assert limit_of_blocks(scene.model(reduced), ranged=False).factor == pytest.approx(1.0, abs=1e-6)
 
 
 def slides_alone(scene: Scene, phi: float) -> float:
@@ -408,46 +423,28 @@ def slides_alone(scene: Scene, phi: float) -> float:
 def test_a_block_that_can_slide_alone_does(seed) -> None:
     """The limit is no higher than that of any one block by itself, however its other contacts could wedge it.
 
-    That block governs, and the two agree: 5e-4 is what settled passes may differ by.
+    That block governs (by hand), and the two agree: 1e-6 is how steady the limit in space is.
     """
     scene, phi = random_bench(seed)
     alone = slides_alone(scene, phi)
-    assert limit_of_blocks(scene.model(phi)).factor == pytest.approx(alone, rel=5e-4)
+    assert limit_of_blocks(scene.model(phi), ranged=False).factor == pytest.approx(alone, rel=2e-6)
 
 
-def test_a_factor_that_light_blocks_do_not_carry_is_none() -> None:
-    """A light block nearly wedged: the passes agree at 3.5, Clarabel's bound is 1.784; its forces give it away."""
-    scene, phi = random_bench(5)
-    model = scene.model(phi)
-    found = limit_of_blocks(model)
-    bound = assembly_oracle.static_bound(model, 0.5, 10.0, 1e-3)
-    assert found.outcome is Outcome.NOT_CONVERGED or found.factor <= bound
+@pytest.mark.parametrize("sets", [BENCH, CLOSER])
+def test_a_light_block_slides_alone_on_a_bench(sets) -> None:
+    """On the plane at 45°: tan 30° / tan 45°, to 1e-6, and a limit state, not the end of a bracket."""
+    holds(limit_of_blocks(bench(sets).model(30.0)), tangent(30) / tangent(45), 2e-6)
 
 
-HARD = {1: random_bench(1), 7: random_bench(7), 19: random_bench(19), "closer": (bench(CLOSER), 30.0)}
+HARD = {seed: random_bench(seed) for seed in (5, 7, 19)} | {"closer": (bench(CLOSER), 30.0)}
 
 
 @pytest.mark.parametrize("name", HARD)
 def test_benches_whose_bound_is_hard(name) -> None:
-    """Joints that nearly lock, where the method for the bound creeps: the limit lies below Clarabel's bound anyhow."""
+    """Joints that nearly lock: the bound is Clarabel's to 1e-4, and what is no higher is a factor or none is given."""
     scene, phi = HARD[name]
     model = scene.model(phi)
-    found = limit_of_blocks(model)
-    assert found.outcome is Outcome.SLIDES
-    assert found.factor <= assembly_oracle.static_bound(model, 0.5, 50.0, 1e-3) * (1.0 + 1e-3)
-    if found.static_bound is None:
-        pytest.xfail("no bound: its complementarity stops falling")
-    assert found.factor <= found.static_bound
-
-
-# -- regression: numbers of slopekit itself ---------------------------------------------------------------------------
-
-
-def test_regression_square_wall() -> None:
-    """32 x 32 blocks: part of the wall turns. No closed form; 1.5238 and the bound 1.55324 are slopekit's own.
-
-    Its normal forces are not unique: where Newton does not settle the passes stop within some 1e-3.
-    """
-    found = limit_of_blocks(wall(32, 32).model(35.0))
-    holds(found, 1.5238, 2e-3)
-    assert found.static_bound == pytest.approx(1.55324, rel=1e-4)
+    found = limit_of_blocks(model, ranged=False)
+    bound = assembly_oracle.static_bound(model, 0.5, 50.0, 1e-5)
+    assert found.factor is None or found.factor <= bound * (1.0 + 1e-4)
+    assert found.static_bound == pytest.approx(bound, rel=1e-4)

@@ -91,17 +91,21 @@ def relaxed(model: AssemblyModel, factor: float, k_t: float, steps: int) -> tupl
 
 
 def test_toppling_columns_rest_where_relaxation_leaves_them() -> None:
-    """Goodman & Bray's columns on an even bed, k_t = 1e6: near their end, which relaxation puts at 0.987 to 0.988."""
+    """Goodman & Bray's columns on an even bed, k_t = 1e6: near their end, which relaxation puts at 1.015 to 1.03.
+
+    It lies above their limit of 0.99996: elastic columns lean on each other before they run (METHOD-3.md §13: a peak
+    of 1.01 to 1.03).
+    """
     model = columns()
-    still, left = relaxed(model, 0.98, 1e6, 12000)
+    still, left = relaxed(model, 1.01, 1e6, 12000)
     assert left < 1e-9
-    found = rest(model, 0.98, EVEN)
+    found = rest(model, 1.01, EVEN)
     assert found.stands
     assert found.scaled == pytest.approx(still, rel=1e-6, abs=1e-6 * np.abs(still).max())
-    away, left = relaxed(model, 0.995, 1e6, 12000)
+    away, left = relaxed(model, 1.03, 1e6, 12000)
     assert left > 1e-3
     assert np.abs(away).max() > 3.0 * np.abs(still).max()
-    assert rest(model, 0.995, EVEN).outcome is RestOutcome.FALLS
+    assert not rest(model, 1.03, EVEN).stands
 
 
 def test_columns_that_lean_open_behind_themselves() -> None:

@@ -193,15 +193,19 @@ def _obj(corners: np.ndarray) -> str:
 
 
 def swing(*results: Result) -> float:
-    """By how much the last passes of these analyses still changed the factor, as they report it themselves."""
+    """How surely these analyses know their factor, as they report it themselves.
+
+    One block: by how much its last passes still changed it. Many: the bracket of a motion that did not settle (W317);
+    a limit state has none.
+    """
     return sum(result.model.residual for result in results)
 
 
 def same(one: Result, other: Result, rel: float = 1e-6, times: float = 1.0) -> None:
     """The same status, factor (`times` the first) and static bound.
 
-    `rel` is what settles exactly; where passes did not settle (W317, or moments that govern) the answers may differ
-    by the swing that both report: such a limit is not unique to more digits.
+    `rel` is what settles exactly; where it did not (W317, or moments that govern one block) the answers may differ by
+    the swing that both report: such a limit is not unique to more digits.
     """
     assert other.status == one.status
     allowed = rel + swing(one, other)

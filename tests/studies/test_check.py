@@ -13,7 +13,7 @@ from slopekit.studies import check as module
 from slopekit.studies import ladders
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.ladders import Rung, timed
-from tests.properties.test_not_unique import ROUGH_COLUMNS
+from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
 
 ONE_PLANE = {
     "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
@@ -135,13 +135,26 @@ def test_without_a_factor_there_is_no_ladder(values, status) -> None:
     assert found.consistent
 
 
-def test_cohesive_blocks_are_refined() -> None:
-    """Contacts of a section that have cohesion get more pairs; without they get none, and the check says why."""
-    assert "ends" in finding(checked("wall"), "node pairs").words
-    bonded = checked("wall", **{"strength.joint.c": 5})
-    meshes = rungs(bonded, "mesh")
-    assert [rung.node_pairs for rung, _ in meshes] == sorted({rung.node_pairs for rung, _ in meshes})
-    assert len(meshes) == 3
+@pytest.mark.parametrize("cohesion", [0, 5])
+def test_blocks_of_a_section_are_not_refined(cohesion) -> None:
+    """Three node pairs a contact carry every linear traction, with cohesion too; the check says so."""
+    found = checked("wall", **{"strength.joint.c": cohesion})
+    assert "ends" in finding(found, "node pairs").words
+    assert len(rungs(found, "mesh")) == 1
+
+
+@pytest.mark.parametrize(
+    ("design", "stiff", "soft"),
+    [(ROUGH_COLUMNS, 0.905, 0.670), (TWO_BLOCKS, 0.529555, 0.529555), (BONDED_ROW, 1.535061, 1.535061)],
+    ids=["rough columns", "two blocks", "bonded row"],
+)
+def test_the_shear_stiffness_of_the_elastic_joints_has_its_rungs(design, stiff, soft) -> None:
+    """METHOD-3.md §13, column "F_path (ρ 1 / 0.1)", to the digits that it prints."""
+    found = check(sk.load(design))
+    by_ratio = {rung.effort: rung.factor for rung, _ in rungs(found, "stiffness")}
+    assert by_ratio.keys() == {0.1, 1.0}
+    for ratio, wanted in ((1.0, stiff), (0.1, soft)):
+        assert by_ratio[ratio] == pytest.approx(wanted, abs=10.0 ** -len(str(wanted).partition(".")[2]))
 
 
 @pytest.mark.parametrize(("by", "seen"), [(1.015, {"holds at limit"}), (0.95, set()), (1.02, {"holds at limit"})])
@@ -182,8 +195,16 @@ def test_nothing_independent_is_not_judged() -> None:
     assert resting.exit_code == 0
 
 
-def test_a_limit_that_is_not_the_only_one_is_found_out() -> None:
-    """Rough columns (`tests/properties/test_not_unique.py`): 1.000, and 0.871 where the strength is doubled."""
+def test_another_strength_leads_to_the_same_limit_state() -> None:
+    """Rough columns have many limit states (`tests/properties/test_not_unique.py`); the elastic path ends in one."""
+    found = check(sk.load(ROUGH_COLUMNS))
+    assert finding(found, "other strengths").value < 1e-6
+    assert finding(found, "other strengths").met
+
+
+def test_a_limit_that_is_not_the_only_one_is_found_out(monkeypatch) -> None:
+    """Half the strength with less than half the factor: the number hangs on the way there."""
+    monkeypatch.setattr(module, "assembly_at_other_strengths", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
     found = check(sk.load(ROUGH_COLUMNS))
     assert finding(found, "other strengths").value > 0.05
     assert "not unique" in finding(found, "other strengths").words

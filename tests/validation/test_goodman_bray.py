@@ -4,10 +4,12 @@ The table is recomputed from the method (with a₂ = 5.0 m for the step at the c
 same example); factors 1.00, 1.00, 1.02 and 1.23 are published, 1.0185 and 1.2308 those of njones61/xslope.
 """
 
+import math
 from dataclasses import replace
 
 import pytest
 
+import slopekit as sk
 from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_factor_of_safety, toppling_table
 
 SLOPE = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15)
@@ -76,3 +78,19 @@ def test_required_friction_and_toe_force() -> None:
     assert toppling_factor_of_safety(SLOPE).friction_required_deg == pytest.approx(38.1512, abs=5e-5)
     needed = toe_force_required(replace(SLOPE, friction_angle_deg=33.0239))
     assert needed == pytest.approx(2012.857, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("friction", "toe_force"), [(38.15, 0.0), (33.0239, 2013.0), (38.6598, 0.0), (38.6598, 2013.0)]
+)
+def test_the_limit_of_the_columns_is_that_of_the_method(friction, toe_force) -> None:
+    """The same contact modes: PRE-IE and the closed form differ by rounding. The force pushes into C1 half-way up."""
+    half = math.radians(30.0)
+    pushed = {"force": toe_force, "toward": "090/00", "block": "C1", "at": [-2 * math.sin(half), 0, 2 * math.cos(half)]}
+    found = sk.run({
+        "slopekit": 1, "kind": "topple", "strength": {"joint": {"c": 0, "phi": friction}}, "rock": {"unit_weight": 25},
+        "columns": {"dip": 60, "width": 10, "base_step": 1, "heights": SLOPE.heights_m.tolist()},
+        "loads": {"forces": [pushed] if toe_force else []},
+    })  # fmt: skip
+    slope = replace(SLOPE, friction_angle_deg=friction, toe_force_kn=toe_force, toe_force_height_m=2.0)
+    assert found.fos.limit == pytest.approx(toppling_factor_of_safety(slope).factor, rel=1e-10)

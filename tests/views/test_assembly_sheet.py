@@ -91,7 +91,7 @@ def test_goodman_and_brays_columns() -> None:
     assert "c 0 kPa φ 38.15°" in columns
     assert part(text, "STATUS") == "blocks topple: 10 topple (C4 to C13), 2 slide (C2, C3), 4 stay"
     fos = part(text, "FoS")
-    assert fos.startswith("1.0006 limit, PRE-IE difference 0.06")
+    assert fos.startswith("1.0006 limit of the elastic path, PRE-IE difference 0.06")
     assert "AGREE (limit 1 %) 1.0000 Goodman & Bray closed form 1.1904 static bound" in fos
     assert "upper bound), 19.0 % above the limit" in fos
     moves = part(text, "MOVES")
@@ -125,9 +125,39 @@ def test_a_long_table_says_what_it_leaves_out(count, left_out) -> None:
 def test_no_factor_is_a_reason_and_never_a_number(status) -> None:
     found = two_blocks(status)
     fos = part(sheet(found), "FoS")
-    assert fos.startswith(f"none limit, PRE-IE ({found.status_text})")
+    assert fos.startswith(f"none limit of the elastic path, PRE-IE ({found.status_text})")
     assert not re.search(r"\d\.\d|∞|inf", fos)
     assert part(sheet(found), "STATUS").startswith(found.status_text)
+
+
+@pytest.mark.parametrize(("lowest", "highest", "said"), [
+    (1.1, 1.4, "1.1000 .. 1.4000 same mechanism"), (None, 1.4, "none .. 1.4000 same mechanism"), (None, None, None),
+])  # fmt: skip
+def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said) -> None:
+    """Where neither end was found there is no line."""
+    one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
+    found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
+    fos = FactorsOfSafety(limit=1.25, static_bound=1.5, lowest=lowest, highest=highest)
+    text = part(sheet(replace(found, fos=fos, static_bound_proved=True)), "FoS")
+    assert text.startswith("1.2500 limit of the elastic path")
+    assert ("same mechanism" in text) == (said is not None)
+    if said:
+        assert f"{said}, whatever forces are locked in 1.5000 static bound" in text
+
+
+@pytest.mark.parametrize(("rule", "lowest", "said"), [
+    ("fos >= 1.2", 1.1, "MET, but not for every locked-in force (same mechanism down to 1.1)"),
+    ("fos.limit >= 1.2", 1.1, "MET, but not for every locked-in force (same mechanism down to 1.1)"),
+    ("fos >= 1.2", 1.2, "MET"), ("fos >= 1.05", 1.1, "MET"), ("fos.lowest >= 1.05", 1.1, "MET"),
+    ("fos.lowest >= 1.2", 1.1, "NOT MET"), ("fos.lowest >= 1.05", None, "NOT MET (there is no such number here)"),
+    ("fos >= 1.3", 1.1, "NOT MET"),
+])  # fmt: skip
+def test_a_rule_says_whether_it_is_met_for_every_locked_in_force(rule, lowest, said) -> None:
+    design = sk.load(path_of("blocks"), set={"acceptance.rules": [rule]})
+    one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
+    found = result(design, [one], ["base", "B1", "B2"], ["base"])
+    text = part(sheet(replace(found, fos=FactorsOfSafety(limit=1.25, lowest=lowest, highest=1.4))), "ACCEPT")
+    assert text.endswith(f": {said}")
 
 
 def test_what_stays_is_counted() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from slopekit.analysis.assembly_scene import AssemblyScene
 from slopekit.analysis.stages import joint_stiffness, joint_strength
@@ -12,10 +13,10 @@ from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.ravelling import Part, whole_model
-from slopekit.preie.rest import rest
+from slopekit.preie.settlement import settlement
 from slopekit.result import AtFactorOne, Movement
 
-_MOST_SETTLED = 300  # moving blocks: beyond that the bed would take seconds
+_MOST_SETTLED = 2000  # moving blocks: beyond that the elastic bed would take minutes
 
 
 def states_of_part(part: Part) -> tuple[Bools, Bools, Floats]:
@@ -119,13 +120,14 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     model = whole_model(assembly, loads, joint_strength(scene.strengths))
     if model is None:
         return None
-    found = rest(model, 1.0, joint_stiffness(design))
-    if not found.stands:
+    with threadpool_limits(1):
+        found = settlement(model, joint_stiffness(design))
+    if found is None:
         return None
     every = np.zeros((len(assembly), 6))
     every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = found.displacement
     size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
     most = int(np.argmax(size))
-    failed = int((~found.sticks)[model.group_of_pair].sum())
+    failed = int(found.slips[model.group_of_pair].sum())
     movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
     return AtFactorOne(movement, failed, found.residual, scene.names[most], frozen(every))

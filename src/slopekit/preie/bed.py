@@ -103,7 +103,8 @@ class Bed:
     """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load."""
 
     def __init__(
-        self, model: AssemblyModel, drive: Drive, bond: Floats | None = None, ratio: float = SHEAR_TO_NORMAL
+        self, model: AssemblyModel, drive: Drive, bond: Floats | None = None,
+        ratio: float | Floats = SHEAR_TO_NORMAL,
     ) -> None:
         self.model, self.drive = model, drive
         self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
@@ -133,7 +134,23 @@ class Bed:
         self.load_size = float(np.abs(drive.load).max())
         self.elastic_solver = self.factored(self.elastic)
         self.elastic_displacement: Floats = self.elastic_solver(drive.load)
-        self.elastic_work = abs(float(drive.working @ self.elastic_solver(drive.working)))
+        self.working = self._working()
+        self.elastic_work = abs(float(self.working @ self.elastic_displacement))
+        if drive.ramp is not None:
+            self.elastic_work = abs(float(self.working @ self.elastic_solver(drive.working)))
+
+    def _working(self) -> Floats:
+        """What the work of the path is measured with, (N,): the load that drives.
+
+        In space, where a bench holds slivers a millionth of its largest block, each block's in parts of its own: else
+        the smallest would have to slide for kilometres before its work is seen.
+        """
+        working = self.drive.working
+        if self.tangents == 1 or self.drive.ramp is not None:
+            return working
+        of_block = working.reshape(self.model.load.shape)
+        own = np.sqrt((of_block * of_block).sum(axis=1))
+        return (of_block / np.maximum(own, 1e-12 * float(own.max()))[:, None]).ravel()
 
     def _summed(self, of_pairs: Floats) -> Floats:
         sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups)
@@ -328,6 +345,16 @@ class Bed:
             return found
         return self._by_passes(before, parameter, viscosity)
 
+    def onward(self, step: "Step") -> Floats | None:
+        """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
+        try:
+            solver = self.factored(self.tangent(step.forces, step.parameter))
+        except SolverError:
+            return None
+        motion = solver(self.by_parameter(step.forces, step.parameter))
+        gained = float(self.working @ motion)
+        return motion / gained if np.isfinite(motion).all() and gained != 0.0 else None
+
     def _off(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
     ) -> tuple[Forces, Floats]:
@@ -339,7 +366,7 @@ class Bed:
     def _newton(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
     ) -> "Step":
-        working = self.drive.working
+        working = self.working
         there, off = self._off(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
         stalled = 0

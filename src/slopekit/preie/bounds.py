@@ -25,6 +25,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 
 _CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
+_NEARLY = 1e-4  # the same where light blocks between heavy ones keep it from settling
 _STEPS = 150
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _LINEARISED, _SETTLED = 20, 1e-6  # cone programs at the most, and how little the last may change λ
@@ -63,8 +64,13 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     found = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
     steps = found.steps
     if not found.settled and not _is_lifted(found):
-        found = _linearised(program, found.at.load_factor)
+        near = found.at.complementarity < _NEARLY * found.at.load_factor and found.unbalanced < _NEARLY
+        first = found
+        found = _linearised(program, found.at.load_factor, found.at.normal if near else None)
         steps += found.steps
+        if near and not found.settled:
+            again = _linearised(program, first.at.load_factor, None)
+            found, steps = again, steps + again.steps
     if _is_lifted(found):
         return StaticBound(None, True, False, program.release(), steps)
     at = found.at
@@ -77,13 +83,12 @@ def _is_lifted(found: ProgramResult) -> bool:
     return found.at.shed > _SHED and found.unbalanced < _BALANCED
 
 
-def _linearised(program: BlockProgram, reduction: float) -> ProgramResult:
-    """Cone programs linearised at the last λ and normal forces, from below λ, where they settle fastest."""
+def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) -> ProgramResult:
+    """Cone programs linearised at the last λ and normal forces: at those given, or elastic ones and a lower λ."""
     model = program.model
-    summed = model.by_group(program.start.normal)
-    if not 1e-4 < reduction < 1e4:
-        reduction = 1.0
-    reduction *= 0.9
+    summed = model.by_group(program.start.normal if normal is None else normal)
+    if normal is None:
+        reduction = 0.9 * reduction if 1e-4 < reduction < 1e4 else 1.0
     steps, changed = 0, 1.0
     for _ in range(_LINEARISED):
         carried = program.cohesion + model.tan_friction * summed
@@ -94,10 +99,11 @@ def _linearised(program: BlockProgram, reduction: float) -> ProgramResult:
         if _is_lifted(found) or found.at.load_factor < _NOTHING:
             break
         changed = abs(found.at.load_factor / reduction - 1.0)
-        if changed < _SETTLED and found.settled:
+        if changed < (_SETTLED if found.settled else _NEARLY) and found.at.complementarity < _NEARLY * reduction:
             break
         reduction, summed = found.at.load_factor, model.by_group(found.at.normal)
-    settled = found.settled and (changed < 1e-4 or found.at.load_factor < _NOTHING)
+    settled = changed < _NEARLY and found.at.complementarity < _NEARLY * reduction
+    settled = settled or (found.settled and found.at.load_factor < _NOTHING)
     return ProgramResult(found.at, settled, steps, found.unbalanced, ())
 
 

@@ -39,7 +39,9 @@ _EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled to
 _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
-_FAR_DOWN, _PROPOSES, _MOST_STEPS = 1e-2, 1e-9, 150  # ε of the proposal, how well it has to settle, and steps
+_FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1.0), 1e-9, 100  # ε of proposals, how well they settle, steps
+_FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
+_SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 _STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
 _TURNS = 12  # how often directions of slip in space follow the motion
 _OFF = 1e-9  # its residual, in parts of the largest force
@@ -102,7 +104,7 @@ class _Flow:
     viscosity: float
 
 
-def _relaxed(
+def relaxed(
     bed: Bed, at: Floats, parameter: float, viscosity: float, most: int = 80, far: float = 1e2, patience: int = 10000
 ) -> _Flow:
     """Let the blocks flow until they rest or run; viscosity 0 tries Newton's method first.
@@ -126,7 +128,7 @@ def _relaxed(
         before, at, last, fails = at, step.at, viscosity, 0
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
             return _Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.drive.working @ at)) > far * bed.elastic_work:
+        if abs(float(bed.working @ at)) > far * bed.elastic_work:
             return _Flow(at, step.forces, "runs", before, last)
         viscosity = max(_EASES * viscosity, _THIN)
     return _Flow(at, bed.forces(at, parameter), "slow", before, last)
@@ -153,7 +155,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = _relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is not None:
@@ -187,14 +189,14 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
     if bed.drive.ramp is not None:
         step = bed.step(bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
         flow = _Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
-        return start, flow if step.settled else _relaxed(bed, none, 0.0, 1.0, far=1e9)
+        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, far=1e9)
     parameter = start
     flow = _Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = bed.step(bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
         if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
             return parameter, _Flow(step.at, step.forces, "rest", step.at, 0.0)
-        flow = _relaxed(bed, none, parameter, 1.0, far=3e2)
+        flow = relaxed(bed, none, parameter, 1.0, far=3e2)
         if flow.ended == "rest":
             return parameter, flow
         parameter *= 2.0
@@ -203,25 +205,25 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
 
 def _tried(bed: Bed, at: Floats, parameter: float) -> _Flow:
     """From one state at rest to a worse parameter."""
-    flow = _relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
+    flow = relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
-        working = bed.drive.working
+        working = bed.working
         if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return _relaxed(bed, at, parameter, 0.3, far=_RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+            return relaxed(bed, at, parameter, 0.3, far=_RUNS, patience=_PATIENCE)  # Newton jumped to a far state
     return flow
 
 
 def _run(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = _relaxed(bed, flow.at, parameter, max(flow.viscosity, _THICK), far=_RUNS)
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, _THICK), far=_RUNS)
     far = _RUNS
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
         if found is not None or again == 2 or bed.tangents > 1:
             return found
         far *= 20.0
-        flow = _relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, far=far)
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, far=far)
         if flow.ended != "runs":
             return _eased(bed, flow, parameter)
     return None
@@ -229,7 +231,7 @@ def _run(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
 
 def _eased(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
     """Stage C: viscosity goes, the parameter is free, the work grows."""
-    working = bed.drive.working
+    working = bed.working
     at, forces, viscosity = flow.at, bed.forces(flow.at, parameter), flow.viscosity
     work = float(working @ at)
     moved, gained = at - flow.before, work - float(working @ flow.before)
@@ -272,26 +274,47 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = model.by_group(model.cohesion * bond)
-    program.elastic = _FAR_DOWN
-    found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
-    if not found.settled or found.at.shed > _OFF or found.at.load_factor < _LEAST:
+    for part in _FAR_DOWN:
+        program.elastic = part
+        found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
+        if found.at.shed > _SHED or found.at.load_factor < _LEAST:
+            continue
+        limit = _climbed(bed, found.at.velocity / part, found.at.load_factor)
+        if limit is not None:
+            return limit
+    return None
+
+
+def _climbed(bed: Bed, at: Floats, parameter: float) -> PathLimit | None:
+    """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far."""
+    working = bed.working
+    step = bed.step(at, at, parameter, 0.0, float(working @ at))
+    grows, fails, gained, far = 3.0, 0, bed.elastic_work, float(np.abs(bed.elastic_displacement).max())
+    if not step.settled:
         return None
-    at, parameter = found.at.velocity / _FAR_DOWN, found.at.load_factor
-    before = at
-    forces = bed.forces(at, parameter)
-    last = math.nan
-    for _ in range(12):
-        step = bed.step(at, at, parameter, 0.0, float(bed.drive.working @ at))
-        if not step.settled:
+    while True:
+        motion = bed.onward(step)
+        if motion is None:
             return None
-        motion, last = step.at - before, parameter
-        at, before, parameter, forces = 10.0 * step.at, step.at, step.parameter, step.forces
-        if float(bed.drive.working @ at) > _FARTHEST * bed.elastic_work:
+        more = float(working @ step.at) + gained
+        ahead = bed.step(step.at + gained * motion, step.at, step.parameter, 0.0, more)
+        if not ahead.settled or not 0.3 < ahead.parameter / step.parameter < 3.0:
+            gained, grows, fails = 0.3 * gained, math.sqrt(grows), fails + 1
+            if fails > 6:
+                return None
+            continue
+        changed = abs(ahead.parameter / step.parameter - 1.0)
+        before, step = step, ahead
+        if changed < _STEADY and step.taken <= 3 and float(np.abs(step.at).max()) > _FAR * far:
             break
-    if abs(parameter / last - 1.0) > 10.0 * _STEADY:
-        return None
-    settled = parameter + (parameter - last) / 9.0
-    return _result(bed, PathOutcome.SETTLED, settled, None, before, motion, forces)
+        gained *= grows
+        grows = min(grows * grows, 10.0)
+        if float(np.abs(step.at).max()) > _FARTHEST * _FAR * far:
+            return None
+    # λ goes like the limit plus a part of 1 / work
+    ratio = float(working @ step.at) / float(working @ before.at)
+    settled = step.parameter + (step.parameter - before.parameter) / (ratio - 1.0)
+    return _result(bed, PathOutcome.SETTLED, settled, None, step.at, step.at - before.at, step.forces)
 
 
 def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLimit | None:

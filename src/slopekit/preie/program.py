@@ -34,6 +34,7 @@ _STIFFEST = 1e-5  # is left at the limit, and so little does it raise the load f
 _SHIFT = 1e-13
 _START = 0.1  # least normal force to start from, in parts of the mean
 _FEASIBLE = 1e-6
+_LIGHTEST = 1e-9  # of the heaviest block's load: a lighter block balances to a part of this
 _EARNED = 1e-5  # what the residuals of the motion may be worth, in parts of the load factor
 _SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the middle
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
@@ -70,7 +71,7 @@ class Strengths:
 class ProgramResult:
     """The last iterate, whether it settled, steps taken, and earlier iterates to start a next pass from.
 
-    `unbalanced` is the largest unbalanced force in parts of the load.
+    `unbalanced` is the largest unbalanced force in parts of the load of the block it acts on.
     """
 
     at: Iterate
@@ -96,6 +97,8 @@ class BlockProgram:
         self.cohesion = model.by_group(model.cohesion)
         self.load = model.load.ravel()
         self.load_size = float(np.abs(self.load).max())
+        own = np.sqrt((model.load * model.load).sum(axis=1))
+        self.least_load = np.repeat(np.maximum(own, _LIGHTEST * float(own.max())), model.unknowns)
         self.pattern = ContactPattern(model)
         self.stiffest, self.start = self._elastic_start()
         self.elastic = self.stiffest
@@ -230,7 +233,7 @@ class _Residuals:
         strength[:, 1:] -= at.friction
         factor = 1.0 - float(coupling.strength @ slips)
         balance = model.forces_on_blocks(at.normal, at.friction).ravel() + (1.0 - at.shed) * load
-        unbalanced = float(np.abs(balance).max()) / program.load_size
+        unbalanced = float((np.abs(balance) / program.least_load).max())
         earned = float(np.abs(normal * at.normal).sum()) + float(np.abs(off_slip * at.friction).sum())
         sound = (
             unbalanced < _FEASIBLE

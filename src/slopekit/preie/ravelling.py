@@ -14,17 +14,25 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
+from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathOutcome
+from slopekit.preie.path import PathOutcome, relaxed
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
+_LARGE = 60  # blocks in space: fewer are one path
+_MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_MOST_BOUNDED = 1500  # blocks up to which the static bound of all is found
+_TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of its factor at which all have to come to rest, one after the other
+_FLOWS, _FLOWING = 30.0, 0.05  # work in parts of the elastic that shows a flow, and of its fastest block who flows
 _TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
 _MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
 
@@ -208,7 +216,77 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = found
-            yield Part(model, limit_of_blocks(model, scene.ranged), blocks, patch)
+            large = model.unknowns == 6 and len(blocks) > _LARGE
+            part = _screened(scene, there, blocks, model, patch) if large else None
+            yield part or Part(model, limit_of_blocks(model, scene.ranged), blocks, patch)
+
+
+def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> Part | None:
+    """A large component: a group is proposed, its limit found with the others held, and all blocks have to be at rest.
+
+    The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
+    held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
+    group. None where that leads nowhere.
+    """
+    assembly = scene.assembly
+    gone = ~there & ~assembly.fixed
+    alone = slide_alone(assembly, scene.loads, scene.strength, gone, blocks)
+    if not alone:
+        return None
+    bound = static_bound(model) if len(blocks) <= _MOST_BOUNDED else None
+    group = np.array(alone[:1])
+    for _ in range(_MOST_GROUPS):
+        group = _with_neighbours(assembly, group, blocks)
+        found = _model(scene, there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
+        if found is None:
+            return None
+        small, own = found
+        limit = limit_of_blocks(small, scene.ranged and len(group) <= _LARGE)
+        if limit.factor is None:
+            return None
+        broken = np.zeros(len(assembly.patches), dtype=bool)
+        broken[own[np.bincount(small.pair_contact, limit.bond == 0.0, len(small.plus)) > 0]] = True
+        bond = np.where(broken[patch][model.pair_contact], 0.0, 1.0)
+        bed = Bed(model, Drive(model.load.ravel()), bond)
+        at = bed.elastic_displacement
+        for part in _TOWARDS:
+            flow = relaxed(bed, at, 1.0 / (limit.factor * part), 0.0, far=_FLOWS)
+            if flow.ended != "rest":
+                break
+            at = flow.at
+        if flow.ended == "rest":
+            velocity = np.zeros_like(model.load)
+            velocity[np.searchsorted(model.moving, small.moving)] = limit.velocity
+            scaled = velocity * np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
+            top = None if bound is None or bound.factor is None else max(bound.factor, limit.factor)
+            if bound is not None and bound.factor is not None and bound.factor < limit.factor * (1.0 - 1e-4):
+                return None
+            whole = replace(
+                limit, velocity=frozen(scaled), normal_force=frozen(flow.forces.normal),
+                friction=frozen(flow.forces.friction), bond=frozen(bond), static_bound=top, change=0.0,
+                steps=limit.steps + bed.factorisations, bound_steps=0 if bound is None else bound.steps,
+            )  # fmt: skip
+            return Part(model, whole, blocks, patch)
+        if flow.ended != "runs":
+            return None
+        moved = (flow.at - flow.before).reshape(model.load.shape)
+        speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
+        movers = model.moving[speed > _FLOWING * float(speed.max())]
+        if np.isin(movers, group).all():
+            group = _with_neighbours(assembly, group, blocks)
+        else:
+            group = movers
+    return None
+
+
+def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
+    """A group of blocks with those among others that touch it."""
+    patches, inside = assembly.patches, np.zeros(len(assembly) + 1, dtype=bool)
+    inside[group] = True
+    near = np.concatenate([
+        group, patches.plus[inside[patches.minus] & (patches.minus >= 0)], patches.minus[inside[patches.plus]]
+    ])  # fmt: skip
+    return np.intersect1d(near, among)
 
 
 def _components(assembly: Assembly, among: Ints) -> list[Ints]:

@@ -1,0 +1,76 @@
+"""How far the blocks of an assembly settle at full strength on their elastic joints: displacements in metres.
+
+The law is that of `preie.bed` with the design's stiffnesses. On Clough and Duncan's hyperbola each joint has the secant
+stiffness K (1 - R_f τ / (σ_n tan φ₁)), K = k₁ γ_w (σ_n/P_a)ⁿ, at its own mean tractions, found again until it stays.
+With the paper's parameters the hyperbola cannot reach the strength of a joint at low normal traction, where Newton's
+method on it finds no rest: the secant is kept above a part of K, and the joint slips at its strength.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, frozen
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.contact import CloughDuncan, JointStiffness
+from slopekit.preie.path import relaxed
+
+_ROUNDS = 10  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
+_LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
+_STEADY = 1e-3  # change of the displacements, in parts of the largest, that ends the rounds
+
+
+@dataclass(frozen=True, slots=True)
+class Settlement:
+    """Blocks at rest.
+
+    Attributes
+    ----------
+    displacement : (n, u) m and radians
+    slips : (g,) friction forces at their strength, or in an open contact
+    residual : largest unbalanced force in parts of the largest load
+    """
+
+    displacement: Floats
+    slips: Bools
+    residual: float
+
+
+def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | None:
+    """The blocks at rest at full strength; None where they come to none."""
+    per_metre = stiffness.normal * model.area_scale * model.length_scale / model.force_scale
+    group_area = model.by_group(model.control_area) * model.area_scale
+    law = stiffness.tangential
+    bond = np.ones(len(model.control_area))
+    ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
+    at: Floats | None = None
+    for _ in range(_ROUNDS):
+        bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
+        start = bed.elastic_displacement if at is None else at
+        step = bed.step(start, start, 1.0, 0.0)
+        forces, at = step.forces, step.at
+        if not step.settled:
+            flow = relaxed(bed, np.zeros(bed.size), 1.0, 1.0)
+            if flow.ended != "rest":
+                return None
+            forces, at = flow.forces, flow.at
+        parted = (bond > 0.0) & ~forces.touching & (model.cohesion > 0.0)
+        bond = np.where(parted, 0.0, bond)
+        if isinstance(law, CloughDuncan):
+            traction = model.by_group(forces.normal) * model.force_scale / group_area
+            traction = np.maximum(traction, law.floor_kpa)
+            stiff = law.modulus_number * law.water_unit_weight * (traction / law.atmospheric_kpa) ** law.exponent
+            shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
+            ultimate = traction * math.tan(math.radians(law.friction_angle_deg))
+            ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal)
+        moved = float(np.abs(at - start).max()) / float(np.abs(at).max())
+        if not parted.any() and (moved < _STEADY or not isinstance(law, CloughDuncan)):
+            break
+    unknowns = model.unknowns
+    to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
+    held = model.by_group(forces.normal) > 0.0
+    return Settlement(
+        frozen(at.reshape(model.load.shape) * to_metres), ~held | forces.slips, forces.residual / bed.load_size
+    )

@@ -1,0 +1,435 @@
+"""The limit of the elastic path: METHOD-3.md §13's table, closed forms, what cannot matter, Newton's derivatives."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks import populations
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive, Forces
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.limit import limit_analysis
+from slopekit.preie.passes import Outcome
+from slopekit.preie.path import PathOutcome, follow, proposed
+from tests.preie import path_oracle
+from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, random_bench, rectangles, stack
+from tests.preie.path_oracle import model_of
+from tests.preie.sections import paper_wedge
+from tests.properties import test_not_unique as designs
+
+BENCH = (("45/170", 7.0), ("80/350", 8.0), ("85/80", 8.0))
+GOODMAN_BRAY = 0.99995683510396
+
+
+def tangent(degrees: float) -> float:
+    return math.tan(math.radians(degrees))
+
+
+def weaker(model: AssemblyModel, by: float) -> AssemblyModel:
+    """c and tan φ divided."""
+    return replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
+
+
+# -- the table of METHOD-3 §13 ----------------------------------------------------------------------------------------
+
+#: Limit, range of its mechanism and static bound there; None: not given, or no end (forces jam without one).
+TABLE = {
+    "two blocks": (designs.TWO_BLOCKS, 0.529555, (0.52049, 0.52955), 0.52956),
+    "shards": (designs.SHARDS, 3.749624, (3.7050, 3.7496), 3.74962),
+    "bonded row": (designs.BONDED_ROW, 1.535061, (1.5032, 1.5351), 1.53506),
+    "rough columns": (designs.ROUGH_COLUMNS, 0.8175, (0.669, 0.971), 1.000),
+    "bonded columns": (designs.BONDED_COLUMNS, 0.172230, (None, 0.425), 0.468),
+    "Goodman & Bray": (designs.GOODMAN_BRAY, GOODMAN_BRAY, (0.799, 1.111), 1.19089),
+}
+NOT_ONE_NUMBER = {"rough columns": 5e-4}  # and what the limit is to be known to: the table has three digits, 0.818
+
+
+@pytest.fixture(scope="module", params=TABLE)
+def tabled(request) -> tuple[str, AssemblyModel, BlocksLimit]:
+    model = model_of(TABLE[request.param][0])
+    return request.param, model, limit_of_blocks(model)
+
+
+def test_the_limit_is_that_of_the_table(tabled) -> None:
+    name, _, found = tabled
+    _, factor, _, bound = TABLE[name]
+    assert (found.outcome, found.basis, found.change) == (Outcome.SLIDES, Basis.LIMIT, 0.0)
+    assert found.factor == pytest.approx(factor, abs=NOT_ONE_NUMBER.get(name, 1e-6))
+    assert found.static_bound == pytest.approx(bound, abs=5e-4)
+
+
+def test_the_range_is_that_of_the_table(tabled) -> None:
+    name, _, found = tabled
+    low, high = TABLE[name][2]
+    assert found.highest == pytest.approx(high, abs=1e-3)
+    if low is not None:
+        assert found.lowest == pytest.approx(low, abs=1e-3)
+    assert (found.lowest or 0.0) <= found.factor <= found.highest <= found.static_bound
+
+
+@pytest.mark.parametrize("by", [0.5, 3.0])
+def test_strength_divided_divides_the_limit(tabled, by) -> None:
+    """F(strength/k) k = F: the path starts at 2/S and never sees the strength but through λ."""
+    _, model, found = tabled
+    other = limit_of_blocks(weaker(model, by), ranged=False)
+    assert other.basis is Basis.LIMIT
+    assert by * other.factor == pytest.approx(found.factor, rel=1e-9)
+
+
+def test_bonds_go_contact_by_contact(tabled) -> None:
+    """B of §13: where the motion opens a contact anywhere all its cohesion is gone, and nowhere else."""
+    _, model, found = tabled
+    opening, _ = model.opening_and_slip(found.velocity)
+    opens = np.bincount(model.pair_contact, opening > 1e-6 * np.abs(opening).max(initial=1.0), len(model.plus)) > 0
+    bonded = model.cohesion > 0.0
+    lost = np.where(opens[model.pair_contact], 0.0, 1.0)
+    assert (found.bond[bonded] == lost[bonded]).all()
+
+
+def test_some_bonds_of_the_table_go_and_some_stay() -> None:
+    """So that the test before says something: columns that topple lose what opens, those that slide keep theirs."""
+    model = model_of(designs.BONDED_COLUMNS)
+    bond = limit_of_blocks(model, ranged=False).bond[model.cohesion > 0.0]
+    assert 0.0 < bond.mean() < 1.0
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.4, 1.0])
+def test_columns_have_their_closed_form_whatever_the_stiffness(ratio) -> None:
+    """Goodman & Bray to 14 digits (METHOD-3 §13): rounding of a hundred factorisations."""
+    found = limit_of_blocks(model_of(designs.GOODMAN_BRAY), ranged=False, ratio=ratio)
+    assert found.basis is Basis.LIMIT
+    assert found.factor == pytest.approx(GOODMAN_BRAY, rel=1e-12)
+
+
+def test_a_longer_row_of_columns_has_its_closed_form() -> None:
+    """32 columns of the same slope, limit equilibrium column by column; 11 digits and more (METHOD-3 §13)."""
+    found = limit_of_blocks(model_of(populations.goodman_bray(32)), ranged=False)
+    assert found.basis is Basis.LIMIT
+    assert found.factor == pytest.approx(populations.goodman_bray_factor(32), rel=1e-10)
+
+
+def test_two_blocks_end_within_the_certified_range() -> None:
+    """Branch and bound over all contact modes encloses every limit state; the mechanism's range is a part of it."""
+    model = model_of(designs.TWO_BLOCKS)
+    found = limit_of_blocks(model)
+    every = path_oracle.certified_range(model, found.static_bound)
+    slack = 1e-4  # the certificate is that wide
+    assert every.lowest * (1.0 - slack) <= found.lowest <= found.factor <= every.highest * (1.0 + slack)
+
+
+# -- no factor above the bound, none where nothing rests --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [0, 1, 2, 3, 4, 5])
+def test_no_factor_of_a_wall_is_above_its_bound(number) -> None:
+    """Random dry walls under horizontal load; the bound of all blocks by linear programs (HiGHS) and bisection."""
+    model = model_of(populations.wall(number))
+    bound = path_oracle.static_bound(model)
+    found = limit_of_blocks(model, ranged=False)
+    assert found.static_bound == pytest.approx(bound, rel=1e-5)
+    assert found.factor is None or found.factor <= bound * (1.0 + 1e-6)
+    assert found.outcome in (Outcome.SLIDES, Outcome.NO_REST)
+    assert (found.factor is None) is (found.outcome is Outcome.NO_REST)
+    if found.factor is None:  # a part of the horizontal load is too much at full strength
+        assert 0.0 < found.carried < 1.0
+
+
+def test_a_wall_that_comes_to_rest_at_no_strength() -> None:
+    """A history does not come to rest either, at strengths up to 512 times its own; rigid blocks jam at 0.704."""
+    model = model_of(populations.wall(5))
+    assert path_oracle.history(model, 4.0).end == "no rest at the start"
+    found = limit_of_blocks(model, ranged=False)
+    assert (found.outcome, found.factor, found.basis) == (Outcome.NO_REST, None, Basis.NONE)
+    assert found.static_bound == pytest.approx(path_oracle.static_bound(model), rel=1e-5)
+
+
+def test_an_arch_too_thin_to_stand_comes_to_rest_at_no_strength() -> None:
+    """t/R = 0.1 is below Milankovitch's 0.1075: no friction holds it."""
+    found = limit_of_blocks(model_of(populations.arch(0.1, 0.7)))
+    assert (found.outcome, found.factor, found.static_bound) == (Outcome.NO_REST, None, None)
+
+
+def test_an_arch_that_stands_has_the_factor_of_its_least_friction() -> None:
+    """Cocchetti & Rizzi (2020), six digits of μ: 0.309215 at t/R = 0.200637."""
+    found = limit_of_blocks(model_of(populations.arch()), ranged=False)
+    assert found.factor == pytest.approx(0.6 / 0.309215, rel=3e-6)
+
+
+@pytest.mark.parametrize("phi", [20.0, 60.0, 85.0])
+def test_a_column_that_topples_has_no_factor_at_any_friction(phi) -> None:
+    """1 m by 3 m on 30°: its weight acts outside its base, no force on the base balances it."""
+    model = rectangles([(0, 1, 0, 3)], 30.0).model(phi)
+    found = limit_of_blocks(model)
+    assert (found.outcome, found.factor, found.static_bound) == (Outcome.LIFTED, None, None)
+    assert path_oracle.static_bound(model) is None
+
+
+def test_columns_that_lean_on_each_other_are_not_said_to_rest_at_no_strength() -> None:
+    """Two columns 3 m and 2 m high, 1 m wide, on 30°: each topples alone, side by side they jam.
+
+    Histories begun at three strengths come to rest and end at 1.592 to 1.595, below the bound of 2.21.
+    """
+    model = rectangles([(0, 1, 0, 3), (1, 2, 0, 2)], 30.0).model(60.0)
+    assert path_oracle.history(model, 1.0).end == "settled"
+    found = limit_of_blocks(model)
+    assert found.static_bound == pytest.approx(path_oracle.static_bound(model), rel=1e-5)
+    assert found.outcome is not Outcome.NO_REST
+    assert found.factor is None or found.factor <= found.static_bound
+
+
+def test_columns_twice_as_wide_stand_on_their_own() -> None:
+    """tan 60° / tan 30°, exactly."""
+    found = limit_of_blocks(rectangles([(0, 2, 0, 3), (2, 4, 0, 2)], 30.0).model(60.0))
+    assert found.factor == pytest.approx(tangent(60) / tangent(30), rel=1e-9)
+
+
+def test_the_static_bound_of_a_frame_is_one_at_its_published_associated_multiplier() -> None:
+    """None of its 14 blocks is held: with some held it was 1.24 (METHOD-3.md §12)."""
+    assert static_bound(model_of(populations.frame())).factor == pytest.approx(1.0, rel=1e-6)
+
+
+def test_what_a_bound_is_not() -> None:
+    """Lifted: no strength balances the load. Locked: any does. Else a factor, here of a stack: tan 35° / tan 30°."""
+    scene = stack(2, width=9.0)
+    lifted = static_bound(replace(scene, forces=-scene.forces).model(35.0))
+    assert (lifted.factor, lifted.lifted, lifted.locked) == (None, True, False)
+    level = static_bound(stack(2, dip=0.0, width=9.0).model(35.0))
+    assert (level.factor, level.lifted, level.locked) == (None, False, True)
+    found = static_bound(scene.model(35.0))
+    assert found.factor == pytest.approx(tangent(35) / tangent(30), rel=1e-6)
+    assert (found.lifted, found.locked) == (False, False)
+
+
+# -- space ------------------------------------------------------------------------------------------------------------
+
+
+def rolled(scene: Scene, by: int) -> Scene:
+    """Every polygon from another corner on."""
+    patches = scene.patches
+    parts = np.split(patches.corners, patches.first[1:-1])
+    return replace(
+        scene, patches=replace(patches, corners=np.concatenate([np.roll(part, by, axis=0) for part in parts]))
+    )
+
+
+@pytest.mark.parametrize("by", [1, 2])
+def test_the_first_corner_does_not_matter(by) -> None:
+    """A bench of scattered joints: contacts of three to seven corners."""
+    scene = bench(BENCH, scatter=3.0, seed=4)
+    assert len(set(np.diff(scene.patches.first))) > 2
+    one, other = (limit_of_blocks(found.model(30.0), ranged=False) for found in (scene, rolled(scene, by)))
+    assert one.factor is not None
+    assert other.factor == pytest.approx(one.factor, rel=1e-8)
+    assert other.static_bound == pytest.approx(one.static_bound, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", [3, 6, 17, 22, 24, 25])
+def test_the_limit_found_at_once_is_that_of_the_path(seed) -> None:
+    """`proposed` against `follow` from above: two ways to one definition, each steady to 1e-6.
+
+    Bench 24: a block that slides alone at 0.507873 (by hand, and by a history).
+    """
+    scene, phi = random_bench(seed)
+    model = scene.model(phi)
+    every, load = np.ones(len(model.control_area)), Drive(model.load.ravel())
+    at_once = proposed(Bed(model, load), every, SHEAR_TO_NORMAL)
+    path = follow(Bed(model, load), 2.0 / static_bound(model).factor)
+    assert path.found
+    assert at_once is None or at_once.parameter == pytest.approx(path.parameter, rel=1e-6)
+
+
+SPACE = {
+    "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0),
+    "bench": lambda: bench(BENCH, scatter=3.0, seed=4).model(30.0),
+}
+
+
+@pytest.mark.parametrize("by", [0.5, 3.0])
+@pytest.mark.parametrize("name", SPACE)
+def test_strength_divided_divides_the_limit_in_space(name, by) -> None:
+    model = SPACE[name]()
+    one, other = limit_of_blocks(model, ranged=False), limit_of_blocks(weaker(model, by), ranged=False)
+    assert by * other.factor == pytest.approx(one.factor, rel=1e-9)
+
+
+@pytest.mark.parametrize("psi", [0.0, 10.0])
+def test_one_wedge_has_its_exact_limit_state(psi) -> None:
+    """The paper's Table 4 by the limit state of one block, which is another method; 1e-6 as space is settled to."""
+    assembly, model = paper_wedge()
+    dilation = tangent(psi)
+    exact = limit_analysis(replace(model, tan_dilation=np.full_like(model.tan_dilation, dilation))).governing
+    found = limit_of_blocks(replace(assembly, tan_dilation=np.full_like(assembly.tan_dilation, dilation)))
+    assert found.factor == pytest.approx(exact.factor, rel=3e-6)
+
+
+def test_a_square_block_in_torsion() -> None:
+    """2.2956 = μ W a 0.3826 / M, friction about the middle of a square; 4 x 4 pairs leave 0.11 % (METHOD-3 §12)."""
+    scene = boxes_in_space((1, 1, 1), (2.0, 2.0, 2.0), 0.0)
+    weight = -scene.forces[0, 2]
+    mean = (math.sqrt(2.0) + math.log(1.0 + math.sqrt(2.0))) / 6.0
+    twisted = replace(scene, moments=np.array([[0.0, 0.0, tangent(35.0) * weight * 2.0 * mean / 2.2956]]))
+    found = [limit_of_blocks(twisted.model(35.0, refine=refine), ranged=False).factor for refine in (1, 2, 3)]
+    off = np.abs(np.array(found) / 2.2956 - 1.0)
+    assert off[2] < 2e-3
+    assert off[2] < off[1] < off[0]
+
+
+# -- dilation ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("psi", [0.0, 5.0, 15.0])
+@pytest.mark.parametrize("space", [False, True])
+def test_a_block_that_dilates_slides_where_one_that_does_not_slides(psi, space) -> None:
+    """tan 35° / tan 20°: one plane, forces by hand. It rises by tan ψ of its slip."""
+    scene = boxes_in_space((1, 1, 1), (6.0, 6.0, 0.5), 20.0) if space else stack(1, 20.0, 6.0)
+    model = scene.model(35.0, 0.0, psi)
+    found = limit_of_blocks(model)
+    assert found.factor == pytest.approx(tangent(35) / tangent(20), rel=3e-6 if space else 1e-9)
+    opening, slip = model.opening_and_slip(found.velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    assert opening == pytest.approx(tangent(psi) * size[model.group_of_pair], abs=1e-4 * size.max())
+
+
+@pytest.mark.parametrize(("dip", "c", "factor"), [(0.0, 0.0, 3.291798), (10.0, 0.0, 1.941039), (0.0, 10.0, 4.070999)])
+def test_dilation_does_not_matter_where_forces_are_statically_determined(dip, c, factor) -> None:
+    """7c_two_block 1, 2 and 6: both bases slip, the smooth interface presses; seven digits."""
+    model = active_passive(dip).model([30.0, 30.0, 0.0], [c, c, 0.0], [4.0, 2.0, 0.0])
+    assert limit_of_blocks(model).factor == pytest.approx(factor, rel=5e-7)
+
+
+# -- the path in the load ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "path"), [("W3", 0.35582), ("W4", 0.26374)])
+def test_published_walls_by_their_load(name, path) -> None:
+    """Ferris & Tin-Loi (2001) without association, 0.5 %; METHOD-3 §13's prototype of the path to its digits."""
+    wall = populations.WALLS[name]
+    model = model_of(wall.design(1.0))
+    weight, push = (model.load - model.live).ravel(), model.live.ravel()
+    assert np.abs(weight.reshape(model.load.shape)[:, 0]).max() == 0.0
+    found = follow(Bed(model, Drive(weight, push, 1.0)), 1e-3)
+    assert found.found
+    assert found.parameter == pytest.approx(wall.multiplier, rel=5e-3)
+    assert found.parameter == pytest.approx(path, rel=1e-4)
+
+
+def test_what_is_carried_of_a_load_that_is_too_much() -> None:
+    """W4 at its published multiplier, 0.264: the path's limit of 0.26374 is a part of that."""
+    wall = populations.WALLS["W4"]
+    found = limit_of_blocks(model_of(wall.design()), ranged=False)
+    assert found.loads_last
+    assert found.carried == pytest.approx(0.26374 / 0.264, rel=1e-4)
+
+
+@pytest.mark.parametrize("strength", [0.5, 1.0])
+@pytest.mark.parametrize(("width", "tips"), [(1.0, True), (4.0, False)])
+def test_a_block_pushed_along_level_ground(width, tips, strength) -> None:
+    """It slides at λ tan φ times its weight or tips at b / h, whichever is less; 2 m high, φ = 40°."""
+    scene = stack(1, 0.0, width, 2.0)
+    model = scene.model(40.0)
+    push = np.zeros_like(model.load)
+    push[0, 0] = -model.load[0, 1]  # its weight, sideways
+    exact = min(strength * tangent(40), width / 2.0)
+    assert (exact == width / 2.0) is (tips and strength == 1.0)
+    found, limit = load_limit(model, push, strength)
+    assert found.outcome is PathOutcome.LIMIT
+    assert found.parameter == pytest.approx(exact, rel=1e-9)
+    assert limit.factor == 1.0 / strength
+
+
+# -- Newton's derivatives ---------------------------------------------------------------------------------------------
+
+BEDS = {
+    "section": lambda psi: stack(3, 25.0, 4.0).model(30.0, 2.0, psi),
+    "columns": lambda psi: rectangles([(0, 1, 0, 2), (1, 3, 0, 3), (3, 4, 0, 1)], 30.0).model(30.0, 1.0, psi),
+    "space": lambda psi: boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0, psi),
+    "bench": lambda psi: bench(BENCH, scatter=3.0, seed=4).model(30.0, 0.0, psi),
+}
+
+
+def away_from_kinks(bed: Bed, reduction: float, size: float) -> tuple[np.ndarray, Forces]:
+    """A displacement near which no pair opens and no joint starts to slip, some touch, and some slip of those."""
+    rng = np.random.default_rng(4)
+    for _ in range(200):
+        at = bed.elastic_displacement + 0.7 * rng.normal(size=bed.size) * np.abs(bed.elastic_displacement).mean()
+        there = bed.forces(at, reduction)
+        near = [bed.forces(at + size * rng.normal(size=bed.size), reduction) for _ in range(20)]
+        pressed = bed._summed(there.touching * 1.0) > 0.0
+        some = (there.slips & pressed).any() and not there.slips.all() and not there.touching.all()
+        if some and all(there.same_modes(other) for other in near):
+            return at, there
+    raise AssertionError("no such displacement")
+
+
+@pytest.mark.parametrize("psi", [0.0, 8.0, 29.0])
+@pytest.mark.parametrize("name", BEDS)
+def test_the_tangent_is_the_derivative_of_the_forces(name, psi) -> None:
+    """Central differences, whose error is the square of a step of 1e-5 of the displacements."""
+    model = BEDS[name](psi)
+    bed = Bed(model, Drive(model.load.ravel()))
+    reduction, step = 0.6, 1e-5 * np.abs(bed.elastic_displacement).mean()
+    at, there = away_from_kinks(bed, reduction, 10.0 * step)
+    matrix = bed.stiffness.dense(bed.tangent(there, reduction))
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        way = rng.normal(size=bed.size)
+        ahead, behind = (bed.forces(at + sign * step * way, reduction).unbalanced for sign in (1.0, -1.0))
+        slope = (ahead - behind) / (2.0 * step)
+        assert -matrix @ way == pytest.approx(slope, abs=1e-6 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("psi", [0.0, 8.0])
+@pytest.mark.parametrize("name", BEDS)
+def test_the_slope_in_the_strength_is_a_derivative(name, psi) -> None:
+    slopes_agree(BEDS[name](psi))
+
+
+@pytest.mark.parametrize("name", BEDS)
+def test_the_slope_in_the_strength_counts_dilation_held_to_the_reduced_friction(name) -> None:
+    """ψ = 29°, λ tan φ = tan 19°: dilation is λ tan φ and goes with λ."""
+    slopes_agree(BEDS[name](29.0))
+
+
+def slopes_agree(model: AssemblyModel) -> None:
+    """Central differences in λ."""
+    bed = Bed(model, Drive(model.load.ravel()))
+    reduction, step = 0.6, 1e-6
+    at, there = away_from_kinks(bed, reduction, 1e-4 * np.abs(bed.elastic_displacement).mean())
+    ahead, behind = (bed.forces(at, reduction + sign * step) for sign in (1.0, -1.0))
+    assert ahead.same_modes(behind)
+    slope = (ahead.unbalanced - behind.unbalanced) / (2.0 * step)
+    assert bed.by_parameter(there, reduction) == pytest.approx(slope, abs=1e-6 * np.abs(slope).max())
+
+
+def test_the_slope_in_the_load_is_the_load() -> None:
+    model = BEDS["space"](0.0)
+    ramp = np.random.default_rng(6).normal(size=model.load.size)
+    bed = Bed(model, Drive(model.load.ravel(), ramp, 0.6))
+    ahead, behind = (bed.forces(bed.elastic_displacement, k).unbalanced for k in (1.0, 0.0))
+    assert bed.by_parameter(bed.forces(bed.elastic_displacement, 0.5), 0.5) == pytest.approx(ahead - behind)
+
+
+@pytest.mark.parametrize("psi", [0.0, 8.0, 29.0])
+@pytest.mark.parametrize("name", BEDS)
+def test_the_law_holds_at_any_displacement(name, psi) -> None:
+    """N >= 0 and |T| <= λ r; T against the slip, at λ r where it slips and k_t A s below; pairs press as they close.
+
+    N = a <-opening + tan ψ p>, p the slip beyond the elastic one: equation by equation.
+    """
+    model = BEDS[name](psi)
+    bed = Bed(model, Drive(model.load.ravel()))
+    at, there = away_from_kinks(bed, 0.6, 1e-6 * np.abs(bed.elastic_displacement).mean())
+    opening, slip = model.opening_and_slip(at)
+    size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, there.friction))
+    spring = 0.4 * model.by_group(model.control_area)
+    beyond = size - carried / spring
+    rises = np.minimum(model.tan_dilation, 0.6 * model.tan_friction) * beyond
+    pressed = model.control_area * np.maximum(rises[model.group_of_pair] - opening, 0.0)
+    assert there.normal == pytest.approx(pressed, abs=1e-9 * pressed.max())
+    strength = model.by_group(model.cohesion) + model.tan_friction * model.by_group(there.normal)
+    assert there.strength == pytest.approx(strength)
+    assert carried == pytest.approx(np.minimum(spring * size, 0.6 * strength), abs=1e-9 * strength.max())
+    assert (there.friction * slip).sum(axis=1) == pytest.approx(-carried * size)
