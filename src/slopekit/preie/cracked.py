@@ -35,9 +35,14 @@ _BALANCED = 1e-11  # unbalanced force in parts of the load
 _MOST_POINTS = 400  # of the path
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
-_SETTLED = 1e-3  # least change of ln λ over a doubling of the displacement that is worth following to `_RUNS`
+_SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
+_LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
+_LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
+_FLOWS = 30.0  # times the displacement: what flows so far runs
+_MOST_FLOW = 40  # steps of viscous flow
+_STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
 _STRONG = 4.0  # the path starts at this many times the strength that the limit needs, or at more
-_HARDEST = 4096.0  # times that strength: what does not rest then, does not rest
+_HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the first displacement
 _TURNS = 1e-7  # opening above this part of the slip is the motion's, not rounding
 
@@ -178,6 +183,7 @@ class _Path:
             shifting = np.broadcast_to(axes, turning.shape)
             self.rows.append(np.concatenate([shifting, turning], axis=2)[:, :, bed.columns])
         self.templates = {2: _line_template(split), 3: _triangle_template(split)}
+        self.bonded = np.zeros((len(bed.load), len(bed.load)))  # stiffness with every point bonded
         self.first = 1.0  # length of the first displacement
         self.points = 0
 
@@ -276,47 +282,72 @@ class _Path:
     def start(self, reduction: float) -> tuple[Floats, float] | None:
         """The block at rest at a λ of this size, or at the least multiple of it where it is found to rest."""
         bed = self.bed
-        whole = np.zeros((len(bed.load), len(bed.load)))
         for k, rows in enumerate(self.rows):
             at, area = self._cells(k, rows, bed.corners[k])
             flat = at.reshape(-1, len(bed.load))
-            whole += (flat.T * np.outer(area, [1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL]).ravel()) @ flat
+            self.bonded += (flat.T * np.outer(area, [1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL]).ravel()) @ flat
         try:
-            bonded = np.linalg.solve(whole, bed.load)
+            bonded = np.linalg.solve(self.bonded, bed.load)
         except np.linalg.LinAlgError:
             return None
         self.first = math.sqrt(float(bonded @ bonded))
         stuck = self._rest(bonded, reduction, sticks=True)
         most = reduction * _HARDEST
         while reduction < most:
-            for guess in (stuck, bonded):
+            for guess in (bonded, stuck):
                 found = None if guess is None else self._rest(guess, reduction)
                 if found is not None:
                     return found, reduction
-            reduction *= 2.0
+            found = self._flow(bonded, reduction)
+            if found is not None:
+                return found, reduction
+            reduction *= 4.0
         return None
 
-    def _rest(self, u: Floats, reduction: float, sticks: bool = False) -> Floats | None:
-        """Newton's method at one λ."""
+    def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
+        """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
+        begin, drag = u, slow * self.bonded
         at = self.forces(u, u, reduction, False, sticks)
-        size = float(np.abs(at.out).max())
-        for _ in range(4 * _MOST_NEWTON):
-            if size < _BALANCED:
+        out = at.out
+        size = float(np.abs(out).max())
+        for _ in range(2 * _MOST_NEWTON):
+            if size < _BALANCED * max(1.0, reduction):
                 return u
             try:
-                step = -np.linalg.solve(at.by_opening + at.by_slip, at.out)
+                step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
             except np.linalg.LinAlgError:
                 return None
             length = 1.0
             while True:
-                after = self.forces(u + length * step, u + length * step, reduction, False, sticks)
-                size_after = float(np.abs(after.out).max())
+                trial = u + length * step
+                after = self.forces(trial, trial, reduction, False, sticks)
+                out_after = after.out - drag @ (trial - begin)
+                size_after = float(np.abs(out_after).max())
                 if size_after < size * (1.0 - 0.1 * length):
                     break
                 length *= 0.5
-                if length < 1e-3:
+                if length < 0.05:
                     return None
-            u, at, size = u + length * step, after, size_after
+            u, at, out, size = trial, after, out_after, size_after
+        return None
+
+    def _flow(self, u: Floats, reduction: float) -> Floats | None:
+        """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
+        slow, far = 1.0, _FLOWS * max(self.first, math.sqrt(float(u @ u)))
+        for _ in range(_MOST_FLOW):
+            found = self._rest(u, reduction, slow=slow)
+            if found is None:
+                slow *= 4.0
+                if slow > _STIFFEST:
+                    return None
+                continue
+            moved = found - u
+            u, slow = found, slow * 0.2
+            rest = self._rest(u, reduction)
+            if rest is not None:
+                return rest
+            if math.sqrt(float(u @ u)) > far or not float(np.abs(moved).max()) > 0.0:
+                return None
         return None
 
     def _tangent(self, at: _Forces, reduction: float, scale: float, before: Floats) -> Floats | None:
@@ -369,59 +400,85 @@ class _Path:
 
     def follow(self, u: Floats, reduction: float) -> CrackedBase:
         """The path from a state of rest to the least λ."""
-        at = self.forces(u, u, reduction, False)
-        scale = math.sqrt(float(u @ u))
-        down = np.append(np.zeros(len(u)), -1.0)
-        tangent = self._tangent(at, reduction, scale, down)
-        if tangent is None:
+        begun = self._begin(u, reduction)
+        if begun is None:
             return self.none("the elastic path could not be followed")
-        point = best = _Point(u, math.log(reduction), tangent)
-        length, start, is_fold, lost = 0.1, scale, False, False
-        while self.points < _MOST_POINTS:
-            self.points += 1
+        point = best = begun
+        length, start, is_fold, ended = 0.1, math.sqrt(float(u @ u)), False, False
+        for self.points in range(1, _MOST_POINTS + 1):
             found = self._step(point, length)
             if found is None:
-                length /= 3.0
-                if length < 1e-7:
-                    lost = True
+                length /= 4.0
+                if length > _SHORTEST:
+                    continue
+                onward = self._march(best)  # a corner of the path: by lowering λ, from the last state that rests
+                if onward is None:
+                    is_fold = ended = True
                     break
-                continue
-            after, used = found
-            if point.tangent[-1] < 0.0 < after.tangent[-1]:
-                fold = self._least(point, length)
-                if fold.log_reduction < best.log_reduction:
-                    best, is_fold = fold, True
+                after, length = onward, 0.01
+            else:
+                after, used = found
+                if point.tangent[-1] < 0.0 < after.tangent[-1]:
+                    fold = self._least(point, length)
+                    if fold.log_reduction < best.log_reduction:
+                        best, is_fold = fold, True
+                length = min(length * (2.0 if used < 5 else 1.0), 1.0)
             if after.log_reduction < best.log_reduction:
                 best, is_fold = after, False
             point = after
-            length = min(length * (2.0 if used < 5 else 1.0), 1.0)
             if math.sqrt(float(point.u @ point.u)) > _RUNS * start:
+                ended = True
                 break
             if point.log_reduction > best.log_reduction + math.log(_TURNED):
+                ended = True
                 break
-        if is_fold:
-            return self._found(best.u, best.u, best.tangent[:-1], math.exp(best.log_reduction), False)
-        running = self._running(best)
+        if not ended:
+            return self.none("the elastic path has no end")
+        running = None if is_fold else self._running(best)
         if running is not None:
             return running
-        if lost and math.sqrt(float(point.u @ point.u)) < _RUNS * start:
-            return self.none("the elastic path was lost")
-        return self._found(best.u, best.u, best.tangent[:-1], math.exp(best.log_reduction), True)
+        return self._found(best.u, best.u, best.tangent[:-1], math.exp(best.log_reduction), not is_fold)
+
+    def _begin(self, u: Floats, reduction: float) -> _Point | None:
+        """A state of rest as a point of the path that goes on toward less strength."""
+        at = self.forces(u, u, reduction, False)
+        down = np.append(np.zeros(len(u)), -1.0)
+        tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
+        return None if tangent is None else _Point(u, math.log(reduction), tangent)
+
+    def _march(self, point: _Point) -> _Point | None:
+        """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
+        part, reached = 0.05, None
+        while part > _LEAST_PART:
+            reduction = math.exp(point.log_reduction) * (1.0 - part)
+            rest = self._flow(point.u, reduction)
+            begun = None if rest is None else self._begin(rest, reduction)
+            if begun is not None:
+                reached = begun
+                break
+            part /= 5.0
+        return reached
 
     def _least(self, point: _Point, length: float) -> _Point:
-        """The least λ within a step: where its tangent turns up, by bisection."""
+        """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
         low, high, best = 0.0, length, point
-        for _ in range(40):
-            found = self._step(point, 0.5 * (low + high))
+        at_low, at_high = float(point.tangent[-1]), 1.0
+        side = 0
+        for count in range(30):
+            at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
+            found = self._step(point, at)
             if found is None:
                 break
+            turns = float(found[0].tangent[-1])
             if found[0].log_reduction < best.log_reduction:
                 best = found[0]
-            if found[0].tangent[-1] > 0.0:
-                high = 0.5 * (low + high)
+            if turns > 0.0:
+                high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
+                side = 1
             else:
-                low = 0.5 * (low + high)
-            if high - low < 1e-7 * length:
+                low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
+                side = -1
+            if abs(turns) < _LEVEL or high - low < _LEVEL * length:
                 break
         return best
 
