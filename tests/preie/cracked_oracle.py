@@ -61,8 +61,9 @@ class Block:
         self.move = np.concatenate([eye, turn], axis=2)  # (n, 3, 6)
         self.open = np.einsum("nx,nxu->nu", springs.normal, self.move)
         self.slide = self.move - springs.normal[:, :, None] * self.open[:, None, :]
-        whole = np.einsum("n,nu,nv->uv", self.share, self.open, self.open)
-        self.bonded = whole + SHEAR * np.einsum("n,nxu,nxv->uv", self.share, self.slide, self.slide)
+        self.flat = self.slide.reshape(-1, 6)
+        whole = (self.open * self.share[:, None]).T @ self.open
+        self.bonded = whole + SHEAR * (self.flat * np.repeat(self.share, 3)[:, None]).T @ self.flat
 
     def forces(self, u, strength):
         """Unbalanced forces and their slope at a strength (1 / F)."""
@@ -77,12 +78,11 @@ class Block:
         slides = (SHEAR * size > cap) | ~pressed
         shear = np.where(slides, cap, SHEAR * size)
         way = slip / size[:, None]
-        along = np.einsum("nx,nxu->nu", way, self.slide)
+        along = (way[:, None, :] @ self.slide)[:, 0]
         out = self.load + (self.share * np.where(pressed, pressure, 0.0)) @ self.open - (self.share * shear) @ along
-        slope = -np.einsum("n,nu,nv->uv", self.share * pressed, self.open, self.open)
+        slope = -(self.open * (self.share * pressed)[:, None]).T @ self.open
         per = self.share * np.where(slides, shear / size, SHEAR)
-        flat = self.slide.reshape(-1, 6)
-        slope -= (flat * np.repeat(per, 3)[:, None]).T @ flat
+        slope -= (self.flat * np.repeat(per, 3)[:, None]).T @ self.flat
         slope += (along * np.where(slides, per, 0.0)[:, None]).T @ along
         slope += (along * (self.share * slides * cap_slope)[:, None]).T @ self.open
         return out, slope

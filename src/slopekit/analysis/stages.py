@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from slopekit.analysis.moments import CohesionRules, judge, opens_cohesive
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
+from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
-from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.preie.balance import block_balance
@@ -28,6 +29,8 @@ from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
     AllPairs,
     AtFactorOne,
+    CohesionUnderMoments,
+    ContactOpening,
     FactorsOfSafety,
     Forces,
     ModelSize,
@@ -40,6 +43,8 @@ _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
 _NEARLY_NONE = 1e-6
+_ALIKE = 1e-3  # rules on cohesion whose factors differ by less are one
+_JUDGED_REFINED = 2  # more pairs change little of what the rules on cohesion say, and they end elsewhere
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
 
 
@@ -62,14 +67,6 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
-    """Node pairs and the model made of them."""
-
-    pairs: NodePairs
-    model: Model
-
-
-@dataclass(frozen=True, slots=True)
 class Solved:
     """Everything that PRE-IE says of one scene.
 
@@ -77,6 +74,7 @@ class Solved:
     ----------
     refined : how often the triangles were split; change : what the last split did to the limit
     bound, proved : the static bound; at_rest : the equilibrium at full strength
+    rules : on cohesion, where moments open part of a contact that has some
     """
 
     scene: Scene
@@ -88,6 +86,7 @@ class Solved:
     at_rest: Equilibrium | None
     pairs: AllPairsFailed | None
     series: tuple[ReductionStep, ...]
+    rules: CohesionRules | None = None
 
     @property
     def limit(self) -> Limit:
@@ -119,7 +118,7 @@ def solve(
     with clock("bound"):
         bound, proved = None, False
         if limit.factor:
-            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor)
+            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor, found.rules is None)
             bound, proved = above.factor, above.proved
     stiffness = joint_stiffness(design)
     with clock("displacements"):
@@ -132,7 +131,7 @@ def solve(
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series)
+    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series, found.rules)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +142,7 @@ class FoundLimit:
     ----------
     bounded : the scene that the static bound is asked of: finer pairs do not move it, but cost time
     refined : how often the triangles were split; change : what the last split did to the limit
+    rules : on cohesion, where moments open part of a contact that has some: the limit is that of their headline then
     """
 
     scene: Scene
@@ -150,6 +150,7 @@ class FoundLimit:
     analysis: LimitAnalysis
     refined: int
     change: float | None
+    rules: CohesionRules | None = None
 
 
 def find_limit(
@@ -165,9 +166,11 @@ def find_limit(
         scene = bounded = scene_at(refine)
     with clock("solve"):
         analysis = analyse(scene.model)
-    refined, change = refine, None
+    refined, change, coarser = refine, None, None
     while refined < most_refined:
         before = analysis.governing
+        if refined >= refine + _JUDGED_REFINED and opens_cohesive(scene, analysis):
+            break
         if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
@@ -178,11 +181,15 @@ def find_limit(
         change, done = _mesh_change(analysis, again)
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
             break  # the coarser answer stands, and `change` says what the finer one made of it
-        scene, analysis, refined = finer, again, refined + 1
+        coarser, scene, analysis, refined = scene, finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
         if done or after.passes > _MOST_PASSES:
             break
-    return FoundLimit(scene, bounded, analysis, refined, change)
+    if not opens_cohesive(scene, analysis):
+        return FoundLimit(scene, bounded, analysis, refined, change)
+    with clock("solve"):
+        judged = judge(scene, analysis, coarser.model if coarser is not None else None)
+    return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
@@ -229,7 +236,7 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
-        loads.parts["seismic"] if loads.parts["seismic"].any() else None,
+        loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
     size = ModelSize(
@@ -254,7 +261,39 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=block_balance(model, analysis), timing_s=clock.done(),
+        balance=block_balance(model, analysis), lowest_limit=_lowest(solved),
+        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
+    )  # fmt: skip
+
+
+def _lowest(solved: Solved) -> float | None:
+    """What acceptance is held against where the rules on cohesion differ."""
+    rules = solved.rules
+    if rules is None or rules.lowest >= rules.headline * (1.0 - _ALIKE):
+        return None
+    return rules.lowest
+
+
+def _under_moments(
+    solved: Solved, interfaces: Sequence[Interface], origin: Floats, turn: Floats | None
+) -> CohesionUnderMoments | None:
+    """The rules on cohesion with their evidence in the user's coordinates."""
+    rules, axes = solved.rules, np.eye(3) if turn is None else turn
+    if rules is None:
+        return None
+
+    def place(point: Floats | None) -> Floats | None:
+        return None if point is None else point @ axes + origin
+
+    evidence = {}
+    for interface in interfaces:
+        if (found := rules.contacts.get(interface.key)) is not None:
+            evidence[interface.name] = ContactOpening(
+                found.pressed_share, found.normal_force, place(found.resultant), place(found.opens_at)
+            )
+    return CohesionUnderMoments(
+        rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, rules.lowest,
+        rules.highest, rules.runs, evidence,
     )  # fmt: skip
 
 
@@ -352,7 +391,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
-    opens = opening_pairs(limit, model, velocity)
+    opens = opening_pairs(limit, model, velocity, by_motion=analysis.cracked)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
     moving, turning = velocity[: model.translations], velocity[model.translations :]

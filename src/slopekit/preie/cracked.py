@@ -1,77 +1,44 @@
-"""The cracked base: one block on an elastic bed without tension, followed until its motion runs.
+"""The cracked base: one block on an elastic bed without tension (`bed`), followed until its motion runs.
 
-The contacts are flat polygons with springs (normal 1, tangential `SHEAR_TO_NORMAL`) spread evenly over them. With the
-block's displacement u the opening g = B_n u and the slip s = B_t u vary linearly over a polygon. What is pressed
-(g < 0) carries σ = -g and has all of its cohesion; what is open has none and carries nothing:
+From a strength that holds the block λ = 1/F goes down and the displacement u is followed by arc length in (u, ln λ).
+F = 1/λ at the least λ. Either λ passes through a least value while the block is still at rest (the pressed part, and
+its cohesion with it, then goes faster than strength is called on), or it settles while the motion runs; there Newton's
+method finds the running state itself, as `limit_state` does with all pairs closed:
 
-    N = -g a,   T = -k s a, cut back to λ (c + σ tan φ) a,   ∫ (B_nᵀ N + B_tᵀ T) + P + λ P_bolts = 0,   λ = 1/F
+    g = B_n Y w,   direction of slip = B_t Z v,   unknowns w, v (|v| = 1), λ
 
-a is area. Pressed parts are clipped out of their polygons along the line of zero traction, so that the normal forces
-and their moments are exact; the shear is summed over triangles (vertices 1/12, middle 3/4: exact where all of a contact
-slips one way). From a strength that holds the block λ goes down, u is followed by arc length. F = 1/λ at the least λ:
-either λ passes through a least value (the pressed part shrinks faster than its traction grows) or it settles while
-the motion runs; then Newton's method finds the running state itself, as `limit_state` does with all pairs closed:
-
-    g = B_n Y w,   direction of slip = B_t Z v,   unknowns w, v (|v| = 1), λ.
-
-Forces scale with the stiffness, displacements against it: F depends on the ratio of the two springs only.
+(Z: motions that keep the pressed contacts closed, Y: the rest). Where the path has a corner λ is lowered by itself and
+the block flows (dashpots, implicit steps) until it rests or runs. Forces scale with the stiffness, displacements
+against it: F depends on the ratio of the two springs only.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, cross
+from slopekit.arrays import Floats
+from slopekit.preie.bed import Bed, PointForces, Springs, Unbalanced
 from slopekit.preie.linear import split_space
-from slopekit.preie.model import Model, local_axes
 
-SHEAR_TO_NORMAL = 0.4  # k_t / k_n, that of the elastic path (METHOD-3 §13)
-_SPLIT = 2  # each triangle of a pressed part is split in four so often
+_SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
+_FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
 _BALANCED = 1e-11  # unbalanced force in parts of the load
-_MOST_POINTS = 400  # of the path
+_MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
 _LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
 _LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
+_STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
+_HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _FLOWS = 30.0  # times the displacement: what flows so far runs
 _MOST_FLOW = 40  # steps of viscous flow
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
-_STRONG = 4.0  # the path starts at this many times the strength that the limit needs, or at more
-_HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
-_BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the first displacement
-_TURNS = 1e-7  # opening above this part of the slip is the motion's, not rounding
-
-
-@dataclass(frozen=True, slots=True)
-class Bed:
-    """Flat contacts of one block in the scaled units of its model.
-
-    Attributes
-    ----------
-    corners : per contact (k, 3), arms about the centroid; k = 2 is a line of a vertical section
-    axes : (m, 3, 3) normal (into the block) and two tangents of each contact
-    area : (m,) control area per unit of area (of length, in a section)
-    cohesion : (m,) per control area, in parts of the load; tan_friction : (m,)
-    keys : (m,) interface of each contact
-    load : (u,) P; bolt_rows : (b, u); bolt_capacity : (b,)
-    columns : (u,) which of the six motions are unknowns
-    """
-
-    corners: tuple[Floats, ...]
-    axes: Floats
-    area: Floats
-    cohesion: Floats
-    tan_friction: Floats
-    keys: Ints
-    load: Floats
-    bolt_rows: Floats
-    bolt_capacity: Floats
-    columns: Ints
+_NEAR = 0.05  # a running state farther from the path's λ than this part is another one
+_TURNS = 1e-6  # opening above this part of the slip is the motion's, not rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,84 +50,46 @@ class CrackedBase:
     factor : F, None where it is not at rest at any strength, or the path was lost
     why_not : a sentence where there is none
     runs : the motion runs at a settled λ; False: λ went through its least value with the block still at rest
-    displacement, velocity : (u,) elastic displacement and unit motion at the limit
-    pressed : per contact the corners (k, 3) of its pressed part, scaled; no rows where all is open
-    pressed_share : (m,) of the area; resultant : (m, 3) where the normal forces act, scaled, NaN where there are none
-    normal_force : (m,) in parts of the load
+    creeps : it runs, but about an edge: F is that of the last point, below what a line of contact gives in the end
+    opening, velocity : (u,) elastic displacement and unit motion at the limit
+    forces : of the points of the bed
+    change : what splitting the triangles once more does to F, in parts of it (first order)
     residual : unbalanced force in parts of the load; points : of the path
     """
 
     factor: float | None
     why_not: str
-    runs: bool
-    displacement: Floats
-    velocity: Floats
-    pressed: tuple[Floats, ...]
-    pressed_share: Floats
-    resultant: Floats
-    normal_force: Floats
-    residual: float
-    points: int
+    runs: bool = False
+    creeps: bool = False
+    opening: Floats | None = None
+    velocity: Floats | None = None
+    forces: PointForces | None = None
+    change: float = 0.0
+    residual: float = 0.0
+    points: int = 0
 
 
-def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Bed:
-    """The contacts of one block on bedrock as an elastic bed.
-
-    Parameters
-    ----------
-    model : of the block, from node pairs on these polygons, for its strengths, loads and units
-    polygons : interface -> (k, 3) corners in m, as for `node_pairs`, or (2, 3) ends of a line in a section
-    centroid : (3,) m
-    """
-    keys = np.array(sorted(polygons))
-    first = np.array([int(np.flatnonzero(model.interface == key)[0]) for key in keys])
-    unknowns, in_section = model.unknowns, model.translations == 2
-    columns = np.array([0, 2, 4])[:unknowns] if in_section else np.arange(unknowns)
-    corners, axes, area = [], [], []
-    for key, at in zip(keys, first, strict=True):
-        scaled = (np.asarray(polygons[int(key)]) - centroid) / model.length_scale
-        if in_section:
-            way = scaled[1] - scaled[0]
-            normal = np.array([way[2], 0.0, -way[0]]) / math.sqrt(float(way @ way))
-        else:
-            normal = -_vector_area(scaled)
-            normal = normal / math.sqrt(float(normal @ normal))
-        if float(normal[columns[: model.translations]] @ model.rows[at, 0, : model.translations]) < 0.0:
-            normal = -normal
-        corners.append(scaled)
-        axes.append(local_axes(normal[None])[0])
-        own = float(model.control_area[model.interface == key].sum())
-        area.append(own / _size(scaled))
-    per_share = model.cohesion[first] / model.control_area[first]
-    return Bed(
-        tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
-        model.bolt_rows, model.bolt_capacity, columns,
-    )  # fmt: skip
-
-
-def cracked_base(bed: Bed, guess: float, split: int = _SPLIT) -> CrackedBase:
+def cracked_base(bed: Bed, guess: float) -> CrackedBase:
     """Follow the block on its elastic bed from a strength that holds it to the least that does.
 
     Parameters
     ----------
     guess : a factor of safety of about the right size; the path starts at a quarter of it or less
-    split : how often the triangles of the pressed parts are split in four for the shear
     """
+    for split in range(_SPLIT, _MOST_SPLIT + 1):
+        found = cracked_limit(bed, guess, split)
+        if found.factor is None or found.change < _FINER:
+            break
+    return found
+
+
+def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
+    """The same, on triangles that are split in four `split` times."""
     path = _Path(bed, split)
-    rest = path.start(_STRONG / guess)
-    if rest is None:
-        return path.none("the block does not rest on its bed at any strength")
-    return path.follow(*rest)
-
-
-@dataclass(frozen=True, slots=True)
-class _Forces:
-    """Unbalanced forces (u,) and their slopes by g (u, u), by s (u, u) and by λ (u,)."""
-
-    out: Floats
-    by_opening: Floats
-    by_slip: Floats
-    by_reduction: Floats
+    begun = path.start(_STRONG / guess)
+    if begun is None:
+        return CrackedBase(None, "the block does not rest on its bed at any strength")
+    return path.follow(*begun)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,121 +105,20 @@ class _Path:
     """The elastic path of one bed."""
 
     def __init__(self, bed: Bed, split: int) -> None:
-        self.bed = bed
-        self.rows = []  # (k, 3, u) motions of the corners
-        for corners, axes in zip(bed.corners, bed.axes, strict=True):
-            turning = np.stack([cross(corners, axis) for axis in axes], axis=1)
-            shifting = np.broadcast_to(axes, turning.shape)
-            self.rows.append(np.concatenate([shifting, turning], axis=2)[:, :, bed.columns])
-        self.templates = {2: _line_template(split), 3: _triangle_template(split)}
-        self.bonded = np.zeros((len(bed.load), len(bed.load)))  # stiffness with every point bonded
-        self.first = 1.0  # length of the first displacement
-        self.points = 0
+        self.bed, self.split = bed, split
+        self.springs = Springs(bed, split)
+        self.points = self.work = 0
 
-    # -- the forces ---------------------------------------------------------------------------------------
-
-    def forces(self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False) -> _Forces:
-        """The unbalanced forces with openings of one motion and slips of another (the same, unless it runs).
-
-        Parameters
-        ----------
-        running : every pressed point slips, however small the slip; sticks : none does
-        """
-        bed, count = self.bed, len(opening)
-        out = bed.load.copy()
-        by_opening, by_slip, by_reduction = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-        turn = np.zeros(6)
-        turn[bed.columns] = opening
-        for k, rows in enumerate(self.rows):
-            gaps = rows[:, 0] @ opening
-            weights, chord = _pressed(gaps)
-            if weights is None:
-                continue
-            own = rows if len(weights) == len(rows) and chord is None else np.tensordot(weights, rows, 1)
-            at, area = self._cells(k, own, weights @ bed.corners[k])
-            normal = -at[:, 0] @ opening
-            if chord is not None:
-                steep = math.sqrt(float((cross(bed.axes[k, 0], turn[3:]) ** 2).sum()))
-                ends = weights[chord] @ bed.corners[k]
-                edge, length = _chord(own[chord], ends)
-                at = np.concatenate([at, edge])
-                normal = np.concatenate([normal, np.zeros(len(edge))])
-                # the pressed part grows by -δg / |∇g| along its zero line, and its shear with it
-                grows = length * (bed.area[k] / max(steep, 1e-300))
-            across = at[:, 1:] @ slip
-            size = np.sqrt((across * across).sum(axis=1))
-            strength = bed.cohesion[k] + bed.tan_friction[k] * normal
-            elastic = SHEAR_TO_NORMAL * size
-            if sticks:
-                slides = np.zeros(len(size), dtype=bool)
-            elif running:
-                slides = np.ones(len(size), dtype=bool)
-            else:
-                slides = elastic > reduction * strength
-            direction = across / np.maximum(size, 1e-300)[:, None]
-            shear = np.where(slides, reduction * strength, elastic)
-            n = len(area)
-            normal_rows, shear_rows = at[:n, 0], at[:n, 1:]
-            along = np.einsum("qt,qtu->qu", direction, at[:, 1:])
-            out += (area * normal[:n]) @ normal_rows - (area * shear[:n]) @ along[:n]
-            by_opening -= (normal_rows.T * area) @ normal_rows
-            sliding = area * slides[:n]
-            by_opening += (along[:n].T * (sliding * reduction * bed.tan_friction[k])) @ normal_rows
-            by_reduction -= (sliding * strength[:n]) @ along[:n]
-            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], 1e-300), SHEAR_TO_NORMAL)
-            flat = shear_rows.reshape(-1, count)
-            by_slip -= (flat.T * np.repeat(turning, 2)) @ flat
-            by_slip += (along[:n].T * np.where(slides[:n], turning, 0.0)) @ along[:n]
-            if chord is not None:
-                by_opening += (along[n:].T * (grows * shear[n:])) @ at[n:, 0]
-        if len(bed.bolt_capacity):
-            drawn = -bed.bolt_rows @ slip
-            if running:
-                pull, spring = np.where(drawn > _TURNS, 1.0, 0.0), np.zeros(len(drawn))
-                out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
-                by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
-            else:
-                give = _BOLT_GIVE * self.first
-                stiff = bed.bolt_capacity / give
-                full = drawn * stiff > reduction * bed.bolt_capacity
-                if sticks:
-                    full = np.zeros(len(drawn), dtype=bool)
-                spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
-                out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
-                by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
-            by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
-        return _Forces(out, by_opening, by_slip, by_reduction)
-
-    def _cells(self, k: int, rows: Floats, corners: Floats) -> tuple[Floats, Floats]:
-        """Motions (q, 3, u) and areas (q,) at the points of a pressed part."""
-        count = rows.shape[2]
-        if len(corners) == 2:
-            points, weights = self.templates[2]
-            size = math.sqrt(float(((corners[1] - corners[0]) ** 2).sum())) * float(self.bed.area[k])
-            return (points @ rows.reshape(2, -1)).reshape(-1, 3, count), weights * size
-        points, weights = self.templates[3]
-        fan = np.arange(1, len(corners) - 1)
-        which = np.stack([np.zeros_like(fan), fan, fan + 1], axis=1)
-        sides = corners[which[:, 1:]] - corners[:1]
-        double = cross(sides[:, 0], sides[:, 1])
-        size = np.sqrt((double * double).sum(axis=1)) * (0.5 * float(self.bed.area[k]))
-        at = points @ rows[which].reshape(len(fan), 3, -1)
-        return at.reshape(-1, 3, count), (size[:, None] * weights).ravel()
-
-    # -- the path -----------------------------------------------------------------------------------------
+    def forces(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
+    ) -> Unbalanced:
+        """The unbalanced forces, counted."""
+        self.work += 1
+        return self.springs.unbalanced(opening, slip, reduction, running, sticks)
 
     def start(self, reduction: float) -> tuple[Floats, float] | None:
         """The block at rest at a λ of this size, or at the least multiple of it where it is found to rest."""
-        bed = self.bed
-        for k, rows in enumerate(self.rows):
-            at, area = self._cells(k, rows, bed.corners[k])
-            flat = at.reshape(-1, len(bed.load))
-            self.bonded += (flat.T * np.outer(area, [1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL]).ravel()) @ flat
-        try:
-            bonded = np.linalg.solve(self.bonded, bed.load)
-        except np.linalg.LinAlgError:
-            return None
-        self.first = math.sqrt(float(bonded @ bonded))
+        bonded = self.springs.bonded
         stuck = self._rest(bonded, reduction, sticks=True)
         most = reduction * _HARDEST
         while reduction < most:
@@ -306,7 +134,7 @@ class _Path:
 
     def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
         """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
-        begin, drag = u, slow * self.bonded
+        begin, drag = u, slow * self.springs.stiffness
         at = self.forces(u, u, reduction, False, sticks)
         out = at.out
         size = float(np.abs(out).max())
@@ -333,8 +161,10 @@ class _Path:
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
-        slow, far = 1.0, _FLOWS * max(self.first, math.sqrt(float(u @ u)))
+        slow, far = 1.0, _FLOWS * max(self.springs.first, math.sqrt(float(u @ u)))
         for _ in range(_MOST_FLOW):
+            if self.work > _MOST_WORK:
+                return None
             found = self._rest(u, reduction, slow=slow)
             if found is None:
                 slow *= 4.0
@@ -350,7 +180,7 @@ class _Path:
                 return None
         return None
 
-    def _tangent(self, at: _Forces, reduction: float, scale: float, before: Floats) -> Floats | None:
+    def _tangent(self, at: Unbalanced, reduction: float, scale: float, before: Floats) -> Floats | None:
         """Unit tangent (u + 1,) in u / scale and ln λ, the way `before` points."""
         count = len(self.bed.load)
         matrix = np.empty((count + 1, count + 1))
@@ -402,18 +232,22 @@ class _Path:
         """The path from a state of rest to the least λ."""
         begun = self._begin(u, reduction)
         if begun is None:
-            return self.none("the elastic path could not be followed")
+            return CrackedBase(None, "the elastic path could not be followed")
         point = best = begun
-        length, start, is_fold, ended = 0.1, math.sqrt(float(u @ u)), False, False
-        for self.points in range(1, _MOST_POINTS + 1):
+        length, most, is_fold, ended = 0.1, _RUNS * math.sqrt(float(u @ u)), False, False
+        while not ended:
+            self.points += 1
+            if self.work > _MOST_WORK:
+                is_fold = True
+                break
             found = self._step(point, length)
             if found is None:
                 length /= 4.0
                 if length > _SHORTEST:
                     continue
-                onward = self._march(best)  # a corner of the path: by lowering λ, from the last state that rests
+                onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
                 if onward is None:
-                    is_fold = ended = True
+                    is_fold = True
                     break
                 after, length = onward, 0.01
             else:
@@ -426,18 +260,10 @@ class _Path:
             if after.log_reduction < best.log_reduction:
                 best, is_fold = after, False
             point = after
-            if math.sqrt(float(point.u @ point.u)) > _RUNS * start:
-                ended = True
-                break
-            if point.log_reduction > best.log_reduction + math.log(_TURNED):
-                ended = True
-                break
-        if not ended:
-            return self.none("the elastic path has no end")
+            ended = math.sqrt(float(point.u @ point.u)) > most
+            ended = ended or point.log_reduction > best.log_reduction + math.log(_TURNED)
         running = None if is_fold else self._running(best)
-        if running is not None:
-            return running
-        return self._found(best.u, best.u, best.tangent[:-1], math.exp(best.log_reduction), not is_fold)
+        return running or self._at_rest(best, not is_fold)
 
     def _begin(self, u: Floats, reduction: float) -> _Point | None:
         """A state of rest as a point of the path that goes on toward less strength."""
@@ -488,7 +314,7 @@ class _Path:
         """The state that the path settles to, by Newton's method; None where there is none near."""
         motion = point.tangent[:-1] / math.sqrt(float(point.tangent[:-1] @ point.tangent[:-1]))
         closed = []
-        for rows in self.rows:
+        for rows in self.springs.rows:
             if (rows[:, 0] @ point.u).min() < 0.0:
                 closed.append(rows[:, 0])
         free, rest = split_space(np.concatenate(closed)) if closed else (np.eye(len(motion)), None)
@@ -524,137 +350,35 @@ class _Path:
         else:
             if size > 1e-9 * max(1.0, reduction):
                 return None
-        if abs(reduction / math.exp(point.log_reduction) - 1.0) > 0.05:
+        if abs(reduction / math.exp(point.log_reduction) - 1.0) > _NEAR:
             return None
-        return self._found(w, v, v, reduction, True)
-
-    def _found(self, opening: Floats, slip: Floats, velocity: Floats, reduction: float, runs: bool) -> CrackedBase:
-        bed = self.bed
-        exact = runs and slip is velocity
-        at = self.forces(opening, slip, reduction, exact)
-        parts, shares, places, pushes = [], [], [], []
-        for k, rows in enumerate(self.rows):
-            weights, _ = _pressed(rows[:, 0] @ opening)
-            if weights is None:
-                parts.append(np.zeros((0, 3)))
-                shares.append(0.0)
-                places.append(np.full(3, math.nan))
-                pushes.append(0.0)
-                continue
-            corners = weights @ bed.corners[k]
-            motions, area = self._cells(k, np.tensordot(weights, rows, 1), corners)
-            push = -(motions[:, 0] @ opening) * area
-            where, _ = self._cells_at(corners)
-            parts.append(corners)
-            shares.append(_size(corners) / _size(bed.corners[k]))
-            places.append((push @ where) / push.sum())
-            pushes.append(float(push.sum()))
+        velocity, slip = v / math.sqrt(float(v @ v)), v
+        change = self._change(lambda springs: springs.unbalanced(w, slip, reduction, True), matrix)
         return CrackedBase(
-            1.0 / reduction, "", runs, opening, velocity / math.sqrt(float(velocity @ velocity)), tuple(parts),
-            np.array(shares), np.array(places), np.array(pushes), float(np.abs(at.out).max()), self.points,
+            1.0 / reduction, "", True, False, w, velocity, self.springs.carried(w, v, reduction, True),
+            change / reduction, size, self.points,
         )  # fmt: skip
 
-    def _cells_at(self, corners: Floats) -> tuple[Floats, None]:
-        if len(corners) == 2:
-            return self.templates[2][0] @ corners, None
-        fan = np.arange(1, len(corners) - 1)
-        which = np.stack([np.zeros_like(fan), fan, fan + 1], axis=1)
-        return (self.templates[3][0] @ corners[which]).reshape(-1, 3), None
-
-    def none(self, why: str) -> CrackedBase:
-        """No limit, and why."""
-        count, unknowns = len(self.rows), len(self.bed.load)
+    def _at_rest(self, point: _Point, creeps: bool) -> CrackedBase:
+        """A limit at a point of the path."""
+        u, reduction = point.u, math.exp(point.log_reduction)
+        scale, count = math.sqrt(float(u @ u)), len(u)
+        at = self.forces(u, u, reduction, False)
+        matrix = np.empty((count + 1, count + 1))
+        matrix[:count, :count] = (at.by_opening + at.by_slip) * scale
+        matrix[:count, count] = at.by_reduction * reduction
+        matrix[count] = point.tangent
+        change = self._change(lambda springs: springs.unbalanced(u, u, reduction, False), matrix)
+        velocity = point.tangent[:-1] / math.sqrt(float(point.tangent[:-1] @ point.tangent[:-1]))
         return CrackedBase(
-            None, why, False, np.zeros(unknowns), np.zeros(unknowns), (np.zeros((0, 3)),) * count, np.zeros(count),
-            np.full((count, 3), math.nan), np.zeros(count), math.nan, self.points,
+            1.0 / reduction, "", creeps, creeps, u, velocity, self.springs.carried(u, u, reduction, False), change,
+            float(np.abs(at.out).max()), self.points,
         )  # fmt: skip
 
-
-# -- polygons -----------------------------------------------------------------------------------------------
-
-
-def _pressed(gaps: Floats) -> tuple[Floats | None, list[int] | None]:
-    """The pressed part (g < 0) of a convex polygon: its corners as weights (j, k) of the old ones, and its new edge.
-
-    The new edge is given by its one or two corners; None where nothing is cut off. A line (k = 2) has one.
-    """
-    count = len(gaps)
-    if gaps.max() <= 0.0:
-        return np.eye(count), None
-    if gaps.min() >= 0.0:
-        return None, None
-    rows, chord = [], []
-    for k in range(count):
-        after = (k + 1) % count
-        if gaps[k] < 0.0:
-            rows.append(_one(count, k))
-        if (gaps[k] < 0.0) != (gaps[after] < 0.0) and (count > 2 or k == 0):
-            part = float(gaps[k] / (gaps[k] - gaps[after]))
-            chord.append(len(rows))
-            rows.append((1.0 - part) * _one(count, k) + part * _one(count, after))
-    return np.array(rows), chord
-
-
-def _chord(rows: Floats, ends: Floats) -> tuple[Floats, Floats]:
-    """Motions and lengths at points of the new edge: Simpson's rule, or the one point of a line."""
-    if len(ends) == 1:
-        return rows, np.ones(1)
-    length = math.sqrt(float(((ends[1] - ends[0]) ** 2).sum()))
-    return np.array([rows[0], 0.5 * (rows[0] + rows[1]), rows[1]]), np.array([1.0, 4.0, 1.0]) / 6.0 * length
-
-
-@cache
-def _unit(count: int) -> Floats:
-    return np.eye(count)
-
-
-def _one(count: int, k: int) -> Floats:
-    row: Floats = _unit(count)[k]
-    return row
-
-
-@cache
-def _triangle_template(split: int) -> tuple[Floats, Floats]:
-    """Points (q, 3) in barycentric coordinates and their shares (q,) of a triangle split in four so often."""
-    cells = [np.eye(3)]
-    for _ in range(split):
-        cells = [finer for cell in cells for finer in _quarters(cell)]
-    share = 1.0 / len(cells)
-    found: dict[tuple[float, ...], float] = {}
-    for cell in cells:
-        for point, weight in (*((corner, 1.0 / 12.0) for corner in cell), (cell.mean(axis=0), 3.0 / 4.0)):
-            key = tuple(np.round(point, 12).tolist())
-            found[key] = found.get(key, 0.0) + weight * share
-    points = np.array(list(found))
-    return points / points.sum(axis=1)[:, None], np.array(list(found.values()))
-
-
-def _quarters(cell: Floats) -> Iterator[Floats]:
-    a, b, c = cell
-    ab, bc, ca = (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0
-    yield from (np.array(part) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)))
-
-
-@cache
-def _line_template(split: int) -> tuple[Floats, Floats]:
-    """Points (q, 2) and shares (q,) of a line by Simpson's rule on each of its parts."""
-    elements = 2**split * 4
-    count = 2 * elements + 1
-    weights = np.where(np.arange(count) % 2 == 1, 4.0, 2.0)
-    weights[[0, -1]] = 1.0
-    at = np.linspace(0.0, 1.0, count)
-    return np.stack([1.0 - at, at], axis=1), weights / (6.0 * elements)
-
-
-def _vector_area(corners: Floats) -> Floats:
-    sides = corners[1:] - corners[0]
-    area: Floats = cross(sides[:-1], sides[1:]).sum(axis=0) / 2.0
-    return area
-
-
-def _size(corners: Floats) -> float:
-    """Area of a polygon, length of a line."""
-    if len(corners) == 2:
-        return math.sqrt(float(((corners[1] - corners[0]) ** 2).sum()))
-    area = _vector_area(corners)
-    return math.sqrt(float(area @ area))
+    def _change(self, forces: Callable[[Springs], Unbalanced], matrix: Floats) -> float:
+        """What the last unknown moves by when triangles are split once more, to first order."""
+        finer = forces(Springs(self.bed, self.split + 1)).out
+        try:
+            return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
+        except np.linalg.LinAlgError:
+            return math.inf
