@@ -25,6 +25,7 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 
 _MOMENTS = 1e-6  # as in `limit`: a factor lower than that of the forces alone by more than this part
+_MANY_PASSES = 300  # where the motion took more, finer pairs take minutes
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
 
 
@@ -95,24 +96,28 @@ def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
     return bool((opening_pairs(limit, model, limit.velocity_of(model)) & (model.cohesion > 0.0)).any())
 
 
-def judge(scene: Scene, analysis: LimitAnalysis, coarser: Model | None) -> Judged:
+def judge(scene: Scene, analysis: LimitAnalysis, coarser: Scene | None) -> Judged:
     """The limit by the three rules.
 
     Parameters
     ----------
-    scene, analysis : where `opens_cohesive`; coarser : the model on pairs once less refined, None if there is none
+    scene, analysis : where `opens_cohesive`; coarser : on pairs once less refined, None if there is none
     """
-    assert scene.bedding is not None
-    model, alone, motion = scene.model, analysis.forces_only, analysis.governing
+    alone, motion = analysis.forces_only, analysis.governing
+    if coarser is not None and motion.passes > _MANY_PASSES:
+        scene, coarser = coarser, None
+    model, bedding = scene.model, scene.bedding
+    assert bedding is not None
     gone = _bond_gone(model)
-    bed = bed_of(model, scene.bedding.polygons, scene.bedding.centroid)
+    bed = bed_of(model, bedding.polygons, bedding.centroid)
     found = cracked_base(bed, motion.factor or 1.0)
     cracked = found.factor
     bare = None if gone is None else gone.factor
-    if found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
+    at_last = bool(found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END))
+    if at_last:
         cracked = bare  # the line of contact that the path creeps to
     least = min((value for value in (cracked, alone.factor) if value), default=None)
-    contacts = _evidence(bed, found, model, scene.bedding.centroid)
+    contacts = _evidence(bed, found, model, bedding.centroid)
 
     def rules(rule: str, headline: float) -> CohesionRules:
         return CohesionRules(
@@ -123,13 +128,16 @@ def judge(scene: Scene, analysis: LimitAnalysis, coarser: Model | None) -> Judge
     if cracked is None or least is None or found.forces is None:
         limit, rule = (motion, "by_mechanism") if gone is None else (gone, "bond_gone")
         assert limit.factor is not None
-        again = None if coarser is None else (_bond_gone(coarser) if rule == "bond_gone" else None)
+        again = None if coarser is None else (_bond_gone(coarser.model) if rule == "bond_gone" else None)
         change = None if again is None or not again.factor else abs(limit.factor / again.factor - 1.0)
         govern = alone.factor is None or limit.factor < alone.factor * (1.0 - _MOMENTS)
         return Judged(scene, LimitAnalysis(limit, alone, limit, govern), change, rules(rule, limit.factor))
+    below = alone.factor is None or cracked < alone.factor * (1.0 - _MOMENTS)
+    if at_last and below and gone is not None:
+        return Judged(scene, LimitAnalysis(gone, alone, gone, True), found.change, rules("cracked_base", cracked))
     own, limit = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
     whole = forces_only_limit(own.model)
-    if alone.factor is None or cracked < alone.factor * (1.0 - _MOMENTS):
+    if below or alone.factor is None:
         judged = LimitAnalysis(limit, whole, limit, True, True)
         return Judged(own, judged, found.change, rules("cracked_base", cracked))
     judged = LimitAnalysis(replace(whole, velocity=whole.velocity_of(own.model)), whole, limit, False)

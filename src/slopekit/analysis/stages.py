@@ -188,7 +188,7 @@ def find_limit(
     if not opens_cohesive(scene, analysis):
         return FoundLimit(scene, bounded, analysis, refined, change)
     with clock("solve"):
-        judged = judge(scene, analysis, coarser.model if coarser is not None else None)
+        judged = judge(scene, analysis, coarser)
     return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
 
 

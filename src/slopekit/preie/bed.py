@@ -206,27 +206,21 @@ class Springs:
 
     def _places(self, corners: Floats) -> Floats:
         """Where the points of `_cells` lie."""
-        if len(corners) == 2:
-            return self.templates[2][0] @ corners
-        fan = np.arange(1, len(corners) - 1)
-        which = np.stack([np.zeros_like(fan), fan, fan + 1], axis=1)
-        return (self.templates[3][0] @ corners[which]).reshape(-1, 3)
+        cells = _fan(corners)
+        return (self.templates[cells.shape[1]][0] @ cells).reshape(-1, 3)
 
     def _cells(self, k: int, rows: Floats, corners: Floats) -> tuple[Floats, Floats]:
         """Motions (q, 3, u) and areas (q,) at the points of a pressed part."""
-        count = rows.shape[2]
-        if len(corners) == 2:
-            points, weights = self.templates[2]
-            size = math.sqrt(float(((corners[1] - corners[0]) ** 2).sum())) * float(self.bed.area[k])
-            return (points @ rows.reshape(2, -1)).reshape(-1, 3, count), weights * size
-        points, weights = self.templates[3]
-        fan = np.arange(1, len(corners) - 1)
-        which = np.stack([np.zeros_like(fan), fan, fan + 1], axis=1)
-        sides = corners[which[:, 1:]] - corners[:1]
-        double = cross(sides[:, 0], sides[:, 1])
-        size = np.sqrt((double * double).sum(axis=1)) * (0.5 * float(self.bed.area[k]))
-        at = points @ rows[which].reshape(len(fan), 3, -1)
-        return at.reshape(-1, 3, count), (size[:, None] * weights).ravel()
+        cells = _fan(corners)
+        points, weights = self.templates[cells.shape[1]]
+        sides = cells[:, 1:] - cells[:, :1]
+        if cells.shape[1] == 2:
+            size = np.sqrt((sides * sides).sum(axis=(1, 2)))
+        else:
+            double = cross(sides[:, 0], sides[:, 1])
+            size = 0.5 * np.sqrt((double * double).sum(axis=1))
+        at = points @ _fan(rows.reshape(len(rows), -1))
+        return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * weights).ravel()
 
 
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Bed:
@@ -287,6 +281,17 @@ def _pressed(gaps: Floats) -> tuple[Floats | None, list[int] | None]:
             chord.append(len(rows))
             rows.append((1.0 - part) * _one(count, k) + part * _one(count, after))
     return np.array(rows), chord
+
+
+def _fan(corners: Floats) -> Floats:
+    """Cells (t, 3, d) of a polygon by its corners (j, d): triangles about their mean, so that no corner is the first.
+
+    A triangle or a line is one cell.
+    """
+    if len(corners) <= 3:
+        return corners[None]
+    middle = np.broadcast_to(corners.mean(axis=0), corners.shape)
+    return np.stack([middle, corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 def _chord(rows: Floats, ends: Floats) -> tuple[Floats, Floats]:

@@ -31,6 +31,7 @@ _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
 _LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
+_BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
 _LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
 _STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
 _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
@@ -261,7 +262,12 @@ class _Path:
                 best, is_fold = after, False
             point = after
             ended = math.sqrt(float(point.u @ point.u)) > most
-            ended = ended or point.log_reduction > best.log_reduction + math.log(_TURNED)
+            if not ended and point.log_reduction > best.log_reduction + math.log(_TURNED):
+                onward = self._march(best, _BEYOND)  # it moves: to rest again farther off?
+                ended = onward is None
+                if onward is not None:
+                    point = best = onward
+                    length, is_fold = 0.01, False
         running = None if is_fold else self._running(best)
         return running or self._at_rest(best, not is_fold)
 
@@ -272,10 +278,10 @@ class _Path:
         tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
         return None if tangent is None else _Point(u, math.log(reduction), tangent)
 
-    def _march(self, point: _Point) -> _Point | None:
+    def _march(self, point: _Point, least: float = _LEAST_PART) -> _Point | None:
         """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
         part, reached = 0.05, None
-        while part > _LEAST_PART:
+        while part > least:
             reduction = math.exp(point.log_reduction) * (1.0 - part)
             rest = self._flow(point.u, reduction)
             begun = None if rest is None else self._begin(rest, reduction)
