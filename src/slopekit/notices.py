@@ -109,7 +109,7 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
     if facts.by_rules:
         yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
-                     "left of it (COHESION); an acceptance rule is held against the lowest")  # fmt: skip
+                     "left of it (COHESION); the lower of those that converge is used")  # fmt: skip
     if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"

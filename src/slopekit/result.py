@@ -188,8 +188,9 @@ class ContactOpening:
 class CohesionUnderMoments:
     """The limit by three rules on the cohesion of contacts that moments open; None where a rule has none.
 
-    `rule` is the headline's: cracked_base, forces_alone where that is lower, bond_gone or by_mechanism where the
-    cracked base has no limit. `runs`: the motion runs there, else the pressed part gives way with the block at rest.
+    `rule` is the headline's: the lower of cracked_base and bond_gone, or forces_alone where that is lower yet, or
+    by_mechanism where neither has a limit. `runs`: on the cracked base the motion runs, else its
+    pressed part gives way with the block at rest.
     """
 
     rule: str
@@ -222,8 +223,8 @@ class Result:
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
-    `lowest_limit` is the lowest of several limit states that were found (W348), or of the rules on cohesion that
-    `cohesion_under_moments` holds (W314), None where there is only one.
+    `lowest_limit` is the lowest of several limit states that were found (W348), None where there is only one.
+    `cohesion_under_moments` is None where moments open no contact with cohesion.
     """
 
     design: Design

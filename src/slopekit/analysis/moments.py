@@ -1,15 +1,16 @@
 """Cohesion where moments open part of a contact: the limit of one block by three rules, and which of them is printed.
 
 by mechanism   what the collapse motion opens loses its cohesion, pair by pair (`limit_analysis`). A rigid motion that
-               opens part of a flat contact leaves a line of it closed, so this sinks with finer pairs, mostly to:
-bond gone      a contact that the motion opens anywhere loses all of its cohesion, then again from there.
+               opens part of a flat contact leaves at most a line of it closed: with finer pairs this sinks to
+bond gone      a contact that the motion opens anywhere loses all of its cohesion, then again from there;
 cracked base   on an elastic bed what is in tension at the limit has no cohesion, what is pressed has (`cracked`).
 
-The cracked base is the headline, and no more than the forces alone give: it is how dams are judged, it is what elastic
-blocks do, its forces balance and every point allows them, and it converges with the triangles.
+The last two converge with the pairs, and none is always the lower: the bed gives way before the rigid block does, or
+holds on to pressed cohesion that the motion then takes. The headline is the lower of the two, so that no rule's forces
+at their limit disprove it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +26,6 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 
 _MOMENTS = 1e-6  # as in `limit`: a factor lower than that of the forces alone by more than this part
-_MANY_PASSES = 300  # where the motion took more, finer pairs take minutes
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
 
 
@@ -49,8 +49,8 @@ class CohesionRules:
 
     Attributes
     ----------
-    rule : which is the headline: "cracked_base", "forces_alone" where that is lower, "bond_gone" or "by_mechanism"
-        where the cracked base has no limit
+    rule : which is the headline: the lower of "cracked_base" and "bond_gone"; "forces_alone" where that is lower yet,
+        "by_mechanism" where neither has a limit
     runs : the motion runs there; False: the block is still at rest when its pressed part gives way
     contacts : evidence by interface
     why_not : why the cracked base has no limit
@@ -66,26 +66,27 @@ class CohesionRules:
     why_not: str
 
     @property
-    def lowest(self) -> float:
-        """The lowest of the headline and the three."""
+    def numbers(self) -> tuple[float, ...]:
+        """The factors that there are, the headline first."""
         numbers = (self.headline, self.by_mechanism, self.cracked_base, self.bond_gone)
-        return min(value for value in numbers if value is not None)
-
-    @property
-    def highest(self) -> float:
-        """The highest of the headline and the three."""
-        numbers = (self.headline, self.by_mechanism, self.cracked_base, self.bond_gone)
-        return max(value for value in numbers if value is not None)
+        return tuple(value for value in numbers if value is not None)
 
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """The limit by the headline's rule, on node pairs of its own; `change`: what finer triangles would do to it."""
+    """The limit by the headline's rule and the node pairs that carry it.
+
+    `change`: what the last refinement did to it, or what finer triangles would do; None where that is not known.
+    `found`, `gone`, `motion`: the cracked base, the limit with the bond gone, and that by mechanism.
+    """
 
     scene: Scene
     analysis: LimitAnalysis
     change: float | None
     rules: CohesionRules
+    found: CrackedBase
+    gone: Limit | None
+    motion: Limit
 
 
 def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
@@ -96,52 +97,56 @@ def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
     return bool((opening_pairs(limit, model, limit.velocity_of(model)) & (model.cohesion > 0.0)).any())
 
 
-def judge(scene: Scene, analysis: LimitAnalysis, coarser: Scene | None) -> Judged:
+def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
     """The limit by the three rules.
 
     Parameters
     ----------
-    scene, analysis : where `opens_cohesive`; coarser : on pairs once less refined, None if there is none
+    scene : for the limit with the bond gone
+    analysis : by mechanism, on these pairs or coarser ones, where `opens_cohesive`
+    before : the same on pairs once less refined, None if there is none
     """
-    alone, motion = analysis.forces_only, analysis.governing
-    if coarser is not None and motion.passes > _MANY_PASSES:
-        scene, coarser = coarser, None
     model, bedding = scene.model, scene.bedding
+    alone, motion = analysis.forces_only, analysis.governing
     assert bedding is not None
     gone = _bond_gone(model)
     bed = bed_of(model, bedding.polygons, bedding.centroid)
-    found = cracked_base(bed, motion.factor or 1.0)
-    cracked = found.factor
-    bare = None if gone is None else gone.factor
-    at_last = bool(found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END))
-    if at_last:
+    found = before.found if before is not None else cracked_base(bed, motion.factor or 1.0)
+    cracked, bare = found.factor, None if gone is None else gone.factor
+    if found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
         cracked = bare  # the line of contact that the path creeps to
-    least = min((value for value in (cracked, alone.factor) if value), default=None)
-    contacts = _evidence(bed, found, model, bedding.centroid)
+    judged, change, rule = motion, None, "by_mechanism"
+    if gone is not None and bare:
+        judged, rule = gone, "bond_gone"
+        last = None if before is None or before.gone is None else before.gone.factor
+        change = None if last is None else abs(bare / last - 1.0)
+    assert judged.factor is not None
+    own, is_cracked = scene, False
+    if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - _MOMENTS):
+        own, judged = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
+        change, rule, is_cracked = found.change, "cracked_base", True
+        alone = forces_only_limit(own.model)
+    assert judged.factor is not None
+    govern = alone.factor is None or judged.factor < alone.factor * (1.0 - _MOMENTS)
+    governing = judged if govern else replace(alone, velocity=alone.velocity_of(own.model))
+    assert governing.factor is not None
+    rules = CohesionRules(
+        rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, found.runs,
+        _evidence(bed, found, model, bedding.centroid), found.why_not,
+    )  # fmt: skip
+    return Judged(own, LimitAnalysis(governing, alone, judged, govern, is_cracked), change, rules, found, gone, motion)
 
-    def rules(rule: str, headline: float) -> CohesionRules:
-        return CohesionRules(
-            rule, headline, motion.factor, cracked, bare, found.runs, contacts,
-            found.why_not,
-        )  # fmt: skip
 
-    if cracked is None or least is None or found.forces is None:
-        limit, rule = (motion, "by_mechanism") if gone is None else (gone, "bond_gone")
-        assert limit.factor is not None
-        again = None if coarser is None else (_bond_gone(coarser.model) if rule == "bond_gone" else None)
-        change = None if again is None or not again.factor else abs(limit.factor / again.factor - 1.0)
-        govern = alone.factor is None or limit.factor < alone.factor * (1.0 - _MOMENTS)
-        return Judged(scene, LimitAnalysis(limit, alone, limit, govern), change, rules(rule, limit.factor))
-    below = alone.factor is None or cracked < alone.factor * (1.0 - _MOMENTS)
-    if at_last and below and gone is not None:
-        return Judged(scene, LimitAnalysis(gone, alone, gone, True), found.change, rules("cracked_base", cracked))
-    own, limit = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
-    whole = forces_only_limit(own.model)
-    if below or alone.factor is None:
-        judged = LimitAnalysis(limit, whole, limit, True, True)
-        return Judged(own, judged, found.change, rules("cracked_base", cracked))
-    judged = LimitAnalysis(replace(whole, velocity=whole.velocity_of(own.model)), whole, limit, False)
-    return Judged(own, judged, found.change, rules("forces_alone", alone.factor))
+def with_finer_motion(
+    judged: Judged, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+) -> Judged:
+    """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
+    if judged.motion.passes > most_passes or len(judged.motion.bond) == len(scene.pairs):
+        return judged
+    again = analyse(scene.model).governing
+    if not again.factor or again.passes > most_passes:
+        return judged
+    return replace(judged, rules=replace(judged.rules, by_mechanism=again.factor))
 
 
 def _bond_gone(model: Model) -> Limit | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.moments import CohesionRules, judge, opens_cohesive
+from slopekit.analysis.moments import CohesionRules, judge, opens_cohesive, with_finer_motion
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
 from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
@@ -43,8 +43,6 @@ _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
 _NEARLY_NONE = 1e-6
-_ALIKE = 1e-3  # rules on cohesion whose factors differ by less are one
-_JUDGED_REFINED = 2  # more pairs change little of what the rules on cohesion say, and they end elsewhere
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
 
 
@@ -166,11 +164,9 @@ def find_limit(
         scene = bounded = scene_at(refine)
     with clock("solve"):
         analysis = analyse(scene.model)
-    refined, change, coarser = refine, None, None
-    while refined < most_refined:
+    refined, change = refine, None
+    while refined < most_refined and not opens_cohesive(scene, analysis):
         before = analysis.governing
-        if refined >= refine + _JUDGED_REFINED and opens_cohesive(scene, analysis):
-            break
         if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
@@ -181,14 +177,23 @@ def find_limit(
         change, done = _mesh_change(analysis, again)
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
             break  # the coarser answer stands, and `change` says what the finer one made of it
-        coarser, scene, analysis, refined = scene, finer, again, refined + 1
+        scene, analysis, refined = finer, again, refined + 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
         if done or after.passes > _MOST_PASSES:
             break
     if not opens_cohesive(scene, analysis):
         return FoundLimit(scene, bounded, analysis, refined, change)
     with clock("solve"):
-        judged = judge(scene, analysis, coarser)
+        judged = judge(scene, analysis)
+    while refined < most_refined and (judged.change is None or judged.change > MESH_CHANGE):
+        with clock("mesh"):
+            scene = scene_at(refined + 1)
+        with clock("solve"):
+            judged = judge(scene, analysis, judged)
+        refined += 1
+        bounded = scene if refined <= _BOUND_REFINED else bounded
+    with clock("solve"):
+        judged = with_finer_motion(judged, scene, analyse, _MOST_PASSES)
     return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
 
 
@@ -261,17 +266,9 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=block_balance(model, analysis), lowest_limit=_lowest(solved),
+        balance=block_balance(model, analysis),
         cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
     )  # fmt: skip
-
-
-def _lowest(solved: Solved) -> float | None:
-    """What acceptance is held against where the rules on cohesion differ."""
-    rules = solved.rules
-    if rules is None or rules.lowest >= rules.headline * (1.0 - _ALIKE):
-        return None
-    return rules.lowest
 
 
 def _under_moments(
@@ -292,8 +289,8 @@ def _under_moments(
                 found.pressed_share, found.normal_force, place(found.resultant), place(found.opens_at)
             )
     return CohesionUnderMoments(
-        rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, rules.lowest,
-        rules.highest, rules.runs, evidence,
+        rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
+        max(rules.numbers), rules.runs, evidence,
     )  # fmt: skip
 
 

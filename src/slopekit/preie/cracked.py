@@ -30,6 +30,7 @@ _MOST_WORK = 3000  # times the forces are summed; a second or two, after which t
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
+_MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
 _LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
 _BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
 _LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
@@ -38,8 +39,9 @@ _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _FLOWS = 30.0  # times the displacement: what flows so far runs
 _MOST_FLOW = 40  # steps of viscous flow
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
-_NEAR = 0.05  # a running state farther from the path's λ than this part is another one
-_TURNS = 1e-6  # opening above this part of the slip is the motion's, not rounding
+_NEAR = 0.05  # a running state farther from the λ of a path that runs than this part is another one
+_SAME = 1e-5  # the same, from a least λ: rounding may show one on a path that is level because it runs
+_STILL = 1e-9  # motion along the path, per change of ln λ, that is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -268,7 +270,7 @@ class _Path:
                 if onward is not None:
                     point = best = onward
                     length, is_fold = 0.01, False
-        running = None if is_fold else self._running(best)
+        running = self._running(best, _SAME if is_fold else _NEAR)
         return running or self._at_rest(best, not is_fold)
 
     def _begin(self, u: Floats, reduction: float) -> _Point | None:
@@ -280,16 +282,15 @@ class _Path:
 
     def _march(self, point: _Point, least: float = _LEAST_PART) -> _Point | None:
         """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
-        part, reached = 0.05, None
+        part = _MARCH
         while part > least:
             reduction = math.exp(point.log_reduction) * (1.0 - part)
             rest = self._flow(point.u, reduction)
             begun = None if rest is None else self._begin(rest, reduction)
             if begun is not None:
-                reached = begun
-                break
+                return begun
             part /= 5.0
-        return reached
+        return None
 
     def _least(self, point: _Point, length: float) -> _Point:
         """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
@@ -316,9 +317,9 @@ class _Path:
 
     # -- the running state --------------------------------------------------------------------------------
 
-    def _running(self, point: _Point) -> CrackedBase | None:
-        """The state that the path settles to, by Newton's method; None where there is none near."""
-        motion = point.tangent[:-1] / math.sqrt(float(point.tangent[:-1] @ point.tangent[:-1]))
+    def _running(self, point: _Point, near: float) -> CrackedBase | None:
+        """The state that the path settles to, by Newton's method; None where there is none as near as that in λ."""
+        motion = _motion(point)
         closed = []
         for rows in self.springs.rows:
             if (rows[:, 0] @ point.u).min() < 0.0:
@@ -356,7 +357,7 @@ class _Path:
         else:
             if size > 1e-9 * max(1.0, reduction):
                 return None
-        if abs(reduction / math.exp(point.log_reduction) - 1.0) > _NEAR:
+        if abs(reduction / math.exp(point.log_reduction) - 1.0) > near:
             return None
         velocity, slip = v / math.sqrt(float(v @ v)), v
         change = self._change(lambda springs: springs.unbalanced(w, slip, reduction, True), matrix)
@@ -375,7 +376,7 @@ class _Path:
         matrix[:count, count] = at.by_reduction * reduction
         matrix[count] = point.tangent
         change = self._change(lambda springs: springs.unbalanced(u, u, reduction, False), matrix)
-        velocity = point.tangent[:-1] / math.sqrt(float(point.tangent[:-1] @ point.tangent[:-1]))
+        velocity = _motion(point)
         return CrackedBase(
             1.0 / reduction, "", creeps, creeps, u, velocity, self.springs.carried(u, u, reduction, False), change,
             float(np.abs(at.out).max()), self.points,
@@ -388,3 +389,12 @@ class _Path:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
+
+
+def _motion(point: _Point) -> Floats:
+    """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
+    motion = point.tangent[:-1]
+    size = math.sqrt(float(motion @ motion))
+    if size < _STILL:
+        motion, size = point.u, math.sqrt(float(point.u @ point.u))
+    return np.asarray(motion / size, dtype=np.float64)

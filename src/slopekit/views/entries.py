@@ -13,7 +13,7 @@ LABEL = 10
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
     "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
-    "forces_alone": "forces only, as the cracked base is not lower",
+    "forces_alone": "forces only",
 }  # fmt: skip
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 #: The way a seismic load acts where the design gives no trend.
@@ -155,10 +155,7 @@ def accept(result: Result) -> list[str]:
 def _judged_on(result: Result, rule: Rule) -> str:
     named: str = result.design.criterion if rule.name == "fos" else ""
     if result.lowest_limit is not None and rule.name in ("fos", "fos.limit"):
-        what = (
-            "the lowest limit state found" if result.cohesion_under_moments is None else "the lowest rule on cohesion"
-        )
-        named += f"{', ' if named else ''}{what}, {result.lowest_limit:.4g}"
+        named += f"{', ' if named else ''}the lowest limit state found, {result.lowest_limit:.4g}"
     return f" ({named})" if named else ""
 
 
@@ -186,7 +183,7 @@ def cohesion(result: Result) -> list[str]:
         return []
     named = {"cracked_base": found.cracked_base, "by_mechanism": found.by_mechanism, "bond_gone": found.bond_gone}
     parts = [f"{RULES[name]} {'none' if value is None else f'{value:.4g}'}" for name, value in named.items()]
-    said = f"{'; '.join(parts)}; used: {RULES[found.rule]}"
+    said = f"{', '.join(parts)}; used: {RULES[found.rule]}"
     for name, contact in found.evidence.items():
         said += f"; {name} {_share(contact.pressed_share)} pressed"
         if contact.resultant_m is not None:

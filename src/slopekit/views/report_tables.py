@@ -36,10 +36,8 @@ def factor_table(document: Document) -> Table:
     answer = "the answer: forces and moments, slip does not dilate unless given"
     rows = [("limit (PRE-IE)", factor(fos["limit"]), "none: see the status" if fos["limit"] is None else answer)]
     if document.get("lowest_limit") is not None:
-        said, what = "the limit state is not the only one (W348): acceptance is held against this", "limit state found"
-        if document.get("cohesion_under_moments"):
-            said, what = "moments open a joint (W314): acceptance is held against this", "rule on cohesion"
-        rows.append((f"lowest {what}", factor(document["lowest_limit"]), said))
+        said = "the limit state is not the only one (W348): acceptance is held against this"
+        rows.append(("lowest limit state found", factor(document["lowest_limit"]), said))
     rows += [
         ("closed form", factor(fos["closed_form"]), closed),
     ]
