@@ -110,6 +110,8 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
     alone, motion = analysis.forces_only, analysis.governing
     assert bedding is not None
     gone = _bond_gone(model)
+    if gone is None and before is not None:
+        return before
     bed = bed_of(model, bedding.polygons, bedding.centroid)
     found = before.found if before is not None else cracked_base(bed, motion.factor or 1.0)
     cracked, bare = found.factor, None if gone is None else gone.factor

@@ -185,11 +185,13 @@ def find_limit(
         return FoundLimit(scene, bounded, analysis, refined, change)
     with clock("solve"):
         judged = judge(scene, analysis)
-    while refined < most_refined and (judged.change is None or judged.change > MESH_CHANGE):
+    settled = judged.gone is None or (judged.change is not None and judged.change < MESH_CHANGE)
+    while refined < most_refined and not settled:
         with clock("mesh"):
             scene = scene_at(refined + 1)
         with clock("solve"):
-            judged = judge(scene, analysis, judged)
+            last, judged = judged, judge(scene, analysis, judged)
+        settled = judged is last or (judged.change is not None and judged.change < MESH_CHANGE)
         refined += 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
     with clock("solve"):
