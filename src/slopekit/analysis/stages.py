@@ -192,6 +192,7 @@ def find_limit(
         with clock("solve"):
             last, judged = judged, judge(scene, analysis, judged)
         settled = judged is last or (judged.change is not None and judged.change < MESH_CHANGE)
+        settled = settled or (judged.gone is not None and judged.gone.passes > _MOST_PASSES)
         refined += 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
     with clock("solve"):
