@@ -123,10 +123,10 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
         last = None if before is None or before.gone is None else before.gone.factor
         change = None if last is None else abs(bare / last - 1.0)
     assert judged.factor is not None
-    own, is_cracked = scene, False
+    own = scene
     if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - _MOMENTS):
         own, judged = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
-        change, rule, is_cracked = found.change, "cracked_base", True
+        change, rule = found.change, "cracked_base"
         alone = forces_only_limit(own.model)
     assert judged.factor is not None
     govern = alone.factor is None or judged.factor < alone.factor * (1.0 - _MOMENTS)
@@ -136,7 +136,7 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
         rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, found.runs,
         _evidence(bed, found, model, bedding.centroid), found.why_not,
     )  # fmt: skip
-    return Judged(own, LimitAnalysis(governing, alone, judged, govern, is_cracked), change, rules, found, gone, motion)
+    return Judged(own, LimitAnalysis(governing, alone, judged, govern, govern), change, rules, found, gone, motion)
 
 
 def with_finer_motion(

@@ -391,7 +391,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
-    opens = opening_pairs(limit, model, velocity, by_motion=analysis.cracked)
+    opens = opening_pairs(limit, model, velocity, by_motion=analysis.by_rule)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
     moving, turning = velocity[: model.translations], velocity[model.translations :]
