@@ -19,7 +19,7 @@ from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import opening_pairs
 from slopekit.arrays import Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.preie.bed import Bed, PointForces, bed_of
+from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
 from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis
 from slopekit.preie.model import Model

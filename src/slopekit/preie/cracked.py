@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, PointForces, Springs, Unbalanced
+from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
 from slopekit.preie.linear import split_space
 
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
