@@ -185,6 +185,11 @@ EXPLANATIONS: Mapping[str, str] = {
     "refinement still moved it. --refine N goes on.",
     "W313": "The limit is above 1, yet on an elastic bed no equilibrium was found at full strength: pairs that open "
     "there lose their cohesion one after the other, or Newton's method lost its way. Displacements are not given.",
+    "W314": "The collapse motion opens part of a joint that has cohesion. Three rules say what is left of it. Cracked "
+    "base: on an elastic bed what is in tension at the limit has none, what is pressed has all of it, as dams are "
+    "judged. Bond gone: a joint that the motion opens anywhere loses all of it. By mechanism: what the motion opens, "
+    "pair by pair of nodes; finer pairs lower it to bond gone. The limit is the lower of the first two. The line "
+    "COHESION has all three, the pressed share of each joint, where its force acts and where it opens on the bed.",
     "W315": "A passive bolt acts only when the wedge draws it out. These are square to the movement or pushed in.",
     "W318": "Bolts or forces are stronger than what drives the wedge down. The factor says how far it is from being "
     "pushed up the slope; more of the same force makes it smaller.",

@@ -43,6 +43,7 @@ class Facts:
     bound_is_proved : or not asked for; mesh_change : what the last refinement did
     unsettled : no equilibrium at full strength; why_not : why the closed form is not compared
     seismic : (3,) the way it acts, local axes; None without
+    by_rules : moments open part of a contact with cohesion, and the limit is that of a rule on it
     """
 
     status: str
@@ -54,6 +55,7 @@ class Facts:
     unsettled: bool
     why_not: str
     seismic: Floats | None = None
+    by_rules: bool = False
 
 
 def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
@@ -105,6 +107,9 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
+    if facts.by_rules:
+        yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
+                     "left of it (COHESION); the lower of those that converge is used")  # fmt: skip
     if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"
@@ -120,8 +125,8 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         if limit.factor is None or not interface.strength.cohesion_kpa > 0.0 or lost == 0.0:
             continue
         what = "has lost contact" if lost > _ALL else f"opens on {max(lost * 100, 1.0):.0f} % of its area"
-        jump = "the factor of safety jumps where that happens"
-        yield Notice("W307", f"{interface.name} {what} and loses its cohesion there: {jump}")
+        jump = "" if facts.by_rules and lost <= _ALL else ": the factor of safety jumps where that happens"
+        yield Notice("W307", f"{interface.name} {what} and loses its cohesion there{jump}")
     if facts.seismic is not None and limit.factor is not None:
         along = float(facts.seismic @ model.moved(limit.velocity_of(model))[0])
         size = float(np.linalg.norm(facts.seismic) * np.linalg.norm(model.moved(limit.velocity_of(model))[0]))

@@ -166,11 +166,67 @@ class ReductionStep:
 
 
 @dataclass(frozen=True, slots=True)
+class ContactOpening:
+    """A contact where moments open it, by the cracked base; places (3,) in the user's coordinates.
+
+    `resultant_m` is where its normal force acts, `opens_at_m` the corner that opens most, None where all is pressed.
+    """
+
+    pressed_share: float
+    normal_kn: float
+    resultant_m: Floats | None
+    opens_at_m: Floats | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The contact as JSON values."""
+        return {
+            "pressed_share": self.pressed_share,
+            "normal_kn": self.normal_kn,
+            "resultant_m": None if self.resultant_m is None else self.resultant_m.tolist(),
+            "opens_at_m": None if self.opens_at_m is None else self.opens_at_m.tolist(),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class CohesionUnderMoments:
+    """The limit by three rules on the cohesion of contacts that moments open; None where a rule has none.
+
+    `rule` is the headline's: the lower of cracked_base and bond_gone, or forces_alone where that is lower yet, or
+    by_mechanism where neither has a limit. `runs`: on the cracked base the motion runs, else its
+    pressed part gives way with the block at rest.
+    """
+
+    rule: str
+    headline: float
+    by_mechanism: float | None
+    cracked_base: float | None
+    bond_gone: float | None
+    lowest: float
+    highest: float
+    runs: bool
+    evidence: Mapping[str, ContactOpening]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The rules as JSON values."""
+        return {
+            "rule": self.rule,
+            "headline": self.headline,
+            "by_mechanism": self.by_mechanism,
+            "cracked_base": self.cracked_base,
+            "bond_gone": self.bond_gone,
+            "range": [self.lowest, self.highest],
+            "runs": self.runs,
+            "evidence": {name: contact.to_dict() for name, contact in self.evidence.items()},
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class Result:
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
+    `cohesion_under_moments` is None where moments open no contact with cohesion.
     """
 
     design: Design
@@ -195,6 +251,7 @@ class Result:
     series: tuple[ReductionStep, ...] = ()
     findings: Findings | None = None
     balance: Balance | None = None
+    cohesion_under_moments: CohesionUnderMoments | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -311,6 +368,9 @@ class Result:
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
             "lowest_limit": None,
+            "cohesion_under_moments": (
+                None if self.cohesion_under_moments is None else self.cohesion_under_moments.to_dict()
+            ),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

@@ -6,7 +6,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from slopekit.analysis.stages import Clock, ClosedForm, Scene, block_status, compare, find_limit
+from slopekit.analysis.scene import Scene
+from slopekit.analysis.stages import Clock, ClosedForm, block_status, compare, find_limit
 from slopekit.design.common import Design
 from slopekit.design.kinds import FootingDesign, PlaneDesign
 from slopekit.design.wedge import WedgeDesign

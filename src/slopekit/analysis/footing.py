@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.analysis.plane import section_geometry
+from slopekit.analysis.plane import section_bedding, section_geometry
+from slopekit.analysis.scene import Scene
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
-    Scene,
     block_status,
     driving_and_resisting,
-    joint_strength,
     normal_forces,
     result,
     solve,
@@ -23,7 +22,6 @@ from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import Interface
-from slopekit.preie.model import build_model
 from slopekit.result import Forces, Result
 
 NAME = "weak plane"
@@ -101,8 +99,7 @@ def _loaded(design: FootingDesign) -> tuple[Section, Loads]:
 
 def _scene(design: FootingDesign, section: Section, loads: Loads, refine: int) -> Scene:
     pairs = line_pairs(section, (design.pairs - 1) // 2 * 2**refine)
-    strength = joint_strength([design.strength])
-    return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
+    return section_bedding(section, loads, design.strength).scene(pairs)
 
 
 def _closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:

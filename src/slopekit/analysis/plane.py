@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from slopekit.analysis.scene import Bedding, Scene
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
-    Scene,
     block_status,
     bolt_forces,
     driving_and_resisting,
@@ -22,7 +22,7 @@ from slopekit.analysis.stages import (
 )
 from slopekit.arrays import Floats, frozen
 from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
-from slopekit.design.common import Water
+from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
@@ -104,9 +104,16 @@ def closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
 
 
 def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:
-    pairs = line_pairs(section, 2**refine)
-    strength = joint_strength([design.strength])
-    return Scene(pairs, build_model(pairs, loads, section.block.centroid, strength, in_section=True))
+    return section_bedding(section, loads, design.strength).scene(line_pairs(section, 2**refine))
+
+
+def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
+    """The plane of a section as the bed of the block on it."""
+    strength, centroid = joint_strength([given]), section.block.centroid
+    return Bedding(
+        {J1: np.array([np.zeros(3), section.bottom])}, centroid,
+        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=True),
+    )  # fmt: skip
 
 
 def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:

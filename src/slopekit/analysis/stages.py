@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from slopekit.analysis.moments import CohesionRules, judge, opens_cohesive, with_finer_motion
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
+from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
-from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.preie.balance import block_balance
@@ -28,6 +29,8 @@ from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
     AllPairs,
     AtFactorOne,
+    CohesionUnderMoments,
+    ContactOpening,
     FactorsOfSafety,
     Forces,
     ModelSize,
@@ -62,14 +65,6 @@ class Clock:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
-    """Node pairs and the model made of them."""
-
-    pairs: NodePairs
-    model: Model
-
-
-@dataclass(frozen=True, slots=True)
 class Solved:
     """Everything that PRE-IE says of one scene.
 
@@ -77,6 +72,7 @@ class Solved:
     ----------
     refined : how often the triangles were split; change : what the last split did to the limit
     bound, proved : the static bound; at_rest : the equilibrium at full strength
+    rules : on cohesion, where moments open part of a contact that has some
     """
 
     scene: Scene
@@ -88,6 +84,7 @@ class Solved:
     at_rest: Equilibrium | None
     pairs: AllPairsFailed | None
     series: tuple[ReductionStep, ...]
+    rules: CohesionRules | None = None
 
     @property
     def limit(self) -> Limit:
@@ -119,7 +116,7 @@ def solve(
     with clock("bound"):
         bound, proved = None, False
         if limit.factor:
-            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor)
+            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor, found.rules is None)
             bound, proved = above.factor, above.proved
     stiffness = joint_stiffness(design)
     with clock("displacements"):
@@ -132,7 +129,7 @@ def solve(
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series)
+    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series, found.rules)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +140,7 @@ class FoundLimit:
     ----------
     bounded : the scene that the static bound is asked of: finer pairs do not move it, but cost time
     refined : how often the triangles were split; change : what the last split did to the limit
+    rules : on cohesion, where moments open part of a contact that has some: the limit is that of their headline then
     """
 
     scene: Scene
@@ -150,6 +148,7 @@ class FoundLimit:
     analysis: LimitAnalysis
     refined: int
     change: float | None
+    rules: CohesionRules | None = None
 
 
 def find_limit(
@@ -166,7 +165,7 @@ def find_limit(
     with clock("solve"):
         analysis = analyse(scene.model)
     refined, change = refine, None
-    while refined < most_refined:
+    while refined < most_refined and not opens_cohesive(scene, analysis):
         before = analysis.governing
         if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
             break  # a plain slide ends here
@@ -182,7 +181,23 @@ def find_limit(
         bounded = scene if refined <= _BOUND_REFINED else bounded
         if done or after.passes > _MOST_PASSES:
             break
-    return FoundLimit(scene, bounded, analysis, refined, change)
+    if not opens_cohesive(scene, analysis):
+        return FoundLimit(scene, bounded, analysis, refined, change)
+    with clock("solve"):
+        judged = judge(scene, analysis)
+    settled = judged.gone is None or (judged.change is not None and judged.change < MESH_CHANGE)
+    while refined < most_refined and not settled:
+        with clock("mesh"):
+            scene = scene_at(refined + 1)
+        with clock("solve"):
+            last, judged = judged, judge(scene, analysis, judged)
+        settled = judged is last or (judged.change is not None and judged.change < MESH_CHANGE)
+        settled = settled or (judged.gone is not None and judged.gone.passes > _MOST_PASSES)
+        refined += 1
+        bounded = scene if refined <= _BOUND_REFINED else bounded
+    with clock("solve"):
+        judged = with_finer_motion(judged, scene, analyse, _MOST_PASSES)
+    return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
@@ -229,7 +244,7 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
-        loads.parts["seismic"] if loads.parts["seismic"].any() else None,
+        loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
     size = ModelSize(
@@ -254,7 +269,31 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=block_balance(model, analysis), timing_s=clock.done(),
+        balance=block_balance(model, analysis),
+        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
+    )  # fmt: skip
+
+
+def _under_moments(
+    solved: Solved, interfaces: Sequence[Interface], origin: Floats, turn: Floats | None
+) -> CohesionUnderMoments | None:
+    """The rules on cohesion with their evidence in the user's coordinates."""
+    rules, axes = solved.rules, np.eye(3) if turn is None else turn
+    if rules is None:
+        return None
+
+    def place(point: Floats | None) -> Floats | None:
+        return None if point is None else point @ axes + origin
+
+    evidence = {}
+    for interface in interfaces:
+        if (found := rules.contacts.get(interface.key)) is not None:
+            evidence[interface.name] = ContactOpening(
+                found.pressed_share, found.normal_force, place(found.resultant), place(found.opens_at)
+            )
+    return CohesionUnderMoments(
+        rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
+        max(rules.numbers), rules.runs, evidence,
     )  # fmt: skip
 
 
@@ -352,7 +391,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
-    opens = opening_pairs(limit, model, velocity)
+    opens = opening_pairs(limit, model, velocity, by_motion=analysis.by_rule)
     partly = [bool(opens[scene.pairs.interface == joint].any()) for joint in interfaces]
     wholly = [bool(opens[scene.pairs.interface == joint].all()) for joint in interfaces]
     moving, turning = velocity[: model.translations], velocity[model.translations :]

@@ -17,13 +17,14 @@ CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
 
 
-def opening_pairs(limit: Limit, model: Model, velocity: Floats) -> Bools:
-    """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,)."""
+def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
+    """Which node pairs the mechanism opens beyond what dilation opens, or has opened: (n,); `by_motion` the first."""
     opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
     if model.dilates and limit.factor:
         opening = opening - np.minimum(model.tan_dilation, model.tan_friction / limit.factor) * slip
     opens: Bools = opening > TURNS * max(float(slip.max()), float(opening.max()))
-    opens |= limit.bond == 0.0
+    if not by_motion:
+        opens |= limit.bond == 0.0
     return opens
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from slopekit.analysis.scene import Scene
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
-    Scene,
     Solved,
     block_status,
     bolt_forces,

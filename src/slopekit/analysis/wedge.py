@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from slopekit.analysis.scene import Bedding, Scene
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
-    Scene,
     block_status,
     bolt_forces,
     driving_and_resisting,
@@ -115,8 +115,10 @@ def _strengths(design: WedgeDesign) -> list[Strength]:
 
 
 def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> Scene:
-    pairs = node_pairs({joint: block.faces[joint] for joint, _ in JOINTS}, refine)
-    return Scene(pairs, build_model(pairs, loads, block.centroid, joint_strength(_strengths(design))))
+    polygons = {joint: block.faces[joint] for joint, _ in JOINTS}
+    strength = joint_strength(_strengths(design))
+    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, loads, block.centroid, strength))
+    return bedding.scene(node_pairs(polygons, refine))
 
 
 def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:

@@ -41,13 +41,17 @@ class StaticBound:
     normal_force: Floats
 
 
-def static_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
+def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
     """The static bound of a model whose limit factor and mechanism are known.
 
     Parameters
     ----------
     velocity : (u,) the limit mechanism; limit : the limit factor, a lower bound of the static bound
+    of_its_motion : the limit counts all cohesion that its motion calls on; where it does not, as on a cracked base,
+        its motion says nothing of the bound
     """
+    if not of_its_motion:
+        return _conic_bound(model, velocity, limit)
     if not model.tan_friction.any():
         slip = float(model.slip(velocity).max())
         if float(np.abs(model.normal_rows @ velocity).max()) <= _TANGENT * slip:

@@ -42,12 +42,16 @@ _NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 @dataclass(frozen=True, slots=True)
 class LimitAnalysis:
-    """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all."""
+    """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
+
+    `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
+    """
 
     governing: Limit
     forces_only: Limit
     with_turning: Limit
     moments_govern: bool
+    by_rule: bool = False
 
     @property
     def turns(self) -> bool:

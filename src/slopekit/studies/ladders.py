@@ -13,7 +13,8 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from slopekit.analysis.assembly import SolvedAssembly
-from slopekit.analysis.stages import Scene, joint_strength
+from slopekit.analysis.scene import Scene
+from slopekit.analysis.stages import joint_strength
 from slopekit.design.common import Design
 from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign

@@ -2,6 +2,7 @@
 
 import textwrap
 
+from slopekit.arrays import Floats
 from slopekit.design.common import Bolt, Design, Force, Rule
 from slopekit.design.kinds import FootingDesign, PlaneDesign
 from slopekit.result import STATUSES, Result, status_text
@@ -9,6 +10,11 @@ from slopekit.views.words import line_in_words, size_number
 
 WIDTH = 100
 LABEL = 10
+#: The rules on cohesion where moments open part of a contact.
+RULES = {
+    "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
+    "forces_alone": "forces only",
+}  # fmt: skip
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 #: The way a seismic load acts where the design gives no trend.
 OWN_WAY = {
@@ -169,6 +175,31 @@ def _judgement(result: Result, rule: Rule) -> str:
 def times(count: int) -> str:
     """How often, in words."""
     return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def cohesion(result: Result) -> list[str]:
+    """Where moments open part of a contact with cohesion: the factor by each rule, and the evidence."""
+    found = result.cohesion_under_moments
+    if found is None:
+        return []
+    named = {"cracked_base": found.cracked_base, "by_mechanism": found.by_mechanism, "bond_gone": found.bond_gone}
+    parts = [f"{RULES[name]} {'none' if value is None else f'{value:.4g}'}" for name, value in named.items()]
+    said = f"{', '.join(parts)}; used: {RULES[found.rule]}"
+    for name, contact in found.evidence.items():
+        said += f"; {name} {_share(contact.pressed_share)} pressed"
+        if contact.resultant_m is not None:
+            said += f", force at {_place(contact.resultant_m)}"
+        if contact.opens_at_m is not None:
+            said += f", opens from {_place(contact.opens_at_m)}"
+    return [said]
+
+
+def _share(part: float) -> str:
+    return f"{part * 100:.3g} %"
+
+
+def _place(point: Floats) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in point.tolist()) + ")"
 
 
 def governs(result: Result) -> list[str]:

@@ -16,6 +16,7 @@ from slopekit.views.entries import (
     accept,
     all_pairs,
     block,
+    cohesion,
     factor_text,
     governs,
     loads,
@@ -62,6 +63,7 @@ def _parts(result: Result) -> Iterator[Part]:
     yield Part("FoS", _factors(result))
     yield Part("COLUMNS", methods(result))
     yield Part("ROTATION", _rotation(result))
+    yield Part("COHESION", cohesion(result))
     yield Part("ALL PAIRS", all_pairs(result))
     yield Part("SERIES", series(result))
     yield Part("ACCEPT", accept(result))

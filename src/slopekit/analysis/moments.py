@@ -1,0 +1,209 @@
+"""Cohesion where moments open part of a contact: the limit of one block by three rules, and which of them is printed.
+
+by mechanism   what the collapse motion opens loses its cohesion, pair by pair (`limit_analysis`). A rigid motion that
+               opens part of a flat contact leaves at most a line of it closed: with finer pairs this sinks to
+bond gone      a contact that the motion opens anywhere loses all of its cohesion, then again from there;
+cracked base   on an elastic bed what is in tension at the limit has no cohesion, what is pressed has (`cracked`).
+
+The last two converge with the pairs, and none is always the lower: the bed gives way before the rigid block does, or
+holds on to pressed cohesion that the motion then takes. The headline is the lower of the two, so that no rule's forces
+at their limit disprove it.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from slopekit.analysis.scene import Scene
+from slopekit.analysis.states import opening_pairs
+from slopekit.arrays import Floats, frozen
+from slopekit.geometry.interfaces import BEDROCK, NodePairs
+from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
+from slopekit.preie.cracked import CrackedBase, cracked_base
+from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis
+from slopekit.preie.model import Model
+from slopekit.preie.passes import Limit, Outcome
+
+_MOMENTS = 1e-6  # as in `limit`: a factor lower than that of the forces alone by more than this part
+_SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
+
+
+@dataclass(frozen=True, slots=True)
+class ContactEvidence:
+    """A contact at the limit of the cracked base, in m and kN, local axes.
+
+    `resultant` (3,) is where the normal force acts, None without one; `opens_at` (3,) the corner that opens most, None
+    where all of it is pressed.
+    """
+
+    pressed_share: float
+    normal_force: float
+    resultant: Floats | None
+    opens_at: Floats | None
+
+
+@dataclass(frozen=True, slots=True)
+class CohesionRules:
+    """The three factors; None where a rule has none.
+
+    Attributes
+    ----------
+    rule : which is the headline: the lower of "cracked_base" and "bond_gone"; "forces_alone" where that is lower yet,
+        "by_mechanism" where neither has a limit
+    runs : the motion runs there; False: the block is still at rest when its pressed part gives way
+    contacts : evidence by interface
+    why_not : why the cracked base has no limit
+    """
+
+    rule: str
+    headline: float
+    by_mechanism: float | None
+    cracked_base: float | None
+    bond_gone: float | None
+    runs: bool
+    contacts: Mapping[int, ContactEvidence]
+    why_not: str
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The factors that there are, the headline first."""
+        numbers = (self.headline, self.by_mechanism, self.cracked_base, self.bond_gone)
+        return tuple(value for value in numbers if value is not None)
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """The limit by the headline's rule and the node pairs that carry it.
+
+    `change`: what the last refinement did to it, or what finer triangles would do; None where that is not known.
+    `found`, `gone`, `motion`: the cracked base, the limit with the bond gone, and that by mechanism.
+    """
+
+    scene: Scene
+    analysis: LimitAnalysis
+    change: float | None
+    rules: CohesionRules
+    found: CrackedBase
+    gone: Limit | None
+    motion: Limit
+
+
+def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
+    """Whether moments govern by a motion that opens part of a contact with cohesion, on a bed that is known."""
+    model, limit = scene.model, analysis.governing
+    if scene.bedding is None or not analysis.moments_govern or not limit.factor or model.dilates:
+        return False
+    return bool((opening_pairs(limit, model, limit.velocity_of(model)) & (model.cohesion > 0.0)).any())
+
+
+def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
+    """The limit by the three rules.
+
+    Parameters
+    ----------
+    scene : for the limit with the bond gone
+    analysis : by mechanism, on these pairs or coarser ones, where `opens_cohesive`
+    before : the same on pairs once less refined, None if there is none
+    """
+    model, bedding = scene.model, scene.bedding
+    alone, motion = analysis.forces_only, analysis.governing
+    assert bedding is not None
+    gone = _bond_gone(model)
+    if gone is None and before is not None:
+        return before
+    bed = bed_of(model, bedding.polygons, bedding.centroid)
+    found = before.found if before is not None else cracked_base(bed, motion.factor or 1.0)
+    cracked, bare = found.factor, None if gone is None else gone.factor
+    if found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
+        cracked = bare  # the line of contact that the path creeps to
+    judged, change, rule = motion, None, "by_mechanism"
+    if gone is not None and bare:
+        judged, rule = gone, "bond_gone"
+        last = None if before is None or before.gone is None else before.gone.factor
+        change = None if last is None else abs(bare / last - 1.0)
+    assert judged.factor is not None
+    own = scene
+    if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - _MOMENTS):
+        own, judged = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
+        change, rule = found.change, "cracked_base"
+        alone = forces_only_limit(own.model)
+    assert judged.factor is not None
+    govern = alone.factor is None or judged.factor < alone.factor * (1.0 - _MOMENTS)
+    governing = judged if govern else replace(alone, velocity=alone.velocity_of(own.model))
+    assert governing.factor is not None
+    rules = CohesionRules(
+        rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, found.runs,
+        _evidence(bed, found, model, bedding.centroid), found.why_not,
+    )  # fmt: skip
+    return Judged(own, LimitAnalysis(governing, alone, judged, govern, govern), change, rules, found, gone, motion)
+
+
+def with_finer_motion(
+    judged: Judged, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+) -> Judged:
+    """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
+    if judged.motion.passes > most_passes or len(judged.motion.bond) == len(scene.pairs):
+        return judged
+    again = analyse(scene.model).governing
+    if not again.factor or again.passes > most_passes:
+        return judged
+    return replace(judged, rules=replace(judged.rules, by_mechanism=again.factor))
+
+
+def _bond_gone(model: Model) -> Limit | None:
+    """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one."""
+    gone = np.zeros(len(model.control_area), dtype=bool)
+    while True:
+        bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
+        limit = limit_analysis(bare).governing
+        if not limit.factor:
+            return None
+        opens = opening_pairs(limit, bare, limit.velocity_of(bare)) & (bare.cohesion > 0.0)
+        if not opens.any():
+            return replace(limit, bond=np.where(gone, 0.0, limit.bond))
+        gone |= np.isin(model.interface, model.interface[opens])
+
+
+def _on_its_pairs(
+    scene: Scene, bed: Bed, found: CrackedBase, forces: PointForces, factor: float, motion: Limit
+) -> tuple[Scene, Limit]:
+    """The points of the bed as node pairs, with a model of their own, and the limit on them."""
+    assert scene.bedding is not None
+    assert found.velocity is not None
+    model, bedding = scene.model, scene.bedding
+    count = len(forces.area)
+    keys = bed.keys[forces.contact]
+    first = {int(key): int(np.flatnonzero(scene.pairs.interface == key)[0]) for key in bed.keys}
+    normals = scene.pairs.normals[[first[int(key)] for key in bed.keys]]
+    pairs = NodePairs(
+        frozen(forces.points * model.length_scale + bedding.centroid), frozen(normals[forces.contact]),
+        frozen(forces.area * model.area_scale), keys, np.zeros(count, dtype=np.int64), np.full(count, BEDROCK),
+    )  # fmt: skip
+    own = bedding.model_of(pairs)
+    velocity = found.velocity.copy()
+    velocity[model.translations :] *= own.length_scale / model.length_scale  # turns are per length of the model
+    velocity /= np.sqrt(velocity @ velocity)
+    limit = Limit(
+        Outcome.SLIDES, factor, velocity, forces.normal, forces.pressed.astype(np.float64), motion.passes,
+        motion.steps + found.points, 0.0, forces.shear, forces.pulls,
+    )  # fmt: skip
+    return Scene(pairs, own, bedding), limit
+
+
+def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactEvidence]:
+    forces, out = found.forces, dict[int, ContactEvidence]()
+    if forces is None or found.opening is None:
+        return out
+    for k, key in enumerate(bed.keys.tolist()):
+        on = forces.contact == k
+        push, area = forces.normal[on], forces.area[on]
+        total, pressed = float(push.sum()), float(area[forces.pressed[on]].sum())
+        gaps = bed.corner_rows(k)[:, 0] @ found.opening
+        most = int(np.argmax(gaps))
+        out[key] = ContactEvidence(
+            pressed / float(area.sum()), total * model.force_scale,
+            (push @ forces.points[on]) / total * model.length_scale + centroid if total > 0.0 else None,
+            bed.corners[k][most] * model.length_scale + centroid if gaps[most] > 0.0 else None,
+        )  # fmt: skip
+    return out

@@ -1,0 +1,400 @@
+"""The cracked base: one block on an elastic bed without tension (`bed`), followed until its motion runs.
+
+From a strength that holds the block λ = 1/F goes down and the displacement u is followed by arc length in (u, ln λ).
+F = 1/λ at the least λ. Either λ passes through a least value while the block is still at rest (the pressed part, and
+its cohesion with it, then goes faster than strength is called on), or it settles while the motion runs; there Newton's
+method finds the running state itself, as `limit_state` does with all pairs closed:
+
+    g = B_n Y w,   direction of slip = B_t Z v,   unknowns w, v (|v| = 1), λ
+
+(Z: motions that keep the pressed contacts closed, Y: the rest). Where the path has a corner λ is lowered by itself and
+the block flows (dashpots, implicit steps) until it rests or runs. Forces scale with the stiffness, displacements
+against it: F depends on the ratio of the two springs only.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
+from slopekit.preie.linear import split_space
+
+_SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
+_FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done
+_MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
+_BALANCED = 1e-11  # unbalanced force in parts of the load
+_MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
+_RUNS = 1e4  # times the first displacement: what has moved so far runs
+_TURNED = 1.2  # λ so far above its least value does not come back
+_SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
+_MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
+_LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
+_BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
+_LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
+_STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
+_HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
+_FLOWS = 30.0  # times the displacement: what flows so far runs
+_MOST_FLOW = 40  # steps of viscous flow
+_STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
+_NEAR = 0.05  # a running state farther from the λ of a path that runs than this part is another one
+_SAME = 1e-5  # the same, from a least λ: rounding may show one on a path that is level because it runs
+_STILL = 1e-9  # motion along the path, per change of ln λ, that is none
+
+
+@dataclass(frozen=True, slots=True)
+class CrackedBase:
+    """The limit of a block on its cracked base.
+
+    Attributes
+    ----------
+    factor : F, None where it is not at rest at any strength, or the path was lost
+    why_not : a sentence where there is none
+    runs : the motion runs at a settled λ; False: λ went through its least value with the block still at rest
+    creeps : it runs, but about an edge: F is that of the last point, below what a line of contact gives in the end
+    opening, velocity : (u,) elastic displacement and unit motion at the limit
+    forces : of the points of the bed
+    change : what splitting the triangles once more does to F, in parts of it (first order)
+    residual : unbalanced force in parts of the load; points : of the path
+    """
+
+    factor: float | None
+    why_not: str
+    runs: bool = False
+    creeps: bool = False
+    opening: Floats | None = None
+    velocity: Floats | None = None
+    forces: PointForces | None = None
+    change: float = 0.0
+    residual: float = 0.0
+    points: int = 0
+
+
+def cracked_base(bed: Bed, guess: float) -> CrackedBase:
+    """Follow the block on its elastic bed from a strength that holds it to the least that does.
+
+    Parameters
+    ----------
+    guess : a factor of safety of about the right size; the path starts at a quarter of it or less
+    """
+    for split in range(_SPLIT, _MOST_SPLIT + 1):
+        found = cracked_limit(bed, guess, split)
+        if found.factor is None or found.change < _FINER:
+            break
+    return found
+
+
+def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
+    """The same, on triangles that are split in four `split` times."""
+    path = _Path(bed, split)
+    begun = path.start(_STRONG / guess)
+    if begun is None:
+        return CrackedBase(None, "the block does not rest on its bed at any strength")
+    return path.follow(*begun)
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """A point of the path: u, ln λ, and the unit tangent of the two."""
+
+    u: Floats
+    log_reduction: float
+    tangent: Floats
+
+
+class _Path:
+    """The elastic path of one bed."""
+
+    def __init__(self, bed: Bed, split: int) -> None:
+        self.bed, self.split = bed, split
+        self.springs = Springs(bed, split)
+        self.points = self.work = 0
+
+    def forces(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
+    ) -> Unbalanced:
+        """The unbalanced forces, counted."""
+        self.work += 1
+        return self.springs.unbalanced(opening, slip, reduction, running, sticks)
+
+    def start(self, reduction: float) -> tuple[Floats, float] | None:
+        """The block at rest at a λ of this size, or at the least multiple of it where it is found to rest."""
+        bonded = self.springs.bonded
+        stuck = self._rest(bonded, reduction, sticks=True)
+        most = reduction * _HARDEST
+        while reduction < most:
+            for guess in (bonded, stuck):
+                found = None if guess is None else self._rest(guess, reduction)
+                if found is not None:
+                    return found, reduction
+            found = self._flow(bonded, reduction)
+            if found is not None:
+                return found, reduction
+            reduction *= 4.0
+        return None
+
+    def _rest(self, u: Floats, reduction: float, sticks: bool = False, slow: float = 0.0) -> Floats | None:
+        """Newton's method at one λ; with `slow` the block is held back from u by that part of its bonded stiffness."""
+        begin, drag = u, slow * self.springs.stiffness
+        at = self.forces(u, u, reduction, False, sticks)
+        out = at.out
+        size = float(np.abs(out).max())
+        for _ in range(2 * _MOST_NEWTON):
+            if size < _BALANCED * max(1.0, reduction):
+                return u
+            try:
+                step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
+            except np.linalg.LinAlgError:
+                return None
+            length = 1.0
+            while True:
+                trial = u + length * step
+                after = self.forces(trial, trial, reduction, False, sticks)
+                out_after = after.out - drag @ (trial - begin)
+                size_after = float(np.abs(out_after).max())
+                if size_after < size * (1.0 - 0.1 * length):
+                    break
+                length *= 0.5
+                if length < 0.05:
+                    return None
+            u, at, out, size = trial, after, out_after, size_after
+        return None
+
+    def _flow(self, u: Floats, reduction: float) -> Floats | None:
+        """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
+        slow, far = 1.0, _FLOWS * max(self.springs.first, math.sqrt(float(u @ u)))
+        for _ in range(_MOST_FLOW):
+            if self.work > _MOST_WORK:
+                return None
+            found = self._rest(u, reduction, slow=slow)
+            if found is None:
+                slow *= 4.0
+                if slow > _STIFFEST:
+                    return None
+                continue
+            moved = found - u
+            u, slow = found, slow * 0.2
+            rest = self._rest(u, reduction)
+            if rest is not None:
+                return rest
+            if math.sqrt(float(u @ u)) > far or not float(np.abs(moved).max()) > 0.0:
+                return None
+        return None
+
+    def _tangent(self, at: Unbalanced, reduction: float, scale: float, before: Floats) -> Floats | None:
+        """Unit tangent (u + 1,) in u / scale and ln λ, the way `before` points."""
+        count = len(self.bed.load)
+        matrix = np.empty((count + 1, count + 1))
+        matrix[:count, :count] = (at.by_opening + at.by_slip) * scale
+        matrix[:count, count] = at.by_reduction * reduction
+        matrix[count] = before
+        try:
+            tangent = np.linalg.solve(matrix, np.append(np.zeros(count), 1.0))
+        except np.linalg.LinAlgError:
+            return None
+        return np.asarray(tangent / math.sqrt(float(tangent @ tangent)), dtype=np.float64)
+
+    def _step(self, point: _Point, length: float) -> tuple[_Point, int] | None:
+        """The point of the path that lies `length` along the tangent, in parts of the displacement so far."""
+        scale = math.sqrt(float(point.u @ point.u))
+        count = len(point.u)
+        goal = np.append(point.u / scale, point.log_reduction)
+        y = goal + length * point.tangent
+        matrix = np.empty((count + 1, count + 1))
+        matrix[count] = point.tangent
+        last = math.inf
+        for used in range(_MOST_NEWTON):
+            u, reduction = y[:count] * scale, math.exp(float(y[count]))
+            at = self.forces(u, u, reduction, False)
+            size = float(np.abs(at.out).max())
+            if size < _BALANCED * max(1.0, reduction):
+                tangent = self._tangent(at, reduction, scale, point.tangent)
+                if tangent is None or float(tangent @ point.tangent) < 0.0:
+                    return None
+                # the next step is measured in this point's own displacement
+                renewed = np.append(tangent[:count] * scale, tangent[count])
+                renewed[:count] /= math.sqrt(float(u @ u))
+                return _Point(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
+            if used > 4 and size > last:
+                return None
+            last = size
+            matrix[:count, :count] = (at.by_opening + at.by_slip) * scale
+            matrix[:count, count] = at.by_reduction * reduction
+            try:
+                step = -np.linalg.solve(matrix, np.append(at.out, float(point.tangent @ (y - goal)) - length))
+            except np.linalg.LinAlgError:
+                return None
+            if not float(np.abs(step).max()) < 10.0 * max(length, 0.1):
+                return None
+            y = y + step
+        return None
+
+    def follow(self, u: Floats, reduction: float) -> CrackedBase:
+        """The path from a state of rest to the least λ."""
+        begun = self._begin(u, reduction)
+        if begun is None:
+            return CrackedBase(None, "the elastic path could not be followed")
+        point = best = begun
+        length, most, is_fold, ended = 0.1, _RUNS * math.sqrt(float(u @ u)), False, False
+        while not ended:
+            self.points += 1
+            if self.work > _MOST_WORK:
+                is_fold = True
+                break
+            found = self._step(point, length)
+            if found is None:
+                length /= 4.0
+                if length > _SHORTEST:
+                    continue
+                onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
+                if onward is None:
+                    is_fold = True
+                    break
+                after, length = onward, 0.01
+            else:
+                after, used = found
+                if point.tangent[-1] < 0.0 < after.tangent[-1]:
+                    fold = self._least(point, length)
+                    if fold.log_reduction < best.log_reduction:
+                        best, is_fold = fold, True
+                length = min(length * (2.0 if used < 5 else 1.0), 1.0)
+            if after.log_reduction < best.log_reduction:
+                best, is_fold = after, False
+            point = after
+            ended = math.sqrt(float(point.u @ point.u)) > most
+            if not ended and point.log_reduction > best.log_reduction + math.log(_TURNED):
+                onward = self._march(best, _BEYOND)  # it moves: to rest again farther off?
+                ended = onward is None
+                if onward is not None:
+                    point = best = onward
+                    length, is_fold = 0.01, False
+        running = self._running(best, _SAME if is_fold else _NEAR)
+        return running or self._at_rest(best, not is_fold)
+
+    def _begin(self, u: Floats, reduction: float) -> _Point | None:
+        """A state of rest as a point of the path that goes on toward less strength."""
+        at = self.forces(u, u, reduction, False)
+        down = np.append(np.zeros(len(u)), -1.0)
+        tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
+        return None if tangent is None else _Point(u, math.log(reduction), tangent)
+
+    def _march(self, point: _Point, least: float = _LEAST_PART) -> _Point | None:
+        """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
+        part = _MARCH
+        while part > least:
+            reduction = math.exp(point.log_reduction) * (1.0 - part)
+            rest = self._flow(point.u, reduction)
+            begun = None if rest is None else self._begin(rest, reduction)
+            if begun is not None:
+                return begun
+            part /= 5.0
+        return None
+
+    def _least(self, point: _Point, length: float) -> _Point:
+        """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
+        low, high, best = 0.0, length, point
+        at_low, at_high = float(point.tangent[-1]), 1.0
+        side = 0
+        for count in range(30):
+            at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
+            found = self._step(point, at)
+            if found is None:
+                break
+            turns = float(found[0].tangent[-1])
+            if found[0].log_reduction < best.log_reduction:
+                best = found[0]
+            if turns > 0.0:
+                high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
+                side = 1
+            else:
+                low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
+                side = -1
+            if abs(turns) < _LEVEL or high - low < _LEVEL * length:
+                break
+        return best
+
+    # -- the running state --------------------------------------------------------------------------------
+
+    def _running(self, point: _Point, near: float) -> CrackedBase | None:
+        """The state that the path settles to, by Newton's method; None where there is none as near as that in λ."""
+        motion = _motion(point)
+        closed = []
+        for rows in self.springs.rows:
+            if (rows[:, 0] @ point.u).min() < 0.0:
+                closed.append(rows[:, 0])
+        free, rest = split_space(np.concatenate(closed)) if closed else (np.eye(len(motion)), None)
+        if rest is None or free.shape[1] == 0 or rest.shape[1] == 0:
+            return None
+        along, elastic = free.T @ motion, rest.T @ point.u
+        if float(along @ along) < 0.5:
+            return None
+        along = along / math.sqrt(float(along @ along))
+        reduction = math.exp(point.log_reduction)
+        first, count = free.shape[1], len(motion)
+        matrix = np.zeros((count + 1, count + 1))
+        for _ in range(3 * _MOST_NEWTON):
+            v, w = free @ along, rest @ elastic
+            at = self.forces(w, v, reduction, True)
+            out = np.append(at.out, 0.5 * (float(along @ along) - 1.0))
+            size = float(np.abs(out).max())
+            if size < 1e-13 * max(1.0, reduction):
+                break
+            matrix[:count, :first] = at.by_slip @ free
+            matrix[:count, first:count] = at.by_opening @ rest
+            matrix[:count, count] = at.by_reduction
+            matrix[count, :first] = along
+            unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+            try:
+                step = -np.linalg.solve(matrix * unit, out) * unit
+            except np.linalg.LinAlgError:
+                return None
+            along, elastic = along + step[:first], elastic + step[first:count]
+            reduction += float(step[count])
+            if not (reduction > 0.0 and float(np.abs(step).max()) < 1e9):
+                return None
+        else:
+            if size > 1e-9 * max(1.0, reduction):
+                return None
+        if abs(reduction / math.exp(point.log_reduction) - 1.0) > near:
+            return None
+        velocity, slip = v / math.sqrt(float(v @ v)), v
+        change = self._change(lambda springs: springs.unbalanced(w, slip, reduction, True), matrix)
+        return CrackedBase(
+            1.0 / reduction, "", True, False, w, velocity, self.springs.carried(w, v, reduction, True),
+            change / reduction, size, self.points,
+        )  # fmt: skip
+
+    def _at_rest(self, point: _Point, creeps: bool) -> CrackedBase:
+        """A limit at a point of the path."""
+        u, reduction = point.u, math.exp(point.log_reduction)
+        scale, count = math.sqrt(float(u @ u)), len(u)
+        at = self.forces(u, u, reduction, False)
+        matrix = np.empty((count + 1, count + 1))
+        matrix[:count, :count] = (at.by_opening + at.by_slip) * scale
+        matrix[:count, count] = at.by_reduction * reduction
+        matrix[count] = point.tangent
+        change = self._change(lambda springs: springs.unbalanced(u, u, reduction, False), matrix)
+        velocity = _motion(point)
+        return CrackedBase(
+            1.0 / reduction, "", creeps, creeps, u, velocity, self.springs.carried(u, u, reduction, False), change,
+            float(np.abs(at.out).max()), self.points,
+        )  # fmt: skip
+
+    def _change(self, forces: Callable[[Springs], Unbalanced], matrix: Floats) -> float:
+        """What the last unknown moves by when triangles are split once more, to first order."""
+        finer = forces(Springs(self.bed, self.split + 1)).out
+        try:
+            return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
+        except np.linalg.LinAlgError:
+            return math.inf
+
+
+def _motion(point: _Point) -> Floats:
+    """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
+    motion = point.tangent[:-1]
+    size = math.sqrt(float(motion @ motion))
+    if size < _STILL:
+        motion, size = point.u, math.sqrt(float(point.u @ point.u))
+    return np.asarray(motion / size, dtype=np.float64)
