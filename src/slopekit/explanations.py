@@ -205,8 +205,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "W331": "Give the profile as far as the slip surface reaches.",
     "W332": "The block may fail below its static bound. Judge by fos, and use the bound to see how far it can be off.",
     "W316": "Joints have 0 to a few hundred kPa of cohesion. 50000 is 50 kPa typed in Pa: write '50000 Pa' or 50.",
-    "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound, fos.all_pairs_failed, fos.lowest or "
-    "(on surfaces) fos.fellenius, fos.janbu, fos.bishop, fos.all_equilibrium with a number: fos >= 1.5.",
+    "E169": "An acceptance rule compares fos, fos.limit, fos.closed_form, fos.static_bound, fos.all_pairs_failed, "
+    "fos.lowest or (on surfaces) fos.fellenius, fos.janbu, fos.bishop, fos.all_equilibrium with a number: fos >= 1.5.",
     "E170": "A slip surface is an ellipsoid (centre, radii), a sphere (centre, radius), a horizontal cylinder along y "
     "(centre, radius, length) or a mesh. Its normals are true (analytic), smoothed (meshes) or facet (a study).",
     "E171": "A radius, a length and an edge are more than 0.",

@@ -14,10 +14,10 @@ from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rockmass import J1, J2
 from slopekit.loads import Loads
-from slopekit.preie.polygon_bed import Bed, Springs, bed_of
 from slopekit.preie.cracked import cracked_base, cracked_limit
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, build_model
+from slopekit.preie.polygon_bed import Bed, Springs, bed_of
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
 

@@ -20,8 +20,8 @@ from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
 from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
-from slopekit.preie.passes import Outcome
 from slopekit.preie.blocks import Basis
+from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
 from slopekit.preie.untied import UntiedSearch, all_blocks_untied
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
@@ -94,9 +94,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     with clock("loads"):
         loads = assembly_loads(assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
     with clock("solve"):
-        ravelling = ravel(
-            assembly, loads, joint_strength(scene.strengths), design.mechanisms
-        )
+        ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
     with clock("mechanisms"):
         found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     with clock("all_pairs"):
@@ -286,8 +284,8 @@ def _notices(
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest, the peak of the elastic path; limits of such slopes were up to 4 % lower")  # fmt: skip
     if limit.loads_last and first.fos:
-        yield Notice("W361", "with all loads on at once the blocks find no limit state: weight and water came first, the "
-                     "other loads after them, and F is where they just all fit on")  # fmt: skip
+        yield Notice("W361", "with all loads on at once the blocks find no limit state: weight and water came first, "
+                     "the other loads after them, and F is where they just all fit on")  # fmt: skip
     if limit.loads_last and first.fos is None and limit.carried is not None and limit.carried < 1.0:
         yield Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
                      "water, and no friction lets them carry all: there is no factor of safety")  # fmt: skip

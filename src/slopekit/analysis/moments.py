@@ -19,11 +19,11 @@ from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import opening_pairs
 from slopekit.arrays import Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
-from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
 from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
 
 _MOMENTS = 1e-6  # as in `limit`: a factor lower than that of the forces alone by more than this part
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere

@@ -12,8 +12,8 @@ from slopekit.orientation import Line, number, parse_plane
 from slopekit.units import quantity
 
 RULE_NAMES = (
-    "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.fellenius", "fos.janbu",
-    "fos.bishop", "fos.all_equilibrium",
+    "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest",
+    "fos.fellenius", "fos.janbu", "fos.bishop", "fos.all_equilibrium",
 )  # fmt: skip
 _RULE = re.compile(r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$")
 _BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)$")

@@ -103,7 +103,10 @@ class Bed:
     """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load."""
 
     def __init__(
-        self, model: AssemblyModel, drive: Drive, bond: Floats | None = None,
+        self,
+        model: AssemblyModel,
+        drive: Drive,
+        bond: Floats | None = None,
         ratio: float | Floats = SHEAR_TO_NORMAL,
     ) -> None:
         self.model, self.drive = model, drive
@@ -150,17 +153,16 @@ class Bed:
             return working
         of_block = working.reshape(self.model.load.shape)
         own = np.sqrt((of_block * of_block).sum(axis=1))
-        return (of_block / np.maximum(own, 1e-12 * float(own.max()))[:, None]).ravel()
+        parts: Floats = of_block / np.maximum(own, 1e-12 * float(own.max()))[:, None]
+        return parts.ravel()
 
     def _summed(self, of_pairs: Floats) -> Floats:
-        sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups)
+        sums: Floats = np.bincount(self.group_of_pair, of_pairs, self.groups).astype(np.float64, copy=False)
         return sums
 
     # -- the law ------------------------------------------------------------------------------------------------------
 
-    def forces(
-        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: Forces | None = None
-    ) -> Forces:
+    def forces(self, at: Floats, parameter: float, frozen: Floats | None = None, modes: Forces | None = None) -> Forces:
         """Forces at the displacement (N,).
 
         Parameters
@@ -326,9 +328,7 @@ class Bed:
 
     # -- Newton's method ----------------------------------------------------------------------------------------------
 
-    def step(
-        self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None
-    ) -> "Step":
+    def step(self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None) -> "Step":
         """Balance of the forces and of viscous flow away from `before`.
 
         Newton downhill; where that stalls full steps, which may climb; without `work` then passes of frozen friction.

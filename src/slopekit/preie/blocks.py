@@ -82,9 +82,7 @@ class BlocksLimit:
     bound_steps: int
 
 
-def limit_of_blocks(
-    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL
-) -> BlocksLimit:
+def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
     """The limit factor of an assembly with its static bound.
 
     Parameters
@@ -167,9 +165,7 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     bed = Bed(model, Drive(model.load.ravel()))
     found = follow(bed, 1.0)
     outcome = Outcome.NO_DRIVING_FORCE if found.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
-    return replace(
-        _ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal)
-    )
+    return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 
 
 def _opened(model: AssemblyModel, found: PathLimit, bond: Floats) -> Bools | None:
@@ -178,9 +174,9 @@ def _opened(model: AssemblyModel, found: PathLimit, bond: Floats) -> Bools | Non
         return None
     opening, slip = model.opening_and_slip(found.motion)
     size = np.sqrt((slip * slip).sum(axis=1))
-    beyond = opening - (np.minimum(model.tan_dilation, found.reduction * model.tan_friction) * size)[
-        model.group_of_pair
-    ]
+    beyond = (
+        opening - (np.minimum(model.tan_dilation, found.reduction * model.tan_friction) * size)[model.group_of_pair]
+    )
     least = _OPENS if found.outcome is PathOutcome.LIMIT else _OPENS_ROUGHLY
     fastest = max(float(np.abs(opening).max()), float(size.max()))
     opens = np.bincount(model.pair_contact, beyond > least * fastest, len(model.plus)) > 0
@@ -305,4 +301,3 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         found, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal, friction=forces.friction,
         residual=forces.residual / bed.load_size,
     ), part, work  # fmt: skip
-

@@ -17,6 +17,7 @@ measures how far forces are from it at one λ; Newton with the dual finds the en
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,9 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         return StaticBound(None, True, False, program.release(), steps)
     at = found.at
     locked = at.load_factor < _NOTHING
-    return StaticBound(1.0 / at.load_factor if found.settled and not locked else None, False, locked, at.velocity, steps)
+    return StaticBound(
+        1.0 / at.load_factor if found.settled and not locked else None, False, locked, at.velocity, steps
+    )
 
 
 def _is_lifted(found: ProgramResult) -> bool:
@@ -209,7 +212,7 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
 Solved = tuple[Floats | None, Floats, Floats]
 
 
-def _linear(balance: Floats, right: Floats, room: Floats, least: Floats, upper: Floats, tangents: int) -> Solved:
+def _linear(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int) -> Solved:
     """min s with |T| <= room, by a linear program (HiGHS)."""
     from scipy import sparse
     from scipy.optimize import linprog
@@ -233,7 +236,7 @@ def _linear(balance: Floats, right: Floats, room: Floats, least: Floats, upper: 
     return found.x, found.eqlin.marginals, marginal[:groups] + marginal[groups:]
 
 
-def _conic(balance: Floats, right: Floats, room: Floats, least: Floats, upper: Floats, tangents: int) -> Solved:
+def _conic(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int) -> Solved:
     """The same by a cone program (Clarabel)."""
     import clarabel
     from scipy import sparse

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
 from slopekit.preie.linear import split_space
+from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
 
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
 _FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done

@@ -36,7 +36,7 @@ def segment_pairs(patches: Patches, kept: Ints) -> tuple[Floats, Ints, Floats]:
 
 
 def polygon_pairs(patches: Patches, kept: Ints, refine: Ints) -> tuple[Floats, Ints, Floats]:
-    """Node pairs of flat convex polygons, fanned from the area centroid, each triangle split in four `refine` (k,) times.
+    """Node pairs of flat convex polygons, fanned from the area centroid, each triangle split `refine` (k,) times.
 
     Which corner comes first does not matter. A triangle is its own fan, and a parallelogram that is not split needs
     one pair in its middle: A/12 on each corner and 2A/3 there is exact to degree two as well.

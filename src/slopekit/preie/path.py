@@ -7,7 +7,7 @@ Joints are elastic without tension (`preie.bed`). Gravity comes on at a strength
     L   in a section, once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
 
 That limit is the factor. Where C or L do not get there the path starts again nearer to the last state at rest; where
-nothing helps the elastic peak, the factor at which the blocks were last at rest, stands as a bracket's end, and says so.
+nothing helps the elastic peak, the factor at which the blocks were last at rest, stands for it, and says so.
 With the load instead of the strength as what changes (`Drive.ramp`) the same gives a load multiplier.
 """
 

@@ -272,10 +272,7 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
         moved = (flow.at - flow.before).reshape(model.load.shape)
         speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
         movers = model.moving[speed > _FLOWING * float(speed.max())]
-        if np.isin(movers, group).all():
-            group = _with_neighbours(assembly, group, blocks)
-        else:
-            group = movers
+        group = _with_neighbours(assembly, group, blocks) if np.isin(movers, group).all() else movers
     return None
 
 
@@ -306,9 +303,7 @@ def _components(assembly: Assembly, among: Ints) -> list[Ints]:
     return np.split(among[order], ends)
 
 
-def _model(
-    scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None
-) -> tuple[AssemblyModel, Ints] | None:
+def _model(scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None) -> tuple[AssemblyModel, Ints] | None:
     """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches."""
     assembly, patches, loads = scene.assembly, scene.assembly.patches, scene.loads
     held = np.ones(len(assembly), dtype=bool)

@@ -45,10 +45,10 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
     law = stiffness.tangential
     bond = np.ones(len(model.control_area))
     ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
-    at: Floats | None = None
+    at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
     for _ in range(_ROUNDS):
         bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-        start = bed.elastic_displacement if at is None else at
+        start = at
         step = bed.step(start, start, 1.0, 0.0)
         forces, at = step.forces, step.at
         if not step.settled:
@@ -64,7 +64,9 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
             stiff = law.modulus_number * law.water_unit_weight * (traction / law.atmospheric_kpa) ** law.exponent
             shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
             ultimate = traction * math.tan(math.radians(law.friction_angle_deg))
-            ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal)
+            ratio = np.sqrt(ratio) * np.sqrt(
+                stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal
+            )
         moved = float(np.abs(at - start).max()) / float(np.abs(at).max())
         if not parted.any() and (moved < _STEADY or not isinstance(law, CloughDuncan)):
             break

@@ -112,8 +112,9 @@ class Stiffness:
             place = (side[:, :, None] * u + np.arange(u)).reshape(len(side), -1)
             row, column = np.broadcast_arrays(place[:, :, None], place[:, None, :])
             self._dense_index = np.where((row < size) & (column < size), row * size + column, size * size).ravel()
-        matrix = np.bincount(self._dense_index, values.ravel(), size * size + 1)[:-1]
-        return matrix.reshape(size, size)
+        summed = np.bincount(self._dense_index, values.ravel(), size * size + 1)
+        matrix: Floats = summed[:-1].astype(np.float64).reshape(size, size)
+        return matrix
 
     def _chosen(self, symmetric: bool) -> "Dense | Band | Fronts":
         if self.way is not None:

@@ -5,7 +5,7 @@ Each rung is one way to a factor of safety with the time that it took. What the 
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -304,9 +304,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
     part = failures[0].parts[0]
     for ratio in _RATIOS:
         limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
-        yield Rung(
-            "stiffness", f"k_t / k_n {ratio:g}", len(part.model.control_area), ratio, limit.factor, seconds
-        )
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", len(part.model.control_area), ratio, limit.factor, seconds)
     for level in range(3 if refines(solved) else 1):
         model = part.model
         if level:

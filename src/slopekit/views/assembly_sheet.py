@@ -183,7 +183,7 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
 def _factors(result: Result) -> list[str]:
     fos, dilating = result.fos, dilates(result.design)
     compared = fos.closed_form is not None or result.agree is not None
-    limit = f"{factor_text(fos.limit)}  limit of the elastic path, PRE-IE{', joints dilate as given' if dilating else ''}"
+    limit = f"{factor_text(fos.limit)}  limit, PRE-IE{', joints dilate as given' if dilating else ''}"
     if fos.limit is None:
         limit += f" ({result.status_text})"
     entries = [limit + (f"       {verdict(result)}" if compared else "")]

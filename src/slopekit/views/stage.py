@@ -146,7 +146,9 @@ class Stage:
         limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), fos.get("lowest")
         parts = [str(self.document.get("status_text", ""))]
         parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} (limit, PRE-IE)")
-        parts += [] if lowest is None or limit is None or lowest > 0.99 * limit else [f"same mechanism from {lowest:.4f}"]
+        parts += (
+            [] if lowest is None or limit is None or lowest > 0.99 * limit else [f"same mechanism from {lowest:.4f}"]
+        )
         searched = fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
         parts += [] if closed is None else [f"closed form {closed:.4f}"]
