@@ -40,7 +40,7 @@ def test_json_is_one_document_with_the_contracts_keys() -> None:
         "slopekit", "kind", "status", "fos", "difference", "agree", "moments_govern", "geometry", "forces_kn", "model",
         "mechanism", "inputs", "defaults", "warnings", "timing_s",
     }  # fmt: skip
-    assert document["fos"].keys() == {"limit", "closed_form", "static_bound", "all_pairs_failed"}
+    assert document["fos"].keys() == {"limit", "closed_form", "static_bound", "all_pairs_failed", "lowest", "highest"}
     assert document["fos"]["all_pairs_failed"] is None
     assert document["geometry"]["line"] == pytest.approx({"trend_deg": 180.0, "plunge_deg": 22.9098}, abs=1e-4)
     assert document["geometry"]["areas_m2"].keys() == {"J1", "J2"}

@@ -181,8 +181,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "thousand times the limit (a block that cannot dilate its way out is locked). The limit does not depend on it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
-    "W312": "Where moments open part of a joint the answer depends on the node pairs; this is how much the last "
-    "refinement still moved it. --refine N goes on.",
+    "W312": "Where moments open part of a joint, or a contact in space twists, the answer depends on the node pairs; "
+    "this is how much the last refinement still moved it. --refine N goes on (one block).",
     "W313": "The limit is above 1, yet on an elastic bed no equilibrium was found at full strength: pairs that open "
     "there lose their cohesion one after the other, or Newton's method lost its way. Displacements are not given.",
     "W314": "The collapse motion opens part of a joint that has cohesion. Three rules say what is left of it. Cracked "
@@ -194,8 +194,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "W318": "Bolts or forces are stronger than what drives the wedge down. The factor says how far it is from being "
     "pushed up the slope; more of the same force makes it smaller.",
     "W319": "With mean pressures each surface has its own: u=5kPa,8kPa,20kPa gives J1, J2 and the crack.",
-    "W317": "What opens and what holds kept trading places between the passes (mostly in a wedge on its edges). "
-    "The lowest factor they came to is printed, with the range; the answer is no surer than that.",
+    "W317": "One block: what opens and what holds kept trading places between the passes (mostly in a wedge on its "
+    "edges); the lowest factor they came to is printed, with the range. Many blocks: the motion did not settle, and "
+    "the factor is that of the last state at rest, the peak of the elastic path. The answer is no surer than that.",
     "W328": "A seismic load is meant to drive the block. Its trend is where it pushes the rock: out of the slope. On a "
     "surface below a profile x is east (090) and -x west (270).",
     "W329": "A joint that opens has lost its tensile strength, so the limit and the closed forms count none of it. It "
@@ -291,12 +292,6 @@ EXPLANATIONS: Mapping[str, str] = {
     "E224": "The volumes of the blocks must sum to the bench, each joint face must have its other side, and corners "
     "must lie on their planes. This is a bug of ours: please report it. Another offset of a joint set may avoid it.",
     "E225": "Blocks smaller than min_volume are joined to neighbours; nothing is left when the whole bench is smaller.",
-    "W347": "Every result holds the forces of its node pairs against the loads. Here they balance less well than the "
-    "solver settles: a block stands so near to tipping that a change of its load this small decides, or normal forces "
-    "still trade places. See `slopekit check`.",
-    "W348": "Strength divided by k has to divide the factor by k. Here it does not: without dilation blocks may have "
-    "several limit states, and which of them is found depends on the way there. The lowest is the one to judge by; the "
-    "static bound stands above them all.",
     "E270": "check looks at one design file, or with --suite at the published and exact cases that slopekit ships.",
     "E271": "The suite is fixed: its inputs are those of its sources. Copy a case to a file of your own to change it.",
     "E273": "A chart needs factors of safety: a design that is lifted, falls or stands without strength has none, and "
@@ -337,9 +332,6 @@ EXPLANATIONS: Mapping[str, str] = {
     "one plane.",
     "W338": "Blocks at the ends, the back and the bottom are held, because the rock goes on there. Where the "
     "mechanism touches them, the size of the model may matter: make it longer or deeper and compare.",
-    "W339": "In large benches blocks deep below the free surface are held while the first mechanism is looked "
-    "for; one more layer is then set free to see that it changes nothing. That is a check, not a proof: a "
-    "mechanism that only shows when many more layers move would be missed.",
     "W340": "Goodman & Bray's method does not cover this design, or its forces are not admissible: the table may "
     "be shown, it is not compared.",
     "W341": "The static bound lets joints dilate with their reduced friction angle; where it lies far above the "
@@ -353,6 +345,13 @@ EXPLANATIONS: Mapping[str, str] = {
     "they are not.",
     "W345": "A mesh that crosses itself cannot be intersected with its neighbours: whether they overlap is not "
     "known.",
+    "W361": "With the strength that just holds them the blocks come to no limit state when all loads come on at "
+    "once. Weight and water come on first then, earthquake and forces after them, and the factor is that of the "
+    "strength at which they just all fit on: a limit state as well, of another order of loads.",
+    "W362": "With earthquake and forces coming on last, after weight and water, the blocks fail before all of them "
+    "act, whatever the strength: they tip or are pushed off, which friction does not hinder. The message says what "
+    "part of these loads they carry at full strength. The static bound is no answer then: it counts forces that lock "
+    "blocks.",
     "W346": "A block that shares no contact with any other falls if it is not fixed; the factor of safety of the "
     "others does not depend on it.",
 }  # fmt: skip

@@ -29,7 +29,6 @@ class AssemblyScene:
     unit_weights : (n,) kN/m³; pressures : (k,) kPa on each patch
     seismic : (3,) parts of the weight; pushes : forces on blocks by index
     outlines : x, z of the blocks of a section by name
-    idle : (k,) patches that nothing presses on at the limit, None where there are none
     checks : figures of what was checked; left_out : in words
     """
 
@@ -46,7 +45,6 @@ class AssemblyScene:
     left_out: tuple[str, ...]
     notices: tuple[Notice, ...]
     thickness: float | None = None
-    idle: Bools | None = None
     origin: Floats = field(default_factory=lambda: np.zeros(3))
 
 
@@ -125,23 +123,13 @@ def _topple(design: ToppleDesign) -> AssemblyScene:
     base, sides = design.strength(design.base), design.strength(design.sides)
     joint = assembly.patches.joint
     shown = dict(zip(design.block_names[: len(heights)], outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
-    left_out = [
-        "the risers of the base at the limit (they could only push columns down the slope; the bound counts them)"
-    ]
-    left_out += ["the rows do not touch: each is solved for itself"] if design.rows > 1 else []
+    left_out = ["the rows do not touch: each is solved for itself"] if design.rows > 1 else []
     return AssemblyScene(
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
         np.full(len(assembly), design.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
         np.zeros(3), (), shown, {}, tuple(left_out), (), thickness=design.thickness_m,
-        idle=joint == RISER if _falls_freely(design) else None,
     )  # fmt: skip
-
-
-def _falls_freely(design: ToppleDesign) -> bool:
-    """Whether nothing but weight and an earthquake out of the slope drives the columns: then no riser holds one."""
-    trend = design.seismic.trend_deg
-    return not design.forces and not design.bolts and (trend is None or trend > 180.0)
 
 
 def _blocks(design: BlocksDesign) -> AssemblyScene:

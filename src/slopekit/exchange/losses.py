@@ -58,21 +58,9 @@ def lost_of_columns(source: Source) -> list[str]:
     if document["kind"] != "topple":
         return []
     lost = []
-    if inputs["base_step_m"] and _falls_freely(inputs):
-        effect = "will be higher"
-        if any(inputs["pressures_kpa"]):  # water on the risers may lower it again
-            effect = "may be higher"
-        lost.append(f"that the risers of the base hold nothing: the factor {effect}, which is not on the safe side: "
-                    "risers push back there")  # fmt: skip
     if inputs["rows"] > 1:
         lost.append("that rows do not touch: here smooth joints lie between them")
     return lost
-
-
-def _falls_freely(inputs: Mapping[str, Any]) -> bool:
-    """Whether the limit was found without the risers: nothing but weight and an earthquake out of the slope acts."""
-    trend = inputs["seismic"]["trend_deg"]
-    return not inputs["forces"] and not inputs["bolts"] and (trend is None or trend > 180.0)
 
 
 def rows_apart(source: Source) -> list[Pair]:

@@ -13,6 +13,7 @@ friction: there is no factor, but the part of the loads that they carry at full 
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -96,16 +97,15 @@ def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SH
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
-    bond, steps = np.ones(len(model.control_area)), 0
-    for _ in range(_MOST_ROUNDS):
+    steps, loads_last, carried = 0, False, None
+
+    def once(bond: Floats) -> PathLimit:
+        nonlocal steps, loads_last, carried
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
         steps += work
-        opened = _opened(model, found, bond)
-        if opened is None or not opened.any():
-            break
-        bond = np.where(opened, 0.0, bond)
-    else:
-        found = replace(found, outcome=PathOutcome.GAVE_UP)
+        return found
+
+    found, bond = _with_bonds(model, once)
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
     if limit.factor is None or not ranged or not (model.unknowns == 3 or len(model.load) <= _RANGED):
         return limit
@@ -126,6 +126,7 @@ def _limit(
     """What the path says, once every block has vouched for it."""
     factor = 1.0 / found.parameter if found.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
+    normal = np.maximum(found.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
     if found.outcome is PathOutcome.STANDS:
         outcome = Outcome.NO_DRIVING_FORCE
@@ -135,7 +136,7 @@ def _limit(
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
         if found.peak is not None and basis is Basis.PEAK:
             change = abs(found.peak[1] / found.peak[0] - 1.0)
-        off = float(np.abs(model.unbalanced(found.normal, found.friction)).max())
+        off = float(np.abs(model.unbalanced(normal, found.friction)).max())
         if top is not None and factor > top > factor * (1.0 - _ABOVE):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
         if found.outcome is PathOutcome.GAVE_UP or off > _BALANCED or (top is not None and factor > top):
@@ -144,7 +145,7 @@ def _limit(
         factor, basis = None, Basis.NONE
     velocity = frozen(found.motion.reshape(model.load.shape))
     return BlocksLimit(
-        outcome, factor, basis, change, velocity, frozen(found.normal), frozen(found.friction), frozen(bond), top,
+        outcome, factor, basis, change, velocity, frozen(normal), frozen(found.friction), frozen(bond), top,
         None, None, carried, loads_last, steps, bound.steps,
     )  # fmt: skip
 
@@ -168,20 +169,43 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 
 
-def _opened(model: AssemblyModel, found: PathLimit, bond: Floats) -> Bools | None:
-    """Node pairs (m,) that still bond, of contacts that a settled motion opens; None where it is not settled."""
-    if not found.found or not (model.cohesion * bond).any():
-        return None
+def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tuple[PathLimit, Floats]:
+    """The path with the bonds (m,) that its own motion leaves whole.
+
+    A contact that a settled motion opens loses its cohesion; once no more are lost, those that the last motion keeps
+    closed get theirs back. One that opens twice has lost it.
+    """
+    contacts = len(model.plus)
+    bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
+    lost, times = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=np.int64)
+    bond = np.ones(len(model.control_area))
+    for _ in range(_MOST_ROUNDS):
+        found = once(bond)
+        if not found.found or not bonded.any():
+            return found, bond
+        opens = _opens(model, found)
+        breaks = opens & bonded & ~lost
+        back = lost & ~opens & (times < 2)
+        if breaks.any():
+            lost, times = lost | breaks, times + breaks
+        elif back.any():
+            lost = lost & ~back
+        else:
+            return found, bond
+        bond = np.where(lost[model.pair_contact], 0.0, 1.0)
+    return replace(found, outcome=PathOutcome.GAVE_UP), bond
+
+
+def _opens(model: AssemblyModel, found: PathLimit) -> Bools:
+    """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself."""
     opening, slip = model.opening_and_slip(found.motion)
     size = np.sqrt((slip * slip).sum(axis=1))
-    beyond = (
-        opening - (np.minimum(model.tan_dilation, found.reduction * model.tan_friction) * size)[model.group_of_pair]
-    )
+    dilation = np.minimum(model.tan_dilation, found.reduction * model.tan_friction)
     least = _OPENS if found.outcome is PathOutcome.LIMIT else _OPENS_ROUGHLY
     fastest = max(float(np.abs(opening).max()), float(size.max()))
-    opens = np.bincount(model.pair_contact, beyond > least * fastest, len(model.plus)) > 0
-    opened: Bools = opens[model.pair_contact] & (bond > 0.0) & (model.cohesion > 0.0)
-    return opened
+    apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
+    opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
+    return opens
 
 
 def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[PathLimit, BlocksLimit]:
@@ -190,15 +214,9 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     The limit of the elastic path in the load: its own loads come on first, then the ramp; contacts that open lose
     their cohesion as in the limit of strength. The limit that is returned has the factor 1/λ.
     """
-    bond = np.ones(len(model.control_area))
     own, grows = model.load.ravel(), ramp.ravel()
     first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
-    for _ in range(_MOST_ROUNDS):
-        found = follow(Bed(model, Drive(own, grows, reduction), bond), first)
-        opened = _opened(model, found, bond)
-        if opened is None or not opened.any():
-            break
-        bond = np.where(opened, 0.0, bond)
+    found, bond = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
     basis = Basis.LIMIT if found.outcome is PathOutcome.LIMIT else Basis.SETTLED
     return found, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(found.motion.reshape(model.load.shape)),
@@ -225,17 +243,14 @@ def _on_path(
         return found, False, None, bed.factorisations
     if live:
         last, carried, work = _loads_last(model, bond, ratio)
-        work += bed.factorisations
-        if last is not None:
-            return last, True, carried, work
-        return replace(found, outcome=PathOutcome.NO_REST, parameter=None), True, carried, work
-    if found.outcome is PathOutcome.BRACKET and found.started > start:
+        return last, True, carried, work + bed.factorisations
+    if found.outcome is PathOutcome.BRACKET and bound.factor is not None and found.started > start:
         found = replace(found, outcome=PathOutcome.NO_REST, parameter=None)  # a rest that needs many times the bound
     return found, False, None, bed.factorisations
 
 
-def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathLimit | None, float | None, int]:
-    """F where the loads beside weight and water, coming on last, all fit on; None where they do at no strength.
+def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathLimit, float | None, int]:
+    """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
 
     Returns
     -------
@@ -259,8 +274,9 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         return limit_state(bed, found.displacement, found.motion, reduction)
 
     full = carried(1.0)
+    nowhere = replace(full, outcome=PathOutcome.NO_REST, parameter=None)  # they go as they do at full strength
     if full.parameter is None and full.outcome is not PathOutcome.STANDS:
-        return None, None, work
+        return nowhere, None, work
     part = full.parameter if full.parameter is not None else math.inf
     fits, fails = (1.0, None) if part >= 1.0 else (None, 1.0)
     found = full
@@ -273,7 +289,7 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         if fits is not None and fails is not None:
             break
     if fits is None or fails is None:
-        return None, part, work
+        return nowhere, part, work
     for _ in range(40):
         state = exact(found, fails)
         if state is not None and min(fits, fails) * (1 - 1e-9) <= (state.parameter or 0.0) <= max(fits, fails) * (
@@ -289,7 +305,7 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         else:
             fits = reduction
     if part < 1.0:
-        return None, part, work
+        return nowhere, part, work
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)

@@ -189,7 +189,7 @@ def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[flo
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=all_pairs(search))
-    ends = "" if refines(solved) else "without cohesion the ends of contacts carry all they can"
+    ends = "" if refines(solved) else "a flat contact of a section slips as one, and its ends turn it"
     return result, assembly_ladder(solved), assembly_at_other_strengths(solved), ends
 
 
