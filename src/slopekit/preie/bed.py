@@ -284,9 +284,13 @@ class Bed:
             dilation = np.where(there.slips, self._dilation(parameter), 0.0)
             pushed = self._summed(np.where(there.touching, self.area, 0.0))
             stiff = self.spring + parameter * self.friction * dilation * pushed
-            beyond = -weaker / stiff
+            # where the joint dilates by all of its reduced friction angle that angle falls too
+            steeper = np.where(self.model.tan_dilation > parameter * self.friction, self.friction, 0.0)
+            carried = np.sqrt((there.friction * there.friction).sum(axis=1))
+            pressed = np.where(there.slips, steeper * (there.slip - carried / self.spring), 0.0)
+            beyond = -(weaker + parameter * self.friction * pushed * pressed) / stiff
             weaker = -self.spring * beyond
-            normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond)[self.group_of_pair]
+            normal = np.where(there.touching, self.area, 0.0) * (dilation * beyond + pressed)[self.group_of_pair]
         changed: Floats = self.columns @ np.concatenate([normal, (-there.direction * weaker[:, None]).ravel()])
         return changed
 

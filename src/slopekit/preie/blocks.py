@@ -32,10 +32,12 @@ _OPENS, _OPENS_ROUGHLY = 1e-6, 1e-4  # of the fastest motion: exact limit states
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
+_LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 _WEAKER = (0.8, 0.6, 0.4, 0.2, 0.1, 0.05)  # strengths tried where the loads fit on at the full one
 _STRONGER = (3.0,)  # and where they do not: friction that is no help by then never is
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
+_PROPOSED = 600  # unknowns of a section from which a limit is proposed before the path is followed
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -237,14 +239,21 @@ def _on_path(
     start = _START / min(bound.factor or strongest, strongest)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    found = proposed(bed, bond, ratio) if bed.tangents > 1 else None
+    found = proposed(bed, bond, ratio) if bed.tangents > 1 or bed.size > _PROPOSED else None
+    if found is not None and float(np.abs(model.unbalanced(found.normal, found.friction)).max()) > _BALANCED:
+        found = None
     found = found or follow(bed, start, brief=live)
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations
     if live:
         last, carried, work = _loads_last(model, bond, ratio)
         return last, True, carried, work + bed.factorisations
-    if found.outcome is PathOutcome.BRACKET and bound.factor is not None and found.started > start:
+    if (
+        found.outcome is PathOutcome.BRACKET
+        and bound.factor
+        and found.parameter
+        and found.parameter * bound.factor > _LOCKED
+    ):
         found = replace(found, outcome=PathOutcome.NO_REST, parameter=None)  # a rest that needs many times the bound
     return found, False, None, bed.factorisations
 

@@ -16,7 +16,7 @@ measures how far forces are from it at one λ; Newton with the dual finds the en
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,9 @@ _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly a
 _LINEARISED, _SETTLED = 20, 1e-6  # cone programs at the most, and how little the last may change λ
 _SHED = 1e-3  # of the load: nothing balances it
 _BALANCED = 2e-2  # largest unbalanced force of a bound that says so
+_FALLS = 0.2  # of λ: no linearisation is trusted further down
 _NOTHING = 1e-6  # λ below this: forces balance without friction, or joints free to dilate lock the blocks
+_HARDLY_MOVES, _CLEANED = 1e-3, 1500  # of the fastest: opening or slip that is made none; unknowns up to which it is
 _MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is none
 _REACHES = 1e-9  # distance from the mechanism's forces, in parts of the load, that is none
 _NEAR = 1e-5  # how near an end of the range is found, in parts of the factor
@@ -99,15 +101,18 @@ def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) 
         tolerance = min(max(0.03 * changed, _CLOSE), 1e-3)
         found = program.solve(strengths, program.start, tolerance, _STEPS)
         steps += found.steps
-        if _is_lifted(found) or found.at.load_factor < _NOTHING:
+        if _is_lifted(found):
             break
         changed = abs(found.at.load_factor / reduction - 1.0)
         if changed < (_SETTLED if found.settled else _NEARLY) and found.at.complementarity < _NEARLY * reduction:
             break
-        reduction, summed = found.at.load_factor, model.by_group(found.at.normal)
+        reduction, summed = max(found.at.load_factor, _FALLS * reduction), model.by_group(found.at.normal)
+        if reduction < _NOTHING:
+            break
     settled = changed < _NEARLY and found.at.complementarity < _NEARLY * reduction
-    settled = settled or (found.settled and found.at.load_factor < _NOTHING)
-    return ProgramResult(found.at, settled, steps, found.unbalanced, ())
+
+    at = replace(found.at, load_factor=0.0) if reduction < _NOTHING else found.at
+    return ProgramResult(at, settled, steps, found.unbalanced, ())
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------
@@ -166,7 +171,7 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
     """How far (in parts of the load) admissible forces are from those of a mechanism at λ, and its slope in λ."""
     from scipy import sparse
 
-    opening, slip = model.opening_and_slip(velocity)
+    opening, slip = model.opening_and_slip(_cleaned(model, velocity))
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(np.abs(opening).max()), float(size.max()), 1e-300)
     pairs, groups, tangents = len(opening), *slip.shape
@@ -207,6 +212,20 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
         return float(x[-1]), slope
 
     return away
+
+
+def _cleaned(model: AssemblyModel, velocity: Floats) -> Floats:
+    """The motion (N,) made exact: what hardly opens or slips does not."""
+    if model.tan_dilation.any() or model.load.size > _CLEANED:
+        return velocity
+    opening, slip = model.opening_and_slip(velocity)
+    size = np.sqrt((slip * slip).sum(axis=1))
+    hardly = _HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    still = np.concatenate([np.abs(opening) < hardly, np.repeat(size < hardly, slip.shape[1])])
+    rows = model.kinematics[np.flatnonzero(still)].toarray()
+    change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)
+    cleaned: Floats = velocity - change
+    return cleaned
 
 
 Solved = tuple[Floats | None, Floats, Floats]

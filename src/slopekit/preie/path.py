@@ -40,6 +40,7 @@ _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1.0), 1e-9, 100  # ε of proposals, how well they settle, steps
+_TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of a proposed factor at which all have to come to rest
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 _STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
@@ -269,7 +270,8 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
 
     The interior-point program with strengths that follow the normal forces has for its conditions those of the elastic
     joints at a displacement v / ε, λ free. Where it gets there the law itself has to hold, at ten times the
-    displacement again and again: λ goes like the limit plus a part of 1/t.
+    displacement again and again: λ goes like the limit plus a part of 1/t. And the path has to get there: the blocks
+    rest at a little more strength.
     """
     model = bed.model
     program = BlockProgram(model, ratio)
@@ -280,9 +282,20 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
         if found.at.shed > _SHED or found.at.load_factor < _LEAST:
             continue
         limit = _climbed(bed, found.at.velocity / part, found.at.load_factor)
-        if limit is not None:
-            return limit
+        if limit is not None and limit.parameter is not None:
+            return limit if rests_before(bed, 1.0 / limit.parameter).ended == "rest" else None
     return None
+
+
+def rests_before(bed: Bed, factor: float) -> _Flow:
+    """All blocks towards a factor from the strong side: at rest just before it, or the flow that shows who moves."""
+    at = bed.elastic_displacement
+    for part in _TOWARDS:
+        flow = relaxed(bed, at, 1.0 / (factor * part), 0.0, far=_RUNS)
+        if flow.ended != "rest":
+            break
+        at = flow.at
+    return flow
 
 
 def _climbed(bed: Bed, at: Floats, parameter: float) -> PathLimit | None:

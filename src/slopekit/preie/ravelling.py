@@ -24,15 +24,14 @@ from slopekit.preie.bounds import static_bound
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathOutcome, relaxed
+from slopekit.preie.path import PathOutcome, rests_before
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
 _LARGE = 60  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _MOST_BOUNDED = 1500  # blocks up to which the static bound of all is found
-_TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of its factor at which all have to come to rest, one after the other
-_FLOWS, _FLOWING = 30.0, 0.05  # work in parts of the elastic that shows a flow, and of its fastest block who flows
+_FLOWING = 0.05  # of the fastest block: who flows
 _TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
 _MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
 
@@ -248,12 +247,7 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
         broken[own[np.bincount(small.pair_contact, limit.bond == 0.0, len(small.plus)) > 0]] = True
         bond = np.where(broken[patch][model.pair_contact], 0.0, 1.0)
         bed = Bed(model, Drive(model.load.ravel()), bond)
-        at = bed.elastic_displacement
-        for part in _TOWARDS:
-            flow = relaxed(bed, at, 1.0 / (limit.factor * part), 0.0, far=_FLOWS)
-            if flow.ended != "rest":
-                break
-            at = flow.at
+        flow = rests_before(bed, limit.factor)
         if flow.ended == "rest":
             velocity = np.zeros_like(model.load)
             velocity[np.searchsorted(model.moving, small.moving)] = limit.velocity
