@@ -94,7 +94,7 @@ def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) 
     summed = model.by_group(program.start.normal if normal is None else normal)
     if normal is None:
         reduction = 0.9 * reduction if 1e-4 < reduction < 1e4 else 1.0
-    steps, changed = 0, 1.0
+    steps, changed, was_close = 0, 1.0, False
     for _ in range(_LINEARISED):
         carried = program.cohesion + model.tan_friction * summed
         strengths = Strengths(reduction * model.tan_friction, carried, summed)
@@ -104,8 +104,10 @@ def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) 
         if _is_lifted(found):
             break
         changed = abs(found.at.load_factor / reduction - 1.0)
-        if changed < (_SETTLED if found.settled else _NEARLY) and found.at.complementarity < _NEARLY * reduction:
-            break
+        close = changed < (_SETTLED if found.settled else _NEARLY) and found.at.complementarity < _NEARLY * reduction
+        if close and (found.settled or was_close):
+            break  # a program that gave up where it began proves nothing: the next has to agree
+        was_close = close
         reduction, summed = max(found.at.load_factor, _FALLS * reduction), model.by_group(found.at.normal)
         if reduction < _NOTHING:
             break

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.bed import Bed, Forces, Step
 from slopekit.preie.program import BlockProgram, Strengths
 
 _STRIDE = 0.85  # of the strength, a step of stage A
@@ -39,7 +39,7 @@ _EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled to
 _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
-_FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1.0), 1e-9, 100  # ε of proposals, how well they settle, steps
+_FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
 _TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of a proposed factor at which all have to come to rest
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
@@ -276,12 +276,21 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = model.by_group(model.cohesion * bond)
+    last: Step | None = None
     for part in _FAR_DOWN:
         program.elastic = part
         found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
         if found.at.shed > _SHED or found.at.load_factor < _LEAST:
             continue
-        limit = _climbed(bed, found.at.velocity / part, found.at.load_factor)
+        at = found.at.velocity / part
+        step = bed.step(at, at, found.at.load_factor, 0.0, float(bed.working @ at))
+        if not step.settled:
+            continue
+        limit = _climbed(bed, step)
+        if limit is None and last is not None and abs(step.parameter / last.parameter - 1.0) < 1e-2 * _STEADY:
+            # a hundred times the displacement and the same factor, though Newton's method finds no way on
+            limit = _result(bed, PathOutcome.SETTLED, step.parameter, None, step.at, step.at - last.at, step.forces)
+        last = step
         if limit is not None and limit.parameter is not None:
             return limit if rests_before(bed, 1.0 / limit.parameter).ended == "rest" else None
     return None
@@ -298,13 +307,10 @@ def rests_before(bed: Bed, factor: float) -> _Flow:
     return flow
 
 
-def _climbed(bed: Bed, at: Floats, parameter: float) -> PathLimit | None:
+def _climbed(bed: Bed, step: Step) -> PathLimit | None:
     """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far."""
     working = bed.working
-    step = bed.step(at, at, parameter, 0.0, float(working @ at))
     grows, fails, gained, far = 3.0, 0, bed.elastic_work, float(np.abs(bed.elastic_displacement).max())
-    if not step.settled:
-        return None
     while True:
         motion = bed.onward(step)
         if motion is None:

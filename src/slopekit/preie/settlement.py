@@ -17,7 +17,7 @@ from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.path import relaxed
 
-_ROUNDS = 10  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
+_ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
 _STEADY = 1e-3  # change of the displacements, in parts of the largest, that ends the rounds
 
@@ -46,7 +46,7 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
     bond = np.ones(len(model.control_area))
     ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
     at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
-    for _ in range(_ROUNDS):
+    for taken in range(_ROUNDS):
         bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
         start = at
         step = bed.step(start, start, 1.0, 0.0)
@@ -68,7 +68,8 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
                 stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal
             )
         moved = float(np.abs(at - start).max()) / float(np.abs(at).max())
-        if not parted.any() and (moved < _STEADY or not isinstance(law, CloughDuncan)):
+        settled = taken > 0 and moved < _STEADY
+        if not parted.any() and (settled or not isinstance(law, CloughDuncan)):
             break
     unknowns = model.unknowns
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
