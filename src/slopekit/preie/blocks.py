@@ -34,8 +34,8 @@ _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
-_WEAKER = (0.8, 0.6, 0.4, 0.2, 0.1, 0.05)  # strengths tried where the loads fit on at the full one
-_STRONGER = (3.0,)  # and where they do not: friction that is no help by then never is
+_STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+_BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _PROPOSED = 600  # unknowns of a section from which a limit is proposed before the path is followed
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
@@ -115,10 +115,8 @@ def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SH
     if span is None:
         return limit
     low, high = span
-    return replace(
-        limit, lowest=None if low is None else min(low, limit.factor),
-        highest=None if high is None else max(min(high, limit.static_bound or high), limit.factor),
-    )  # fmt: skip
+    top = limit.static_bound if high is None else min(high, limit.static_bound or high)
+    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, limit.factor))
 
 
 def _limit(
@@ -243,27 +241,27 @@ def _on_path(
     if found is not None and float(np.abs(model.unbalanced(found.normal, found.friction)).max()) > _BALANCED:
         found = None
     found = found or follow(bed, start, brief=live)
+    if found.outcome is PathOutcome.GAVE_UP and not live:
+        found = proposed(bed, bond, ratio) or found
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations
     if live:
-        last, carried, work = _loads_last(model, bond, ratio)
+        last, carried, work = _loads_last(model, bond, bound, ratio)
         return last, True, carried, work + bed.factorisations
-    if (
-        found.outcome is PathOutcome.BRACKET
-        and bound.factor
-        and found.parameter
-        and found.parameter * bound.factor > _LOCKED
-    ):
+    locked = (found.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
+    if found.outcome is PathOutcome.BRACKET and locked:
         found = replace(found, outcome=PathOutcome.NO_REST, parameter=None)  # a rest that needs many times the bound
     return found, False, None, bed.factorisations
 
 
-def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathLimit, float | None, int]:
+def _loads_last(
+    model: AssemblyModel, bond: Floats, bound: StaticBound, ratio: float
+) -> tuple[PathLimit, float | None, int]:
     """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
 
     Returns
     -------
-    limit (its parameter is λ), part of the loads carried at full strength, factorisations
+    limit (its parameter is λ); where they fit on at no strength, the part that full strength carries; factorisations
     """
     whole, live = model.load.ravel(), model.live.ravel()
     work = 0
@@ -282,39 +280,32 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
         bed = Bed(model, Drive(whole), bond, ratio)
         return limit_state(bed, found.displacement, found.motion, reduction)
 
-    full = carried(1.0)
-    nowhere = replace(full, outcome=PathOutcome.NO_REST, parameter=None)  # they go as they do at full strength
-    if full.parameter is None and full.outcome is not PathOutcome.STANDS:
-        return nowhere, None, work
-    part = full.parameter if full.parameter is not None else math.inf
-    fits, fails = (1.0, None) if part >= 1.0 else (None, 1.0)
-    found = full
-    for reduction in _WEAKER if part >= 1.0 else _STRONGER:
-        last = carried(reduction)
-        if last.outcome is not PathOutcome.STANDS and (last.parameter or 0.0) < 1.0:
-            fails, found = reduction, last
-        else:
-            fits = reduction
-        if fits is not None and fails is not None:
+    def fits_on(found: PathLimit) -> bool:
+        return found.outcome is PathOutcome.STANDS or (found.parameter or 0.0) >= 1.0
+
+    least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
+    fails, fits = least, None
+    found: PathLimit | None = None
+    for times in _STRONGER:
+        last = carried(times * least)
+        if fits_on(last):
+            fits = times * least
             break
-    if fits is None or fails is None:
-        return nowhere, part, work
-    for _ in range(40):
-        state = exact(found, fails)
-        if state is not None and min(fits, fails) * (1 - 1e-9) <= (state.parameter or 0.0) <= max(fits, fails) * (
-            1 + 1e-9
-        ):
-            return state, part, work
-        if abs(fits / fails - 1.0) < 1e-4:
-            break
-        reduction = math.sqrt(fits * fails)
-        last = carried(reduction)
-        if last.outcome is not PathOutcome.STANDS and (last.parameter or 0.0) < 1.0:
-            fails, found = reduction, last
+        fails, found = times * least, last
+    if fits is None:
+        assert found is not None
+        full = carried(1.0)
+        return replace(found, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
+    while fits / fails - 1.0 > _BRACKET:
+        state = None if found is None else exact(found, fails)
+        if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
+            return state, None, work
+        middle = math.sqrt(fits * fails)
+        trial = carried(middle)
+        if fits_on(trial):
+            fits, last = middle, trial
         else:
-            fits = reduction
-    if part < 1.0:
-        return nowhere, part, work
+            fails, found = middle, trial
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
@@ -322,7 +313,8 @@ def _loads_last(model: AssemblyModel, bond: Floats, ratio: float) -> tuple[PathL
     forces = bed.forces(rested.at, fits)
     settled = forces.residual < _BALANCED * bed.load_size
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
-    return replace(
-        found, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal, friction=forces.friction,
-        residual=forces.residual / bed.load_size,
-    ), part, work  # fmt: skip
+    peak = replace(
+        found or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
+        friction=forces.friction, residual=forces.residual / bed.load_size,
+    )  # fmt: skip
+    return peak, None, work

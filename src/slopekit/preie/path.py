@@ -146,7 +146,8 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     strength = bed.drive.ramp is None
     parameter, flow = _started(bed, start, 0 if brief else _ROUGHER)
     if flow.ended != "rest":
-        return _result(bed, PathOutcome.NO_REST, None, None, flow.at, flow.at - flow.before, flow.forces)
+        without = PathOutcome.NO_REST if flow.ended == "runs" else PathOutcome.GAVE_UP
+        return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
     at, begun = flow.at, parameter
     runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
