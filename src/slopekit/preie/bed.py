@@ -10,6 +10,7 @@ A step of viscous flow adds η K_e (u - u_before) to what the forces have to bal
 stick and pull; with η large enough it always has one solution.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -23,7 +24,7 @@ from slopekit.preie.stiffness import Stiffness
 
 #: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
 SHEAR_TO_NORMAL = 0.4
-_DENSE = 400  # unknowns: below, B as a dense matrix multiplies faster
+_DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
 _SHIFT = 1e-13  # of the stiffness, on its diagonal: blocks that nothing holds have a stiffness
 _ROUNDING = 2e-15  # of the springs' forces: what cannot be balanced any better
 _SETTLED, _SETTLED_ENOUGH = 1e-10, 1e-8  # unbalanced force in parts of the largest force
@@ -112,7 +113,7 @@ class Bed:
         self.model, self.drive = model, drive
         self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
         self.size = model.load.size
-        dense = self.size <= _DENSE
+        dense = math.prod(model.kinematics.shape) <= _DENSE
         self.rows: Any = model.kinematics.toarray() if dense else model.kinematics
         self.columns: Any = np.ascontiguousarray(self.rows.T) if dense else model.statics
         self.area = model.control_area
