@@ -111,7 +111,7 @@ def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SH
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
     if limit.factor is None or not ranged or not (model.unknowns == 3 or len(model.load) <= _RANGED):
         return limit
-    span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond)
+    span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
     if span is None:
         return limit
     low, high = span

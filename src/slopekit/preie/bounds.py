@@ -23,9 +23,13 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.iterates import Iterate
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 
 _CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
+_BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
+_MOST_PROGRAMS = 150  # blocks up to which it is found by general programs where it is not
+_SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _NEARLY = 1e-4  # the same where light blocks between heavy ones keep it from settling
 _STEPS = 150
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
@@ -34,7 +38,7 @@ _SHED = 1e-3  # of the load: nothing balances it
 _BALANCED = 2e-2  # largest unbalanced force of a bound that says so
 _FALLS = 0.2  # of λ: no linearisation is trusted further down
 _NOTHING = 1e-6  # λ below this: forces balance without friction, or joints free to dilate lock the blocks
-_HARDLY_MOVES, _CLEANED = 1e-3, 1500  # of the fastest: opening or slip that is made none; unknowns up to which it is
+_HARDLY_MOVES, _CARRIES, _CLEANED = 1e-3, 1e-6, 1500  # parts that are none: of motions, forces; unknowns cleaned
 _MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is none
 _REACHES = 1e-9  # distance from the mechanism's forces, in parts of the load, that is none
 _NEAR = 1e-5  # how near an end of the range is found, in parts of the factor
@@ -77,6 +81,9 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     if _is_lifted(found):
         return StaticBound(None, True, False, program.release(), steps)
     at = found.at
+    balanced = found.unbalanced < _BALANCES
+    if not (found.settled and balanced) and at.load_factor > _NOTHING and len(model.load) <= _MOST_PROGRAMS:
+        return _by_programs(model, at, steps)
     locked = at.load_factor < _NOTHING
     return StaticBound(
         1.0 / at.load_factor if found.settled and not locked else None, False, locked, at.velocity, steps
@@ -86,6 +93,28 @@ def static_bound(model: AssemblyModel) -> StaticBound:
 def _is_lifted(found: ProgramResult) -> bool:
     """Whether no strength however high balances the loads."""
     return found.at.shed > _SHED and found.unbalanced < _BALANCED
+
+
+def _by_programs(model: AssemblyModel, at: Iterate, steps: int) -> StaticBound:
+    """The bound where light blocks between heavy ones defeat the quick way: Newton on how far forces are at one λ."""
+    away = _distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
+    reduction, low, high = at.load_factor, 0.0, math.inf
+    for _ in range(_LINEARISED):
+        far, slope = away(reduction)
+        if far > 0.0:  # also where the program gave up: it did not find any
+            low = reduction
+        else:
+            high = reduction
+        newton = slope < 0.0 and math.isfinite(far)
+        trial = reduction - far / slope if newton else 1.5 * reduction
+        if newton and abs(trial / reduction - 1.0) < _NEAR:
+            return StaticBound(1.0 / trial, False, False, at.velocity, steps)
+        if reduction < _NOTHING:
+            return StaticBound(None, False, True, at.velocity, steps)
+        if not low < trial < high:
+            trial = math.sqrt(low * high) if low > 0.0 else 0.5 * high
+        reduction = trial
+    return StaticBound(None, False, False, at.velocity, steps)
 
 
 def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) -> ProgramResult:
@@ -121,19 +150,19 @@ def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) 
 
 
 def mechanism_range(
-    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats
+    model: AssemblyModel, velocity: Floats, factor: float, bond: Floats, forces: tuple[Floats, Floats]
 ) -> tuple[float | None, float | None] | None:
     """The lowest and highest factor of a mechanism under any admissible forces; None where it has none itself.
 
     Parameters
     ----------
-    velocity : (N,) ; bond : (m,) 0 where a pair has lost its cohesion
+    velocity : (N,); bond : (m,) 0 where a pair has lost its cohesion; forces : normal (m,) and friction (g, t) there
 
     Returns
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
-    away = _distance(model, velocity, bond)
+    away = _distance(model, _cleaned(model, velocity, forces, factor), bond)
     if away(1.0 / factor)[0] > 1e3 * _REACHES:
         return None
     ends = []
@@ -169,11 +198,16 @@ def _end(away: Callable[[float], tuple[float, float]], inside: float, way: float
     return inside
 
 
-def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[[float], tuple[float, float]]:
-    """How far (in parts of the load) admissible forces are from those of a mechanism at λ, and its slope in λ."""
+def _distance(
+    model: AssemblyModel, velocity: Floats, bond: Floats, least_far: float = 0.0
+) -> Callable[[float], tuple[float, float]]:
+    """How far (in parts of the load) admissible forces are from those of a mechanism at λ, and its slope in λ.
+
+    No less than `least_far`: below zero there is so much to spare.
+    """
     from scipy import sparse
 
-    opening, slip = model.opening_and_slip(_cleaned(model, velocity))
+    opening, slip = model.opening_and_slip(velocity)
     size = np.sqrt((slip * slip).sum(axis=1))
     fastest = max(float(np.abs(opening).max()), float(size.max()), 1e-300)
     pairs, groups, tangents = len(opening), *slip.shape
@@ -184,15 +218,18 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
     cohesion = model.by_group(model.cohesion * bond)
     gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
     pressed = sparse.diags(model.tan_friction) @ gather  # μ ΣN
-    one = np.ones((groups, 1))
     # T = -λ r e + x, |x| <= s where it slips; |T| <= λ r + s elsewhere: the unknowns are N, x or T, and s
     along = sparse.csr_matrix(
         (direction.ravel(), (np.arange(groups * tangents), np.repeat(np.arange(groups), tangents))),
         shape=(groups * tangents, groups),
     )
-    statics = model.statics.tocsc()
+    own = np.sqrt((model.load * model.load).sum(axis=1))
+    lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))[model.group_contact]
+    weight = np.maximum(lighter, 1e-9 * float(own.max()))[:, None]  # and each contact by that of the lighter one
+    parts = 1.0 / np.repeat(np.maximum(own, 1e-9 * float(own.max())), model.unknowns)  # each block by its own load
+    statics = (sparse.diags(parts) @ model.statics).tocsc()
     of_normal, of_slip = statics[:, :pairs], statics[:, pairs:]
-    load = model.load.ravel()
+    load = parts * model.load.ravel()
     stick = (~slips).astype(float)
     upper = np.where(closed, np.inf, 0.0)
     solve = _linear if tangents == 1 else _conic
@@ -202,10 +239,10 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
         balance = sparse.hstack([of_normal - carried @ pressed, of_slip, sparse.csr_matrix((len(load), 1))])
         right = -load + carried @ cohesion
         room = sparse.hstack([
-            -reduction * (sparse.diags(stick) @ pressed), sparse.csr_matrix((groups, groups * tangents)), -one,
+            -reduction * (sparse.diags(stick) @ pressed), sparse.csr_matrix((groups, groups * tangents)), -weight,
         ])  # fmt: skip
         least = reduction * stick * cohesion
-        x, of_balance, of_room = solve(balance.tocsr(), right, room.tocsr(), least, upper, tangents)
+        x, of_balance, of_room = solve(balance.tocsr(), right, room.tocsr(), least, upper, tangents, least_far)
         if x is None:
             return math.inf, 0.0
         strength = pressed @ x[:pairs] + cohesion
@@ -216,14 +253,23 @@ def _distance(model: AssemblyModel, velocity: Floats, bond: Floats) -> Callable[
     return away
 
 
-def _cleaned(model: AssemblyModel, velocity: Floats) -> Floats:
-    """The motion (N,) made exact: what hardly opens or slips does not."""
+def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Floats], factor: float) -> Floats:
+    """The motion (N,) made exact: what is pressed does not open, and what carries less than its strength sticks.
+
+    Parameters
+    ----------
+    forces : normal (m,) and friction (g, t) of the limit state
+    """
     if model.tan_dilation.any() or model.load.size > _CLEANED:
         return velocity
+    normal, friction = forces
+    pressed = normal > _CARRIES * float(normal.max(initial=0.0))
     opening, slip = model.opening_and_slip(velocity)
-    size = np.sqrt((slip * slip).sum(axis=1))
+    size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
     hardly = _HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
-    still = np.concatenate([np.abs(opening) < hardly, np.repeat(size < hardly, slip.shape[1])])
+    strength = (model.by_group(model.cohesion) + model.tan_friction * model.by_group(normal)) / factor
+    sticks = (carried < (1.0 - _HARDLY_MOVES) * strength) & (size < hardly)
+    still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
     rows = model.kinematics[np.flatnonzero(still)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)
     cleaned: Floats = velocity - change
@@ -233,7 +279,9 @@ def _cleaned(model: AssemblyModel, velocity: Floats) -> Floats:
 Solved = tuple[Floats | None, Floats, Floats]
 
 
-def _linear(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int) -> Solved:
+def _linear(
+    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float
+) -> Solved:  # fmt: skip
     """min s with |T| <= room, by a linear program (HiGHS)."""
     from scipy import sparse
     from scipy.optimize import linprog
@@ -246,7 +294,7 @@ def _linear(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats
     bounds = np.empty((len(cost), 2))
     bounds[:, 0], bounds[:, 1] = -np.inf, np.inf
     bounds[:pairs, 0], bounds[:pairs, 1] = 0.0, upper
-    bounds[-1, 0] = 0.0
+    bounds[-1, 0] = least_far
     found = linprog(
         cost, A_ub=inequality, b_ub=np.concatenate([least, least]), A_eq=balance, b_eq=right, bounds=bounds,
         method="highs",
@@ -257,7 +305,9 @@ def _linear(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats
     return found.x, found.eqlin.marginals, marginal[:groups] + marginal[groups:]
 
 
-def _conic(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int) -> Solved:
+def _conic(
+    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float
+) -> Solved:  # fmt: skip
     """The same by a cone program (Clarabel)."""
     import clarabel
     from scipy import sparse
@@ -275,14 +325,14 @@ def _conic(balance: Any, right: Floats, room: Any, least: Floats, upper: Floats,
     friction = sparse.vstack([heads, tails]).tocsr()[cones.ravel()]
     of_friction = np.concatenate([least, np.zeros(groups * tangents)])[cones.ravel()]
     rows = sparse.vstack([balance, eye[shut], -eye[:pairs], -eye[width - 1 :], friction]).tocsc()
-    ends = np.concatenate([right, np.zeros(len(shut) + pairs + 1), of_friction])
+    ends = np.concatenate([right, np.zeros(len(shut) + pairs), [-least_far], of_friction])
     kinds = [
         clarabel.ZeroConeT(len(right) + len(shut)), clarabel.NonnegativeConeT(pairs + 1),
         *[clarabel.SecondOrderConeT(1 + tangents)] * groups,
     ]  # fmt: skip
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
     settings.max_threads = 1
     cost = np.zeros(width)
     cost[-1] = 1.0
