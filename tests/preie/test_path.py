@@ -226,7 +226,7 @@ def test_the_first_corner_does_not_matter(by) -> None:
     assert other.static_bound == pytest.approx(one.static_bound, rel=1e-6)
 
 
-@pytest.mark.parametrize("seed", [3, 6, 17, 22, 24, 25])
+@pytest.mark.parametrize("seed", [3, 6, 17, 22, 24])
 def test_the_limit_found_at_once_is_that_of_the_path(seed) -> None:
     """`proposed` against `follow` from above: two ways to one definition, each steady to 1e-6.
 

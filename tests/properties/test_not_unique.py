@@ -133,29 +133,32 @@ def test_limit_range_and_bound_are_those_of_the_method(design, factor, published
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "times"),
     [
-        lambda design: design,
-        lambda design: changes.reduced(design, 0.5),
-        lambda design: changes.reduced(design, 2.0),
-        lambda design: changes.scaled(design, 7.3e-3),
-        changes.mirrored,
-        changes.moved,
-        changes.reordered,
+        (lambda design: design, 1.0),
+        (lambda design: changes.reduced(design, 0.5), 2.0),
+        (lambda design: changes.reduced(design, 2.0), 0.5),
+        (lambda design: changes.scaled(design, 7.3e-3), 1.0),
+        (changes.mirrored, 1.0),
+        (changes.moved, 1.0),
+        (changes.reordered, 1.0),
     ],
     ids=["as it is", "twice the strength", "half the strength", "small", "in the mirror", "on the map", "reordered"],
 )
-def test_a_block_that_leans_out_of_the_row_is_held_by_nothing(change) -> None:
+def test_a_block_that_leans_out_of_the_row_is_one_number_in_seven_writings(change, times) -> None:
     """The centroid of B1, where its weight and its force act, lies downhill of its toe, and B2 can only push it.
 
-    On rigid joints that push, with the friction that it wakes, may hold B1 (`static_bound`). Elastic blocks part.
+    With its bonds gone it rests on elastic joints only where they are almost three times as strong (W317, W361). It
+    once was 0.047, 0.045 or 0.0073, by the size and place of the same blocks.
     """
     toe, *others = LEANING_ROW["blocks"]["B1"]["polygon"]
     assert sum(x for x, _ in others) / 4.0 < toe[0] == 0.0
     assert LEANING_ROW["loads"]["forces"][0]["force"][0] < 0.0
-    found = changes.run(change(LEANING_ROW))
-    assert (found.status, found.fos.limit, found.fos.lowest) == ("topples", None, None)
-    assert not found.accepted or not found.design.rules
+    one, found = changes.run(LEANING_ROW), changes.run(change(LEANING_ROW))
+    assert found.status == "topples"
+    assert found.fos.limit == pytest.approx(times * one.fos.limit, rel=1e-6)
+    assert found.fos.limit < 0.5 * found.fos.static_bound
+    assert {"W317", "W361"} <= {notice.code for notice in found.warnings}
 
 
 def test_acceptance_by_the_lowest_factor_of_the_mechanism() -> None:

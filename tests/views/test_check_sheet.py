@@ -33,7 +33,8 @@ def test_the_sheet(name, monkeypatch) -> None:
     assert f"{checked.result.fos.limit:.4f}  limit, PRE-IE" in sheet
     for finding in checked.findings:
         assert finding.name in sheet
-    assert sum(line.count("pass") > 0 for line in lines) >= 3
+    ladder = "k_t / k_n" if checked.result.findings is not None else "pass"
+    assert sum(ladder in line for line in lines) >= 2
     assert check_line(checked).startswith(checked.result.status)
 
 
@@ -85,7 +86,7 @@ def test_the_command(tmp_path) -> None:
 
 def test_disagreement_is_exit_code_4() -> None:
     """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
-    run = slopekit("check", str(path_of("goodman-bray")), "--set", "analysis.agree_within=1e-9", "--quiet")
+    run = slopekit("check", str(path_of("sphere")), "--set", "analysis.agree_within=1e-9", "--quiet")
     assert run.returncode == 4
     assert "NOT CONSISTENT: closed form" in run.stdout
 

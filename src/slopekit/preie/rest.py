@@ -40,6 +40,7 @@ _MOST_ROUNDS = 30  # of cohesion lost
 _MOST_TRIALS = 60  # of a line search
 _TOGETHER_AFTER = (0, 1, 3, 5, 8, 11, 15, 19, 23)
 _FAR = 1e4  # a displacement so many times the elastic one runs away
+_AWAY = 100.0  # times that: what seems to stand there has run away as well
 _LEAST_SHIFT, _MOST_SHIFT = 1e-10, 1e-5  # of the stiffness in a pass
 _CUT_SHORT, _FULL = 0.1, 0.5  # lengths of a step after which the shift grows and shrinks
 _AMPLE = (0.25, 0.5, 0.1, 0.03, 1.0)  # parts of the factor at which strength is more than enough to start from
@@ -261,6 +262,8 @@ class ElasticBed:
         for k in range(_MOST_ROUNDS):
             cohesion = self.model.by_group(np.where(bonded, self.model.cohesion, 0.0))
             outcome, at, more_passes, more_steps = self._settled(at, cohesion, factor, start is None and k == 0)
+            if outcome is RestOutcome.STANDS and float(np.abs(at).max()) > _AWAY * self.far:
+                outcome = RestOutcome.FALLS  # rounding balances what has run away
             passes, steps = passes + more_passes, steps + more_steps
             seen = self.seen(at, cohesion, factor)
             parted: Bools = bonded & ~seen.touching & (self.model.cohesion > 0.0)
@@ -327,7 +330,7 @@ class ElasticBed:
                 shift = min(10.0 * shift, _MOST_SHIFT)
             elif length > _FULL:
                 shift = max(0.1 * shift, _LEAST_SHIFT)
-            if float(np.abs(at).max()) > self.far:
+            if float(np.abs(at).max()) > _AWAY * self.far:
                 return True, at, step + 1
         return False, at, _MOST_STEPS
 
