@@ -179,7 +179,9 @@ def test_a_bound_that_was_not_found_is_missed() -> None:
     found = result(design, [one], ["base", "B1", "B2"], ["base"])
     text = sheet(found)
     assert "none static bound: not found" in part(text, "FoS")
-    assert part(text, "CHECKS").startswith("the limit still moved by 0.2 % after 7 passes;")
+    assert part(text, "CHECKS").startswith(
+        "the limit lies 0.2 % from a strength at which they run after 7 factorisations;"
+    )
     unproved = FactorsOfSafety(limit=1.25, static_bound=1.5)
     text = sheet(replace(found, fos=unproved, static_bound_proved=False))
     bound = "1.5000 static bound (joints free to dilate; upper bound, not proved)"

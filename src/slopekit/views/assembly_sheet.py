@@ -342,9 +342,11 @@ def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
 def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list[str]:
     entries = []
     if first is not None and first.fos is not None:
-        passes = counted(result.model.passes, "pass", "passes")
-        settled = "settled exactly" if first.change == 0.0 else f"still moved by {first.change * 100:.2g} %"
-        entries.append(f"the limit {settled} after {passes}")
+        steps = counted(result.model.passes, "factorisation", "factorisations")
+        settled = (
+            "settled" if first.change == 0.0 else f"lies {first.change * 100:.2g} % from a strength at which they run"
+        )
+        entries.append(f"the limit {settled} after {steps}")
     entries += [_check(name, value) for name, value in findings.checks.items()]
     return ["; ".join(entries)] if entries else []
 

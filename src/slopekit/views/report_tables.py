@@ -241,7 +241,7 @@ def check_tables(document: Document) -> Iterator[Table]:
     model = document["model"]
     size = [(words, str(model[key])) for key, words in
             (("moving_blocks", "moving blocks"), ("unknowns", "unknowns"), ("node_pairs", "node pairs"),
-             ("refined", "times the triangles were split"), ("passes", "passes"))]  # fmt: skip
+             ("refined", "times the triangles were split"), ("passes", "passes or factorisations"))]  # fmt: skip
     if model["mesh_change"] is not None:
         size.append(("change of the factor by the last split", _small(model["mesh_change"])))
     yield Table("Size of the model", ("", "number"), tuple(size))

@@ -1,0 +1,95 @@
+"""Single wedges as assemblies of one block: their exact limit state against the limit of the elastic path.
+
+By hand: ``python -m benchmarks.wedge_paths [500]``. Random wedges with water, active bolts and
+earthquakes (passive bolts are strength, which assemblies have not). Compared where the one-block limit opens nothing
+that has cohesion; the rest is counted by what the two say.
+"""
+
+import sys
+from collections import Counter
+
+import numpy as np
+
+from slopekit.analysis.wedge import prepare
+from slopekit.design.reading import wedge_design
+from slopekit.errors import SlopekitError
+from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.preie.assembly import AssemblyModel, build_assembly
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.limit import limit_analysis
+from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.passes import Outcome
+from tests.support import random_wedge
+
+
+def as_assembly(scene) -> tuple[AssemblyModel, Model]:
+    """One block on the same flat contacts with the same loads and strengths, in the way of many."""
+    pairs, model, bedding = scene.pairs, scene.model, scene.bedding
+    joints = sorted(bedding.polygons)
+    corners = [np.asarray(bedding.polygons[joint]) for joint in joints]
+    at = [int(np.flatnonzero(pairs.interface == joint)[0]) for joint in joints]
+    normals = np.array([pairs.normals[k] for k in at])
+    areas, centroids = [], []
+    for polygon in corners:
+        crossed = np.cross(polygon[1:-1] - polygon[0], polygon[2:] - polygon[0])
+        parts = np.sqrt((crossed**2).sum(axis=1)) / 2.0
+        areas.append(parts.sum())
+        centroids.append(parts @ ((polygon[0] + polygon[1:-1] + polygon[2:]) / 3.0) / parts.sum())
+    none = np.zeros(len(joints), dtype=np.int64)
+    patches = Patches(
+        none, none + BEDROCK, np.arange(len(joints)), normals, np.array(areas), np.array(centroids),
+        np.concatenate(corners), np.cumsum([0, *(len(polygon) for polygon in corners)]),
+    )  # fmt: skip
+    per_area = model.control_area * model.area_scale / model.force_scale
+    strength = JointStrength(
+        np.array([model.cohesion[k] / per_area[k] for k in at]), model.tan_friction[at], model.tan_dilation[at],
+        np.zeros(len(at)),
+    )  # fmt: skip
+    force, moment = model.load[:3] * model.force_scale, model.load[3:] * model.force_scale * model.length_scale
+    whole = build_assembly(
+        patches, np.zeros(1, dtype=bool), bedding.centroid[None, :], force[None, :], moment[None, :], strength, False
+    )
+    return whole, model
+
+
+def compared(rng: np.random.Generator) -> tuple[str, float]:
+    """What one random wedge says: a word, and the relative difference where both have a factor."""
+    while True:
+        wedge = random_wedge(rng)
+        if all(bolt["acts"] == "active" for bolt in wedge.get("bolts", ())):
+            break
+    try:
+        scene = prepare(wedge_design(wedge), 0)
+        whole, model = as_assembly(scene)
+    except SlopekitError as error:
+        return error.faults[0].code, 0.0
+    one, many = limit_analysis(model), limit_of_blocks(whole, ranged=False)
+    governing = one.governing
+    if not governing.factor or governing.outcome is not Outcome.SLIDES or not many.factor:
+        alike = (not governing.factor) == (not many.factor)
+        return f"no factor: {governing.outcome.name} / {many.outcome.name}{'' if alike else ' DIFFER'}", 0.0
+    off = many.factor / governing.factor - 1.0
+    if one.moments_govern or not governing.bond.all():
+        return "moments govern, or a joint opens", off
+    if one.turns and one.with_turning.factor and one.with_turning.factor > governing.factor * (1.0 + 1e-6):
+        return "turning would raise it: no credit taken", off
+    return "alike" if abs(off) < 1e-6 else "DIFFER", off
+
+
+def main(count: int) -> None:
+    """The table."""
+    rng = np.random.default_rng(20)
+    seen: Counter[str] = Counter()
+    worst: dict[str, list[float]] = {}
+    for number in range(count):
+        word, off = compared(rng)
+        seen[word] += 1
+        worst.setdefault(word, []).append(off)
+        if "DIFFER" in word:
+            print(number, word, off)
+    for word, times in seen.most_common():
+        print(f"{times:5d}  {word}   {min(worst[word]):.2e} .. {max(worst[word]):.2e}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
