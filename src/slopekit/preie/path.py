@@ -146,7 +146,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     strength = bed.drive.ramp is None
     parameter, flow = _started(bed, start, 0 if brief else _ROUGHER)
     if flow.ended != "rest":
-        without = PathOutcome.NO_REST if flow.ended == "runs" else PathOutcome.GAVE_UP
+        without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
     at, begun = flow.at, parameter
     runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
