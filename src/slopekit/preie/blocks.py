@@ -24,7 +24,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive
 from slopekit.preie.bounds import StaticBound, mechanism_range, static_bound
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed
+from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed, relaxed
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
@@ -36,6 +36,7 @@ _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more 
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 _STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
 _BRACKET = 1e-3  # how near strengths at which they do and do not are brought
+_COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _PROPOSED = 600  # unknowns of a section from which a limit is proposed before the path is followed
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
@@ -240,12 +241,13 @@ def _on_path(
     found = proposed(bed, bond, ratio) if bed.tangents > 1 or bed.size > _PROPOSED else None
     if found is not None and float(np.abs(model.unbalanced(found.normal, found.friction)).max()) > _BALANCED:
         found = None
-    found = found or follow(bed, start, brief=live)
+    found = found or follow(bed, start, brief=live and bed.tangents == 1)
     if found.outcome is PathOutcome.GAVE_UP and not live:
         found = proposed(bed, bond, ratio) or found
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations
-    if live:
+    # in space a motion that does not settle says nothing of the order of the loads
+    if live and (bed.tangents == 1 or found.outcome is not PathOutcome.BRACKET):
         last, carried, work = _loads_last(model, bond, bound, ratio)
         return last, True, carried, work + bed.factorisations
     locked = (found.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
@@ -309,8 +311,13 @@ def _loads_last(
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
-    rested = at.step(last.displacement if last.found else at.elastic_displacement, at.elastic_displacement, 1.0, 0.0)
-    forces = bed.forces(rested.at, fits)
+    rested = at.elastic_displacement
+    for part in _COMES_ON:
+        flow = relaxed(at, rested, part, 0.0)
+        if flow.ended != "rest":
+            break
+        rested = flow.at
+    forces = bed.forces(rested, fits)
     settled = forces.residual < _BALANCED * bed.load_size
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
