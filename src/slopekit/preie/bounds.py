@@ -85,9 +85,8 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     if not (found.settled and balanced) and at.load_factor > _NOTHING and len(model.load) <= _MOST_PROGRAMS:
         return _by_programs(model, at, steps)
     locked = at.load_factor < _NOTHING
-    return StaticBound(
-        1.0 / at.load_factor if found.settled and not locked else None, False, locked, at.velocity, steps
-    )
+    known = found.settled and balanced and not locked
+    return StaticBound(1.0 / at.load_factor if known else None, False, locked, at.velocity, steps)
 
 
 def _is_lifted(found: ProgramResult) -> bool:
