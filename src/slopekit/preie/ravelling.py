@@ -257,7 +257,7 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
                 return None
             whole = replace(
                 limit, velocity=frozen(scaled), normal_force=frozen(flow.forces.normal),
-                friction=frozen(flow.forces.friction), bond=frozen(bond), static_bound=top, change=0.0,
+                friction=frozen(flow.forces.friction), bond=frozen(bond), static_bound=top,
                 steps=limit.steps + bed.factorisations, bound_steps=0 if bound is None else bound.steps,
             )  # fmt: skip
             return Part(model, whole, blocks, patch)

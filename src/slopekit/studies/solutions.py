@@ -31,6 +31,7 @@ class Found:
     bracket : values on both sides, with the factors there (inf where nothing drives, 0 where nothing holds)
     rises : whether the factor rises with the value there
     both : what both methods say at the value
+    put_back : whether the factor is that of the value put back; False: the path in a load has it for its own strength
     """
 
     how: Literal["root", "jump", "gap"]
@@ -40,6 +41,7 @@ class Found:
     bracket: tuple[tuple[float, float], tuple[float, float]]
     rises: bool
     both: Point
+    put_back: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,12 +168,13 @@ class Solution:
         }
 
     def _found(self, found: Found) -> dict[str, Any]:
-        miss = abs(found.factor - self.target)
+        miss = abs(found.factor - self.target) if found.put_back else math.inf
         return {
-            "how": found.how, "value": self.key.reduced(found.value), "fos": _finite(found.factor),
+            "how": found.how, "value": self.key.reduced(found.value),
+            "fos": _finite(found.factor) if found.put_back else None,
             "status": found.status, "misses_by": miss if math.isfinite(miss) else None, "rises": found.rises,
             "bracket": [{"value": value, "fos": _finite(factor)} for value, factor in found.bracket],
-            "put_back": point_record(found.both),
+            "put_back": point_record(found.both) if found.put_back else None,
         }  # fmt: skip
 
 

@@ -322,7 +322,7 @@ def _in_load(asked: _Asked, value: float, status: str) -> Answers:
     """The answer of the path in the load: at this value its limit state has the target for its factor, exactly."""
     point = Point(Factors(status, asked.target, None, None, None, None, False, True))
     here = (value, asked.target)
-    found = Found("root", value, asked.target, status, (here, here), False, point)
+    found = Found("root", value, asked.target, status, (here, here), False, point, put_back=False)
     return Answers("pre_ie", (found,), (), None, None, (), (0.0, value), 1, None)
 
 

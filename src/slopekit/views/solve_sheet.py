@@ -134,6 +134,10 @@ def _put_back(solution: Solution) -> list[str]:
     entries = []
     for answers in _all(solution):
         for root in answers.roots[:1]:
+            if not root.put_back:
+                shown = f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}"
+                entries.append(f"{shown}: not put back; the limit state of the path in this load, {root.status}")
+                continue
             miss = abs(root.factor - solution.target)
             missed = f"{miss:.1e}" if miss else "nothing"
             factors = root.both.factors
