@@ -86,13 +86,20 @@ class BlocksLimit:
     bound_steps: int
 
 
-def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
+Proposal = Callable[[Floats], PathLimit | None]
+"""The limit of all blocks with some bonds (m,), found in another way than the path; None where that leads nowhere."""
+
+
+def limit_of_blocks(
+    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None
+) -> BlocksLimit:
     """The limit factor of an assembly with its static bound.
 
     Parameters
     ----------
     ranged : whether the range of the mechanism is wanted
     ratio : k_t / k_n of the elastic joints
+    proposal : what is tried before the path
     """
     strong = model.tan_friction.any() or model.cohesion.any()
     bound = static_bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
@@ -104,6 +111,11 @@ def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SH
 
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
+        loads_last, carried = False, None
+        settled = None if proposal is None else proposal(bond)
+        if settled is not None:
+            steps += settled.factorisations
+            return settled
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
         steps += work
         return found
@@ -135,6 +147,7 @@ def _limit(
         outcome = Outcome.NO_REST if found.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
     else:
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
+        change = found.width
         if found.peak is not None and basis is Basis.PEAK:
             change = abs(found.peak[1] / found.peak[0] - 1.0)
         off = float(np.abs(model.unbalanced(normal, found.friction)).max())
@@ -224,6 +237,15 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
         frozen(found.normal), frozen(found.friction), frozen(bond), None, None, None, None, False,
         found.factorisations, 0,
     )  # fmt: skip
+
+
+def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
+    """The limit of some blocks with bonds (m,) as they are; None where there is none."""
+    bound = static_bound(model)
+    if bound.lifted:
+        return None
+    found, *_ = _on_path(model, bond, bound, SHEAR_TO_NORMAL)
+    return found if found.parameter else None
 
 
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
