@@ -305,6 +305,9 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
     assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
+    held = " ".join(room._left_out(design, scene, (replace(part, group=3),)))
+    assert "limit and range are those of 3 of 1 blocks that touch, the others held" in held
+    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:

@@ -91,8 +91,9 @@ def test_goodman_and_brays_columns() -> None:
     assert "c 0 kPa φ 38.15°" in columns
     assert part(text, "STATUS") == "blocks topple: 10 topple (C4 to C13), 2 slide (C2, C3), 4 stay"
     fos = part(text, "FoS")
-    assert fos.startswith("1.0006 limit, PRE-IE difference 0.06")
-    assert "AGREE (limit 1 %) 1.0000 Goodman & Bray closed form 1.1904 static bound" in fos
+    assert fos.startswith("1.0006 limit of the elastic path 1.0000 Goodman & Bray closed form difference 0.06")
+    assert "AGREE (limit 1 %) none same mechanism" in fos
+    assert "no range was found 1.1904 static bound" in fos
     assert "upper bound), 19.0 % above the limit" in fos
     moves = part(text, "MOVES")
     assert "fastest C4, which topples toward 270/26.6 (x is 090)" in moves
@@ -125,24 +126,42 @@ def test_a_long_table_says_what_it_leaves_out(count, left_out) -> None:
 def test_no_factor_is_a_reason_and_never_a_number(status) -> None:
     found = two_blocks(status)
     fos = part(sheet(found), "FoS")
-    assert fos.startswith(f"none limit, PRE-IE ({found.status_text})")
+    assert fos.startswith(f"none limit of the elastic path: {found.status_text}")
+    assert "same mechanism" not in fos
     assert not re.search(r"\d\.\d|∞|inf", fos)
     assert part(sheet(found), "STATUS").startswith(found.status_text)
 
 
 @pytest.mark.parametrize(("lowest", "highest", "said"), [
-    (1.1, 1.4, "1.1000 .. 1.4000 same mechanism"), (None, 1.4, "none .. 1.4000 same mechanism"), (None, None, None),
+    (1.1, 1.4, "1.1000 .. 1.4000 same mechanism"), (None, 1.4, "none .. 1.4000 same mechanism"),
+    (None, None, "none same mechanism"),
 ])  # fmt: skip
 def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said) -> None:
-    """Where neither end was found there is no line."""
+    """Where neither end was found the line says that."""
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
     found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
     fos = FactorsOfSafety(limit=1.25, static_bound=1.5, lowest=lowest, highest=highest)
     text = part(sheet(replace(found, fos=fos, static_bound_proved=True)), "FoS")
-    assert text.startswith("1.2500 limit, PRE-IE")
-    assert ("same mechanism" in text) == (said is not None)
-    if said:
-        assert f"{said}, whatever forces are locked in 1.5000 static bound" in text
+    assert text.startswith("1.2500 limit of the elastic path")
+    none = "" if lowest or highest else ": no range was found"
+    assert f"{said}, whatever forces are locked in{none} 1.5000 static bound" in text
+
+
+@pytest.mark.parametrize(("basis", "change", "said"), [
+    ("limit", 0.0, "1.2500 limit of the elastic path (k_t/k_n 0.4) none closed form"),
+    ("settled", 0.0, "1.2500 limit of the elastic path (k_t/k_n 0.4), settled none closed form"),
+    ("peak", 0.004, "1.2500 peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.2550, 0.4"),
+    ("peak", 0.0, "1.2500 peak of the elastic path (k_t/k_n 0.4): last state at rest none closed form"),
+])  # fmt: skip
+def test_the_headline_says_what_it_rests_on(basis, change, said) -> None:
+    one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"), change=change, basis=basis)
+    found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
+    assert found.findings is not None
+    found = replace(found, findings=replace(found.findings, shear_to_normal=0.4))
+    assert part(sheet(found), "FoS").startswith(said)
+    first = found.to_dict()["assembly"]["mechanisms"][0]
+    assert (first["basis"], first["change"]) == (basis, change)
+    assert found.to_dict()["assembly"]["shear_to_normal"] == 0.4
 
 
 @pytest.mark.parametrize(("rule", "lowest", "said"), [

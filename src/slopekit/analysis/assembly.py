@@ -20,6 +20,7 @@ from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads, assembly_loads
 from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
+from slopekit.preie.bed import SHEAR_TO_NORMAL
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
@@ -116,6 +117,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     findings = Findings(
         found, _factors(ravelling, scene, found), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
+        SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
     balance = _balance(parts)
@@ -209,6 +211,12 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
+    for part in parts:
+        if part.group is not None:
+            said.append(
+                f"limit and range are those of {part.group} of {len(part.blocks)} blocks that touch, the others held; "
+                "all of them, none held, come to rest at 0.999 of it"
+            )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]

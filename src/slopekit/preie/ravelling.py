@@ -46,6 +46,7 @@ class Part:
     patch : (k,) the assembly's patch of each contact of the model
     refined : (p,) how often the triangles of each patch of the assembly were split, None where none was
     mesh_change : what the last split did to the factor, in parts of it, None where none was made
+    group : the blocks whose limit this is while the others were held, None where none was
     """
 
     model: AssemblyModel
@@ -54,6 +55,7 @@ class Part:
     patch: Ints
     refined: Ints | None = None
     mesh_change: float | None = None
+    group: int | None = None
 
     @property
     def rank(self) -> float:
@@ -260,7 +262,7 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
                 friction=frozen(flow.forces.friction), bond=frozen(bond), static_bound=top,
                 steps=limit.steps + bed.factorisations, bound_steps=0 if bound is None else bound.steps,
             )  # fmt: skip
-            return Part(model, whole, blocks, patch)
+            return Part(model, whole, blocks, patch, group=len(group))
         if flow.ended != "runs":
             return None
         moved = (flow.at - flow.before).reshape(model.load.shape)

@@ -4,6 +4,7 @@ import textwrap
 
 from slopekit._version import __version__
 from slopekit.studies.check import Check, Finding
+from slopekit.views.assembly_sheet import limit_in_words
 from slopekit.views.entries import LABEL, WIDTH, accept, block, factor_text, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
@@ -40,7 +41,7 @@ def check_line(checked: Check) -> str:
 def _factors(checked: Check) -> list[str]:
     fos = checked.result.fos
     named = [
-        (fos.limit, "limit, PRE-IE"),
+        (fos.limit, limit_in_words(checked.result)),
         (fos.closed_form, "closed form"),
         (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
     ]
