@@ -128,6 +128,7 @@ def test_no_factor_is_a_reason_and_never_a_number(status) -> None:
     fos = part(sheet(found), "FoS")
     assert fos.startswith(f"none limit of the elastic path: {found.status_text}")
     assert "same mechanism" not in fos
+    assert ("largest unbalanced force" in part(sheet(found), "CHECKS")) == (status == "no_driving_force")
     assert not re.search(r"\d\.\d|∞|inf", fos)
     assert part(sheet(found), "STATUS").startswith(found.status_text)
 
@@ -181,7 +182,7 @@ def test_a_rule_says_whether_it_is_met_for_every_locked_in_force(rule, lowest, s
 
 def test_what_stays_is_counted() -> None:
     text = part(sheet(two_blocks()), "STATUS")
-    assert text == "blocks fall: nothing holds them, whatever the strength; 1 falls (B1), 1 stays"
+    assert text == "blocks fall: no strength that was tried holds them; 1 falls (B1), 1 stays"
 
 
 def test_all_pairs_stand_beside_the_limit_where_asked_for() -> None:
@@ -238,7 +239,7 @@ def test_successive_mechanisms() -> None:
     text = part(sheet(found), "NEXT")
     assert "1 0.9000 0.9500 slide 49 slide (B2, B4, B6, B8, ... and 45 more)" in text
     assert "2 0.8500 1.4000 turn at once: 4 slide (B207 to B210), 2 turn (B211, B212)" in text
-    assert "3 none none fall at once: blocks fall: nothing holds them, whatever the strength; 6 fall" in text
+    assert "3 none none fall at once: blocks fall: no strength that was tried holds them; 6 fall" in text
     assert "4 0.9300 1.4000 turn 4 slide (B221" in text  # needs weaker joints than the first: not at once
     assert "... 30 more: 180 blocks, FoS 0.9800 to 1.2700 ..." in text
     assert "40 1.2900" in text

@@ -117,7 +117,7 @@ def test_why_a_block_has_no_factor() -> None:
     names = [f"B{k}" for k in range(1, 7)]
     found = scenes_of_none(names)
     table = {row[0]: row[2] for row in block_table(found["assembly"]).rows}
-    assert table == {"1.2500": "B1, B2", "none: fails whatever the strength": "B3", "not settled": "B4"}
+    assert table == {"1.2500": "B1, B2", "none: held by no strength that was tried": "B3", "not settled": "B4"}
     seen = words(report_of(found, with_pictures=False).html)
     assert "was not asked for" not in seen
     assert "not settled: its factor is no answer" in seen

@@ -34,7 +34,7 @@ _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
-_STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
 _BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
@@ -288,7 +288,7 @@ def _loads_last(
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     found: PathLimit | None = None
-    for times in _STRONGER:
+    for times in STRONGER:
         last = carried(times * least)
         if fits_on(last):
             fits = times * least

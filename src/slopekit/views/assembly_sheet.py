@@ -363,7 +363,10 @@ def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list
             "settled" if first.change == 0.0 else f"lies {first.change * 100:.2g} % from a strength at which they run"
         )
         entries.append(f"the limit {settled} after {steps}")
-    entries += [_check(name, value) for name, value in findings.checks.items()]
+    forces = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
+    entries += [
+        _check(name, value) for name, value in findings.checks.items() if forces or name != "largest_unbalanced_force"
+    ]
     return ["; ".join(entries)] if entries else []
 
 
