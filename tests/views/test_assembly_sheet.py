@@ -313,9 +313,11 @@ def test_columns_in_rows_with_two_strengths() -> None:
 
 
 def test_checks_have_their_units() -> None:
-    found = part(sheet(two_blocks(checks={"contact_tolerance_m": 1e-3, "joint_area_m2": 512.345, "new_figure": 0.0,
-                                          "plane_error_m": 2e-15, "gap": 3.0,
-                                          "largest_unbalanced_force": 9.1e-9})), "CHECKS")  # fmt: skip
+    checks = {
+        "contact_tolerance_m": 1e-3, "joint_area_m2": 512.345, "new_figure": 0.0, "plane_error_m": 2e-15, "gap": 3.0,
+        "largest_unbalanced_force": 9.1e-9,
+    }  # fmt: skip
+    found = part(sheet(two_blocks("no_driving_force", checks=checks)), "CHECKS")
     assert found == (
         "contact tolerance 0.001 m; joint area 512.3 m²; new figure 0; corners at most 2e-15 m off their planes; "
         "gap 3; largest unbalanced force 9.1e-09 of the load"

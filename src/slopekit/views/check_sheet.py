@@ -46,6 +46,9 @@ def _factors(checked: Check) -> list[str]:
         (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
     ]
     lines = [f"{factor_text(value)}  {name}" for value, name in named]
+    if fos.lowest is not None or fos.highest is not None:
+        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
+        lines.insert(2, f"{ends}  same mechanism, whatever forces are locked in")
     if checked.result.moments_govern:
         lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
     if checked.result.kind == "surface" and fos.limit is not None:
@@ -110,6 +113,8 @@ def _verdict(checked: Check) -> str:
     left = f"; not judged: {', '.join(open_)}" if open_ else ""
     if failed:
         counted = f"{', '.join(failed)} ({len(failed)} of {len(judged)})"
+        if all(finding.code == "W364" for finding in judged if not finding.met):
+            return f"NOT CONSISTENT: {counted}{left}. The factor hangs on the stiffness of the joints (W364)"
         return f"NOT CONSISTENT: {counted}{left}. Do not use the factor before the reason is known"
     if checked.consistent is False:
         return f"NOT CONSISTENT: the methods disagree, or no convergence{left}"
