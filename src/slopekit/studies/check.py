@@ -16,6 +16,7 @@ from typing import Any
 from slopekit._version import __version__
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design
+from slopekit.onlooker import say
 from slopekit.result import Result
 from slopekit.studies.ladders import (
     NormalsRung,
@@ -191,6 +192,7 @@ def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[flo
     result = solved.result
     few = result.model.moving_blocks <= _MOST_UNTIED
     if few and result.fos.limit and result.all_pairs is None:
+        say("all pairs", head=True)
         search = untied_search(design, solved.scene, solved.loads, result.fos.limit)
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
