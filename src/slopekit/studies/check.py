@@ -254,8 +254,10 @@ def _findings(
         return
     yield _convergence(result, ladder, orders, unrefined)
     settled = result.model.residual <= design.stop_when
-    yield Finding("last pass", result.model.residual, design.stop_when, settled,
-                  "what it changed of the factor (0: solved exactly)")  # fmt: skip
+    last = "what it changed of the factor (0: solved exactly)"
+    if result.findings is not None:
+        last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
+    yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
     yield from _balance(result, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
@@ -341,7 +343,8 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
         words = f"{shown}: the limit hangs on the stiffness of the joints{ranged} (W364)"
         yield Finding(name, off, _STIFFNESS, False, words, "W364")
     elif all(rung.factor for rung in rungs):
-        yield Finding(name, off, _STIFFNESS, True, "the same limit on joints of k_t/k_n "
+        within = "the same limit" if off <= _ALIKE else "the limit moves by no more"
+        yield Finding(name, off, _STIFFNESS, True, f"{within} on joints of k_t/k_n "
                       + " and ".join(f"{rung.effort:g}" for rung in rungs))  # fmt: skip
     else:
         yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
