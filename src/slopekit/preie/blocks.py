@@ -34,7 +34,7 @@ _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
-_STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
 _BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
@@ -67,6 +67,7 @@ class BlocksLimit:
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water
     steps : factorisations of the path; bound_steps : of the bound
+    group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
 
     outcome: Outcome
@@ -84,6 +85,8 @@ class BlocksLimit:
     loads_last: bool
     steps: int
     bound_steps: int
+    group: int = 0
+    width: float = 0.0
 
 
 Proposal = Callable[[Floats], PathLimit | None]
@@ -147,7 +150,6 @@ def _limit(
         outcome = Outcome.NO_REST if found.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
     else:
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
-        change = found.width
         if found.peak is not None and basis is Basis.PEAK:
             change = abs(found.peak[1] / found.peak[0] - 1.0)
         off = float(np.abs(model.unbalanced(normal, found.friction)).max())
@@ -160,7 +162,7 @@ def _limit(
     velocity = frozen(found.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(found.friction), frozen(bond), top,
-        None, None, carried, loads_last, steps, bound.steps,
+        None, None, carried, loads_last, steps, bound.steps, found.group, found.width,
     )  # fmt: skip
 
 
@@ -310,7 +312,7 @@ def _loads_last(
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     found: PathLimit | None = None
-    for times in _STRONGER:
+    for times in STRONGER:
         last = carried(times * least)
         if fits_on(last):
             fits = times * least

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 
@@ -64,6 +65,7 @@ class StaticBound:
 
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
+    say("static bound")
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
         found = _by_programs(model, 0)
@@ -142,6 +144,7 @@ def mechanism_range(
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
+    say("range of the mechanism")
     away = _distance(model, _cleaned(model, velocity, forces, factor), bond)
     if away(1.0 / factor)[0] > 1e3 * _REACHES:
         return None

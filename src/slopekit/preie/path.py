@@ -20,6 +20,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.arrays import Floats
+from slopekit.onlooker import say
 from slopekit.preie.bed import Bed, Forces, Step
 from slopekit.preie.program import BlockProgram, Strengths
 
@@ -76,7 +77,8 @@ class PathLimit:
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
     started : the parameter at which gravity, or the first load, was at rest
-    width : of what encloses it, in parts of it, where it is not known to the last digits
+    group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
+        parts of it, all blocks were not seen at rest
     factorisations : work done
     """
 
@@ -91,6 +93,7 @@ class PathLimit:
     residual: float
     factorisations: int
     started: float = math.nan
+    group: int = 0
     width: float = 0.0
 
     @property
@@ -178,6 +181,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs:
             ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
         trial = bed.drive.harder(parameter, ratio)
+        say("path, strength divided by" if strength else "path, load times", 1.0 / trial if strength else trial)
         tried = _tried(bed, at, trial)
         if tried.ended != "rest":
             runs.append((trial, tried))
@@ -281,6 +285,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     displacement again and again: λ goes like the limit plus a part of 1/t. And the path has to get there: the blocks
     rest at a little more strength.
     """
+    say("limit far down the path")
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = model.by_group(model.cohesion * bond)

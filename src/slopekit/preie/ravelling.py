@@ -225,8 +225,7 @@ class _Groups:
 
     The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
     held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
-    group. Where they rest just before it, and run just beyond it, it is the
-    limit of all.
+    group. Where they rest just before it, and run just beyond it, it is the limit of all.
     """
 
     scene: "_Scene"
@@ -265,7 +264,7 @@ class _Groups:
                 if not runs_beyond(bed, flow, motion.ravel(), factor):
                     return None
                 return replace(
-                    limit, outcome=PathOutcome.SETTLED, width=gap, displacement=flow.at,
+                    limit, outcome=PathOutcome.SETTLED, width=gap, group=len(group), displacement=flow.at,
                     motion=motion.ravel(), normal=flow.forces.normal, friction=flow.forces.friction,
                     residual=flow.forces.residual / bed.load_size, factorisations=bed.factorisations + work,
                 )  # fmt: skip
