@@ -81,23 +81,24 @@ def _how(motion: Floats, size: float, outcome: Outcome) -> str:
 def _modes(part: Part) -> dict[str, int]:
     if len(part.model.control_area) == 0:
         return {}
-    opened, slips, _ = states_of_part(part)
+    opened, slips = (state[part.model.joint_pairs] for state in states_of_part(part)[:2])
     return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
 
 
 def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
-    """Interfaces between two blocks that lose work in the mechanism, with the work, and all work."""
+    """Interfaces between two blocks that lose work in the mechanism, with the work, and all work, bolts' too."""
     model, limit = part.model, part.limit
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
     opened, _, size = states_of_part(part)
     carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
+    carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
     lost = carried * size
     work = np.bincount(model.group_contact, lost, len(model.plus))
     normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
     open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
-    chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
+    chosen = np.argsort(-work[: len(part.patch)], kind="stable")[: 4 * _MOST_INTERFACES]
     found: dict[tuple[str, str], list[float]] = {}
     patches = scene.assembly.patches
     for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
