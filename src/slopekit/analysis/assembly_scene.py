@@ -27,7 +27,8 @@ class AssemblyScene:
     ----------
     names : (n,); joints : names by joint index, strengths : their strengths
     unit_weights : (n,) kN/m³; pressures : (k,) kPa on each patch
-    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index; bolts : the passive ones
+    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
+    bolts : the passive ones, bolt_names : as the design numbers them
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
     """
@@ -47,6 +48,7 @@ class AssemblyScene:
     thickness: float | None = None
     origin: Floats = field(default_factory=lambda: np.zeros(3))
     bolts: PassiveBolts = NO_BOLTS
+    bolt_names: tuple[str, ...] = ()
 
 
 def assembly_scene(design: AssemblyDesign, clock: Clock) -> AssemblyScene:
@@ -72,8 +74,8 @@ def assembly_scene(design: AssemblyDesign, clock: Clock) -> AssemblyScene:
         advice = "Take closer joints or a longer and deeper bench." if isinstance(design, BenchDesign) else ""
         message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"
         raise GeometryError([Fault("E256", message, "", advice)])
-    pushes, bolts = _pushes(design, scene)
-    return replace(scene, pushes=pushes, bolts=bolts, seismic=_seismic(design))
+    pushes, bolts, names = _pushes(design, scene)
+    return replace(scene, pushes=pushes, bolts=bolts, bolt_names=names, seismic=_seismic(design))
 
 
 def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
@@ -284,10 +286,13 @@ def _seismic(design: AssemblyDesign) -> Floats:
     return given.coefficient * Line(trend, 0.0).vector()
 
 
-def _pushes(design: AssemblyDesign, scene: AssemblyScene) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts]:
-    """Forces and active bolts with the index of the block that each acts on, and passive bolts."""
+def _pushes(
+    design: AssemblyDesign, scene: AssemblyScene
+) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts, tuple[str, ...]]:
+    """Forces and active bolts with the index of the block that each acts on, and passive bolts with their names."""
     found, faults = [], []
     passive: list[tuple[int, int, PointForce]] = []
+    names: list[str] = []
     finder = _finder(scene)
     loads: list[tuple[str, Force | Bolt, PointForce]] = []
     for k, force in enumerate(design.forces, 1):
@@ -311,9 +316,10 @@ def _pushes(design: AssemblyDesign, scene: AssemblyScene) -> tuple[tuple[tuple[i
                 message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
                 faults.append(Fault("E212", message, "", advice))
             passive.append((block, toe, push))
+            names.append(name)
     if faults:
         raise DesignError(faults)
-    return tuple(found), _passive(scene, passive)
+    return tuple(found), _passive(scene, passive), tuple(names)
 
 
 def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:

@@ -86,7 +86,7 @@ def _modes(part: Part) -> dict[str, int]:
 
 
 def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
-    """Interfaces between two blocks that lose work in the mechanism, with the work, and all work, bolts' too."""
+    """Interfaces between two blocks, and bolts, that lose work in the mechanism, with the work, and all work."""
     model, limit = part.model, part.limit
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
@@ -98,10 +98,17 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
     open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
-    chosen = np.argsort(-work[: len(part.patch)], kind="stable")[: 4 * _MOST_INTERFACES]
+    chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
     found: dict[tuple[str, str], list[float]] = {}
     patches = scene.assembly.patches
+    bolts: list[GoverningInterface] = []
     for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
+        if k >= len(part.patch):
+            bolt = int(model.bolts[k - len(part.patch)])
+            pull = float(limit.friction[k - len(model.plus), 0]) * model.force_scale
+            head = scene.names[int(scene.bolts.head[bolt])]
+            bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
+            continue
         patch = int(part.patch[k])
         name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
         entry = found.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
@@ -110,7 +117,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     return [
         GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
         for (name, joint), (share, force, area_, gone) in found.items()
-    ], float(work.sum())
+    ] + bolts, float(work.sum())
 
 
 def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:
