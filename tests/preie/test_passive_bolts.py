@@ -375,6 +375,47 @@ def test_solve_for_a_capacity() -> None:
     assert found.answer.value == pytest.approx(exact, rel=1e-6)
 
 
+def test_solve_for_an_earthquake() -> None:
+    """The path in the load at λ = 1 / 1.2: W (sin + k cos) = λ (W (cos - k sin) μ + T), by hand."""
+    given = design({"A": box(0.0)}, [bolt(80.0)], loads={"seismic": {"k": 0.1, "toward": 270}})
+    found = sk.solve(sk.load(given), "loads.seismic.k", fos=1.2)
+    friction = math.tan(math.radians(20.0)) / 1.2
+    exact = (ACROSS * friction + 80.0 / 1.2 / WEIGHT - ALONG) / (ACROSS + ALONG * friction)
+    assert found.answer is not None
+    assert found.answer.value == pytest.approx(exact, rel=1e-9)
+
+
+def test_bolts_alone_hold_smooth_blocks() -> None:
+    """Without friction and cohesion F = T / D."""
+    given = design({"A": box(0.0), "B": box(5.0)}, [bolt(150.0), bolt(120.0, "B")], phi=0.0)
+    assert limit_of(given).factor == pytest.approx(120.0 / (WEIGHT * ALONG), rel=1e-11)
+
+
+@pytest.mark.parametrize("length", [None, 25.0])
+def test_columns_in_rows_keep_their_bolts(length: float | None) -> None:
+    """A bolt of the second row ties columns of the second row: the first, without bolts, fails as if it were alone."""
+    columns = {"dip": 70, "width": 2, "heights": [3, 6, 5, 3], "base_step": 0.3}
+    given = {
+        "slopekit": 1, "kind": "topple", "columns": columns, "strength": {"j": {"c": 0, "phi": 35}},
+        "rock": {"unit_weight": 25}, "analysis": {"mechanisms": 2},
+    }  # fmt: skip
+    alone = sk.run(given).fos.limit
+    scene = assembly_scene(sk.load(given), Clock())
+    head = scene.assembly.centroids[1]
+    held = {"force": 400, "toward": "090/20", "acts": "passive", "head": [float(head[0]), 0.0, float(head[2])]}
+    if length is not None:
+        held["length"] = 2.5
+    two = {**given, "columns": columns | {"rows": 2}, "support": {"bolts": [held | {"block": "C2-2"}]}}
+    (toe,) = assembly_scene(sk.load(two), Clock()).bolts.toe
+    assert toe == (-1 if length is None else 6)
+    result = sk.run(two)
+    assert result.fos.limit == pytest.approx(alone, rel=1e-9)
+    assert {block.name[-2:] for block in result.findings.mechanisms[0].blocks} == {"-1"}
+    one = sk.run({**given, "support": {"bolts": [held | {"block": "C2"}]}})
+    assert one.fos.limit > alone * 1.01
+    assert result.findings.mechanisms[1].fos == pytest.approx(one.fos.limit, rel=1e-9)
+
+
 def test_bolts_that_hold_nothing_are_refused() -> None:
     """All faults at once: too short for its block, on bedrock, in no block."""
     given = design({"A": box(0.0), "B": box(5.0)}, [bolt(50.0, head=middle(2.0, 1.0), length=1.0), bolt(9.0, "C")])

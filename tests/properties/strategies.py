@@ -172,7 +172,7 @@ def columns(draw) -> Mapping:
 
 @st.composite
 def bolted(draw, families: st.SearchStrategy[Mapping]) -> Mapping:
-    """A design of blocks with one to three passive bolts, up or down the slope, weak or stronger than what they hold."""
+    """A design of blocks with one to three passive bolts, up or down the slope, weak to strong."""
     design = dict(draw(families))
     names = [name for name in (design.get("solids") or design["blocks"]) if name != "base"]
     bolts = [
