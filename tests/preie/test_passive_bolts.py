@@ -26,6 +26,7 @@ from slopekit.preie.ravelling import whole_model
 from slopekit.result import Result
 from slopekit.studies.check import check
 from slopekit.views.sheet import sheet
+from tests.preie import path_oracle
 
 DIP, WEIGHT = 30.0, 200.0  # blocks 4 m by 2 m, 25 kN/m³
 ALONG, ACROSS = math.sin(math.radians(DIP)), math.cos(math.radians(DIP))
@@ -345,6 +346,17 @@ def test_the_static_bound_against_a_linear_program(assembly) -> None:
         middle_ = math.sqrt(low * high)
         low, high = (low, middle_) if stands(middle_) else (middle_, high)
     assert found.static_bound == pytest.approx(1.0 / high, rel=2e-6)
+
+
+def test_an_incremental_history(assembly) -> None:
+    """Slip and pull that stay what they were, strength lowered slowly (`path_oracle.history`): the same limit, 1e-6.
+
+    In the thin row forces may be locked in: its mechanism alone has factors from 1.438 to 1.552.
+    """
+    _, model, found = assembly
+    told = path_oracle.history(model, 2.0 / found.static_bound)
+    assert told.end == "settled"
+    assert found.factor == pytest.approx(told.factor, rel=1e-6)
 
 
 def test_joints_that_dilate_by_all_their_friction_have_the_static_bound() -> None:
