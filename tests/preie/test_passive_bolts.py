@@ -378,6 +378,20 @@ def test_the_papers_criterion_and_check() -> None:
     assert not [finding for finding in checked.findings if finding.met is False]
 
 
+@pytest.mark.parametrize("steeper", [0.0, 180.0])
+def test_the_papers_criterion_by_hand(steeper: float) -> None:
+    """The joint slips at F = N μ / (its part of D); springs side by side: k_t A, and T / 1 mm if drawn out. 1e-4."""
+    capacity, shear = 150.0, 1e5
+    given = design(
+        {"A": box(0.0)}, [bolt(capacity, steeper=steeper, head=middle(2.0), length=50.0)],
+        strength={"j": {"c": 0, "phi": 20, "stiffness": {"normal": 1e7, "shear": shear}}},
+        analysis={"criterion": "all-pairs"},
+    )  # fmt: skip
+    joint, pull = shear * 4.0, capacity / 1e-3 if steeper == 0.0 else 0.0
+    exact = ACROSS * math.tan(math.radians(20.0)) / ALONG * (joint + pull) / joint
+    assert sk.run(given).fos.all_pairs_failed == pytest.approx(exact, rel=2e-4)
+
+
 def test_solve_for_a_capacity() -> None:
     """F = (N μ + T) / D by hand."""
     given = design({"A": box(0.0)}, [bolt(50.0)])
