@@ -19,6 +19,7 @@ from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
+from slopekit.preie import bounds
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.limit import limit_analysis
@@ -359,6 +360,17 @@ def test_an_incremental_history(assembly) -> None:
     assert found.factor == pytest.approx(told.factor, rel=1e-6)
 
 
+def test_the_slope_of_the_range(assembly) -> None:
+    """How the distance of forces from a mechanism's changes with λ, beyond an end of its range: central differences."""
+    _, model, found = assembly
+    away = bounds._distance(model, found.velocity.ravel(), found.bond)
+    for at in (1.2 / found.lowest, 0.8 / found.highest):
+        ahead, behind = (away(at * (1.0 + step))[0] for step in (1e-4, -1e-4))
+        far, slope = away(at)
+        assert far > 1e-4
+        assert slope == pytest.approx((ahead - behind) / (2e-4 * at), rel=1e-3)
+
+
 def test_joints_that_dilate_by_all_their_friction_have_the_static_bound() -> None:
     """Normality: the limit is the bound, with bolts as without."""
     given = ASSEMBLIES["row"]
@@ -378,16 +390,16 @@ def test_the_papers_criterion_and_check() -> None:
     assert not [finding for finding in checked.findings if finding.met is False]
 
 
-@pytest.mark.parametrize("steeper", [0.0, 180.0])
-def test_the_papers_criterion_by_hand(steeper: float) -> None:
+@pytest.mark.parametrize("ways", [[180.0], [0.0], [0.0, 180.0]])
+def test_the_papers_criterion_by_hand(ways: list[float]) -> None:
     """The joint slips at F = N μ / (its part of D); springs side by side: k_t A, and T / 1 mm if drawn out. 1e-4."""
     capacity, shear = 150.0, 1e5
     given = design(
-        {"A": box(0.0)}, [bolt(capacity, steeper=steeper, head=middle(2.0), length=50.0)],
+        {"A": box(0.0)}, [bolt(capacity, steeper=way, head=middle(2.0)) for way in ways],
         strength={"j": {"c": 0, "phi": 20, "stiffness": {"normal": 1e7, "shear": shear}}},
         analysis={"criterion": "all-pairs"},
     )  # fmt: skip
-    joint, pull = shear * 4.0, capacity / 1e-3 if steeper == 0.0 else 0.0
+    joint, pull = shear * 4.0, capacity / 1e-3 if 0.0 in ways else 0.0
     exact = ACROSS * math.tan(math.radians(20.0)) / ALONG * (joint + pull) / joint
     assert sk.run(given).fos.all_pairs_failed == pytest.approx(exact, rel=2e-4)
 
