@@ -173,6 +173,19 @@ def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
         assert len(ends) == 1
 
 
+def test_a_bolt_whose_toe_has_gone() -> None:
+    """A rough block is bolted to a smooth one above it, which slides first: then friction alone holds the rough one."""
+    given = design(
+        {"A": box(0.0), "B": box(5.0)}, [bolt(100.0, head=middle(2.0, 1.0), length=5.0)],
+        interfaces={"default": "j", "base/A": "rough"}, analysis={"mechanisms": 2},
+        strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}},
+    )  # fmt: skip
+    slopes = [math.tan(math.radians(phi)) / math.tan(math.radians(DIP)) for phi in (20.0, 45.0)]
+    found = sk.run(given).findings.mechanisms
+    assert [[block.name for block in one.blocks] for one in found] == [["B"], ["A"]]
+    assert [one.fos for one in found] == pytest.approx(slopes, rel=1e-11)
+
+
 def test_a_stack_of_three() -> None:
     """Each joint carries what lies above it, with its bolts: the weakest of three by hand."""
     blocks = {"A": box(0.0), "B": box(0.0, above=2.0), "C": box(0.0, above=4.0)}
