@@ -75,7 +75,7 @@ def rows_apart(source: Source) -> list[Pair]:
 def load_name(source: Source, word: str) -> str:
     """The name of a load as its design numbers it: forces, and bolts of both sorts in one row.
 
-    A scene numbers active and passive bolts each for themselves, and in assemblies bolts after forces.
+    A scene numbers active and passive bolts each for themselves, and in assemblies active bolts after forces.
     """
     inputs = source.document["inputs"]
     bolts = inputs.get("bolts", ())
@@ -87,19 +87,16 @@ def load_name(source: Source, word: str) -> str:
         own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == name.split()[0]]
         return f"bolt {own[at - 1]}" if at <= len(own) else word
     forces = len(inputs.get("forces", ()))
-    return f"bolt {at - forces}" if name == "force" and forces < at <= forces + len(bolts) else word
+    own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == "active"]
+    return f"bolt {own[at - forces - 1]}" if name == "force" and forces < at <= forces + len(own) else word
 
 
-def lost_of_loads(passive: Sequence[str], away: Sequence[str]) -> list[str]:
-    """Loads by their names that kind blocks cannot have, or whose block was not chosen."""
-    lost = []
-    if passive:
-        verb = "is passive" if len(passive) == 1 else "are passive"
-        lost.append(f"{', '.join(passive)}, which {verb} (kind blocks takes active bolts)")
-    if away:
-        verb = "acts on a block" if len(away) == 1 else "act on blocks"
-        lost.append(f"{', '.join(away)}, which {verb} not chosen")
-    return lost
+def lost_of_loads(away: Sequence[str]) -> list[str]:
+    """Loads by their names whose block was not chosen."""
+    if not away:
+        return []
+    verb = "acts on a block" if len(away) == 1 else "act on blocks"
+    return [f"{', '.join(away)}, which {verb} not chosen"]
 
 
 def pressures_of(

@@ -4,7 +4,8 @@
 
 The law of each friction force is that of `preie.contact`, in total displacements: what is found does not depend on
 how often it is asked for, and a block at rest does not creep. Contacts carry no tension; a node pair that is open
-where the blocks have come to rest loses its cohesion, and the blocks settle again.
+where the blocks have come to rest loses its cohesion, and the blocks settle again. Passive bolts are those of one block
+(`preie.equilibrium`).
 
 1. Passes: the strengths, and Clough-Duncan's stiffness, are frozen at the normal forces of the last pass. What is
    left is the smallest of a convex energy, which Newton with a line search always finds or follows down for ever.
@@ -24,6 +25,7 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.contact import ContactMode, JointStiffness, tractions
+from slopekit.preie.equilibrium import BOLT_GIVE_M
 from slopekit.preie.stiffness import Stiffness
 
 _STANDS = 1e-10  # unbalanced force in parts of the largest force
@@ -185,12 +187,19 @@ class ElasticBed:
             np.zeros(len(none), dtype=bool),
         )
         friction = law.tractions[:, 1 : 1 + width] / per_area[:, None]
+        slopes = law.slopes[:, 1 : 1 + width, 1 : 1 + width] * (-model.length_scale / per_area)[:, None, None]
+        if len(model.bolts):
+            most, at_bolts = cohesion / factor, model.bolted
+            stiff = model.by_group(model.cohesion) * model.length_scale / BOLT_GIVE_M
+            drawn = -stiff * slip[:, 0]
+            friction[at_bolts, 0] = np.clip(drawn, 0.0, most)[at_bolts]
+            slopes[at_bolts, 0, 0] = np.where((drawn > 0.0) & (drawn < most), stiff, 0.0)[at_bolts]
         unbalanced = model.forces_on_blocks(normal, friction).ravel() + self.load
         largest = max(float(np.abs(self.load).max()), float(normal.max()))
         return _Seen(
             normal, touching, friction, unbalanced, float(np.abs(unbalanced).max()) / largest,
             min(max(_AIM, _ROUNDING * self.stiffest * float(np.abs(at).max()) / largest), _COARSEST),
-            law.slopes[:, 1 : 1 + width, 1 : 1 + width] * (-model.length_scale / per_area)[:, None, None],
+            slopes,
             law.slopes[:, 1 : 1 + width, 0] / -self.stiffness.normal, law.modes == ContactMode.SLIP,
         )  # fmt: skip
 
@@ -267,6 +276,7 @@ class ElasticBed:
             passes, steps = passes + more_passes, steps + more_steps
             seen = self.seen(at, cohesion, factor)
             parted: Bools = bonded & ~seen.touching & (self.model.cohesion > 0.0)
+            parted[self.model.joint_pairs.stop :] = False
             if outcome is not RestOutcome.STANDS or not parted.any():
                 break
             bonded = bonded & ~parted

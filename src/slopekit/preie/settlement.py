@@ -3,7 +3,8 @@
 The law is that of `preie.bed` with the design's stiffnesses. On Clough and Duncan's hyperbola each joint has the secant
 stiffness K (1 - R_f τ / (σ_n tan φ₁)), K = k₁ γ_w (σ_n/P_a)ⁿ, at its own mean tractions, found again until it stays.
 With the paper's parameters the hyperbola cannot reach the strength of a joint at low normal traction, where Newton's
-method on it finds no rest: the secant is kept above a part of K, and the joint slips at its strength.
+method on it finds no rest: the secant is kept above a part of K, and the joint slips at its strength. A passive bolt
+carries its full capacity once it is drawn out by a millimetre, as on one block.
 """
 
 import math
@@ -15,6 +16,7 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness
+from slopekit.preie.equilibrium import BOLT_GIVE_M
 from slopekit.preie.path import relaxed
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
@@ -29,7 +31,7 @@ class Settlement:
     Attributes
     ----------
     displacement : (n, u) m and radians
-    slips : (g,) friction forces at their strength, or in an open contact
+    slips : (g,) friction forces at their strength, or in an open contact; no bolts
     residual : largest unbalanced force in parts of the largest load
     """
 
@@ -45,6 +47,9 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
     law = stiffness.tangential
     bond = np.ones(len(model.control_area))
     ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
+    bolted, capacity = model.bolted, model.by_group(model.cohesion) * model.force_scale
+    of_bolts = (capacity / (BOLT_GIVE_M * stiffness.normal * group_area))[bolted]
+    ratio[bolted] = of_bolts
     at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
     for taken in range(_ROUNDS):
         bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
@@ -57,6 +62,7 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
                 return None
             forces, at = flow.forces, flow.at
         parted = (bond > 0.0) & ~forces.touching & (model.cohesion > 0.0)
+        parted[model.joint_pairs.stop :] = False
         bond = np.where(parted, 0.0, bond)
         if isinstance(law, CloughDuncan):
             traction = model.by_group(forces.normal) * model.force_scale / group_area
@@ -67,6 +73,7 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
             ratio = np.sqrt(ratio) * np.sqrt(
                 stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal
             )
+            ratio[bolted] = of_bolts
         moved = float(np.abs(at - start).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < _STEADY
         if not parted.any() and (settled or not isinstance(law, CloughDuncan)):
@@ -75,5 +82,6 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
     held = model.by_group(forces.normal) > 0.0
     return Settlement(
-        frozen(at.reshape(model.load.shape) * to_metres), ~held | forces.slips, forces.residual / bed.load_size
-    )
+        frozen(at.reshape(model.load.shape) * to_metres), (~held | forces.slips) & ~bolted,
+        forces.residual / bed.load_size,
+    )  # fmt: skip

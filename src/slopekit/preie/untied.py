@@ -150,7 +150,7 @@ class _Search:
             count = int(untied.sum())
             self.found[state.factor] = _Trial(state, untied, count)
             self.untied_at = np.where(untied, np.minimum(self.untied_at, state.factor), self.untied_at)
-            self.history.append((state.factor, count, state.failed))
+            self.history.append((state.factor, count, state.failed - len(self.model.bolts)))  # bolts never stick
 
     def lowest_untied(self, blocks: int) -> float:
         """Smallest factor with so many blocks untied."""

@@ -311,7 +311,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
     for ratio in _RATIOS:
         say(f"ladder, k_t/k_n {ratio:g}", head=True)
         limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
-        yield Rung("stiffness", f"k_t / k_n {ratio:g}", len(part.model.control_area), ratio, limit.factor, seconds)
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
     for level in range(3 if refines(solved) else 1):
         model = part.model
         if level:
@@ -321,7 +321,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
         say(f"ladder, parts split {_often(level)}", head=True)
         limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
         setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
-        yield Rung("mesh", setting, len(model.control_area), level, limit.factor, seconds)
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 
 
 def refines(solved: SolvedAssembly) -> bool:
