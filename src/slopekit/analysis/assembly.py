@@ -23,9 +23,10 @@ from slopekit.preie.balance import Balance, Carried, assembly_balance
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
-from slopekit.preie.untied import UntiedSearch, all_blocks_untied
+from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
 
+_BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -145,16 +146,15 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
 
 def untied_search(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
-) -> UntiedSearch | None:
+) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
     model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
-    return None if model is None else all_blocks_untied(model, joint_stiffness(design), limit)
+    return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def all_pairs(search: UntiedSearch) -> AllPairs:
+def all_pairs(search: AllPairsFailed) -> AllPairs:
     """The search as a result keeps it."""
-    history = tuple((factor, failed) for factor, _, failed in search.history)
-    return AllPairs(search.bracket, search.lost_equilibrium, history)
+    return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:

@@ -25,7 +25,7 @@ from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import JointStrength, Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
+from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
     AllPairs,
     AtFactorOne,
