@@ -6,8 +6,8 @@
 
 over all blocks that can move, none held. The products λ N make it no cone program, but for each λ the forces form a
 convex set that grows with λ, so that whatever satisfies the first-order conditions is the smallest. Newton on λ and
-the forces together (`Strengths.normality`) usually gets there at once; else each linearisation at the last λ and N is
-a cone program of its own, and a few of them settle.
+the forces together (`Strengths.normality`) gets there at once in sections and for few blocks; else how far forces are
+at one λ is a linear program in a section and a cone program in space, and Newton with its dual finds where they fit.
 
 **Range**: the factors that one mechanism v can have under any admissible forces, N = 0 where it opens and
 T = -λ r in the direction of its slip (METHOD-3.md §13, M). One linear program in a section and cone program in space
@@ -23,21 +23,19 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.iterates import Iterate
-from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
+from slopekit.preie.program import BlockProgram, Strengths
 
-_CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
+_CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it, and of a bracket
 _BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
-_MOST_PROGRAMS = 150  # blocks up to which it is found by general programs where it is not
+_STEPS = 60  # in which the interior-point method settles if it does
+_FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
+_MOST_TRIALS = 60  # of λ
+_SOLVED_ROUGHLY, _SOLVED, _ROUGHLY = 1e-4, 1e-9, 2e-2  # tolerances of a cone program, and changes of λ above the first
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
-_NEARLY = 1e-4  # the same where light blocks between heavy ones keep it from settling
-_STEPS = 150
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
-_LINEARISED, _SETTLED = 20, 1e-6  # cone programs at the most, and how little the last may change λ
 _SHED = 1e-3  # of the load: nothing balances it
 _BALANCED = 2e-2  # largest unbalanced force of a bound that says so
-_FALLS = 0.2  # of λ: no linearisation is trusted further down
-_NOTHING = 1e-6  # λ below this: forces balance without friction, or joints free to dilate lock the blocks
+_NOTHING = 1e-6  # λ below this: forces balance without friction; above its inverse: at none
 _HARDLY_MOVES, _CARRIES, _CLEANED = 1e-3, 1e-6, 1500  # parts that are none: of motions, forces; unknowns cleaned
 _MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is none
 _REACHES = 1e-9  # distance from the mechanism's forces, in parts of the load, that is none
@@ -66,83 +64,58 @@ class StaticBound:
 
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
+    size = len(model.load)
+    if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
+        found = _by_programs(model, 0)
+        if found is not None and not found.lifted:
+            return found
     program = BlockProgram(model)
     program.elastic *= _HARDLY
-    found = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
-    steps = found.steps
-    if not found.settled and not _is_lifted(found):
-        near = found.at.complementarity < _NEARLY * found.at.load_factor and found.unbalanced < _NEARLY
-        first = found
-        found = _linearised(program, found.at.load_factor, found.at.normal if near else None)
-        steps += found.steps
-        if near and not found.settled:
-            again = _linearised(program, first.at.load_factor, None)
-            found, steps = again, steps + again.steps
-    if _is_lifted(found):
+    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
+    at, steps = at_once.at, at_once.steps
+    if at.shed > _SHED and at_once.unbalanced < _BALANCED:
         return StaticBound(None, True, False, program.release(), steps)
-    at = found.at
-    balanced = found.unbalanced < _BALANCES
-    if not (found.settled and balanced) and at.load_factor > _NOTHING and len(model.load) <= _MOST_PROGRAMS:
-        return _by_programs(model, at, steps)
-    locked = at.load_factor < _NOTHING
-    known = found.settled and balanced and not locked
-    return StaticBound(1.0 / at.load_factor if known else None, False, locked, at.velocity, steps)
+    if at_once.settled and at_once.unbalanced < _BALANCES:
+        locked = at.load_factor < _NOTHING
+        return StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, steps)
+    found = _by_programs(model, steps) if size <= _MOST_PROGRAMS else None
+    if found is None:
+        return StaticBound(None, False, False, at.velocity, steps)
+    return replace(found, velocity=program.release()) if found.lifted else found
 
 
-def _is_lifted(found: ProgramResult) -> bool:
-    """Whether no strength however high balances the loads."""
-    return found.at.shed > _SHED and found.unbalanced < _BALANCED
+def _by_programs(model: AssemblyModel, steps: int) -> StaticBound | None:
+    """The bound by Newton on how far admissible forces are at one λ, bracketed; None where that does not close.
 
-
-def _by_programs(model: AssemblyModel, at: Iterate, steps: int) -> StaticBound:
-    """The bound where light blocks between heavy ones defeat the quick way: Newton on how far forces are at one λ."""
+    Far less is to spare just above a λ where blocks jam than just below it: the bracket is halved there.
+    """
     away = _distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
-    reduction, low, high = at.load_factor, 0.0, math.inf
-    for _ in range(_LINEARISED):
-        far, slope = away(reduction)
+    still, tolerance = np.zeros(model.load.size), _SOLVED_ROUGHLY
+    reduction, low, high = 1.0, 0.0, math.inf
+    for _ in range(_MOST_TRIALS):
+        steps += 1
+        far, slope = away(reduction, tolerance)
+        newton = slope < 0.0 and math.isfinite(far)
+        trial = reduction - far / slope if newton else 10.0 * reduction
+        if tolerance > _SOLVED and newton and abs(trial / reduction - 1.0) < _ROUGHLY:
+            reduction, tolerance = trial, _SOLVED
+            continue
         if far > 0.0:  # also where the program gave up: it did not find any
             low = reduction
         else:
             high = reduction
-        newton = slope < 0.0 and math.isfinite(far)
-        trial = reduction - far / slope if newton else 1.5 * reduction
         if newton and abs(trial / reduction - 1.0) < _NEAR:
-            return StaticBound(1.0 / trial, False, False, at.velocity, steps)
+            return StaticBound(1.0 / trial, False, False, still, steps)
+        if high < low * (1.0 + _CLOSE):
+            return StaticBound(1.0 / high, False, False, still, steps)
         if reduction < _NOTHING:
-            return StaticBound(None, False, True, at.velocity, steps)
+            return StaticBound(None, False, True, still, steps)
+        if low > 1.0 / _NOTHING:
+            return StaticBound(None, True, False, still, steps)
         if not low < trial < high:
-            trial = math.sqrt(low * high) if low > 0.0 else 0.5 * high
+            trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
         reduction = trial
-    return StaticBound(None, False, False, at.velocity, steps)
-
-
-def _linearised(program: BlockProgram, reduction: float, normal: Floats | None) -> ProgramResult:
-    """Cone programs linearised at the last λ and normal forces: at those given, or elastic ones and a lower λ."""
-    model = program.model
-    summed = model.by_group(program.start.normal if normal is None else normal)
-    if normal is None:
-        reduction = 0.9 * reduction if 1e-4 < reduction < 1e4 else 1.0
-    steps, changed, was_close = 0, 1.0, False
-    for _ in range(_LINEARISED):
-        carried = program.cohesion + model.tan_friction * summed
-        strengths = Strengths(reduction * model.tan_friction, carried, summed)
-        tolerance = min(max(0.03 * changed, _CLOSE), 1e-3)
-        found = program.solve(strengths, program.start, tolerance, _STEPS)
-        steps += found.steps
-        if _is_lifted(found):
-            break
-        changed = abs(found.at.load_factor / reduction - 1.0)
-        close = changed < (_SETTLED if found.settled else _NEARLY) and found.at.complementarity < _NEARLY * reduction
-        if close and (found.settled or was_close):
-            break  # a program that gave up where it began proves nothing: the next has to agree
-        was_close = close
-        reduction, summed = max(found.at.load_factor, _FALLS * reduction), model.by_group(found.at.normal)
-        if reduction < _NOTHING:
-            break
-    settled = changed < _NEARLY and found.at.complementarity < _NEARLY * reduction
-
-    at = replace(found.at, load_factor=0.0) if reduction < _NOTHING else found.at
-    return ProgramResult(at, settled, steps, found.unbalanced, ())
+    return None
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------
@@ -171,7 +144,7 @@ def mechanism_range(
     return (1.0 / high if high else None), (1.0 / low if low else None)
 
 
-def _end(away: Callable[[float], tuple[float, float]], inside: float, way: float) -> float | None:
+def _end(away: Callable[..., tuple[float, float]], inside: float, way: float) -> float | None:
     """The λ at which the forces leave the mechanism, above (`way` 1) or below; None where they do not."""
     outside, stride = inside, 1.02
     while True:
@@ -199,10 +172,10 @@ def _end(away: Callable[[float], tuple[float, float]], inside: float, way: float
 
 def _distance(
     model: AssemblyModel, velocity: Floats, bond: Floats, least_far: float = 0.0
-) -> Callable[[float], tuple[float, float]]:
+) -> Callable[..., tuple[float, float]]:
     """How far (in parts of the load) admissible forces are from those of a mechanism at λ, and its slope in λ.
 
-    No less than `least_far`: below zero there is so much to spare.
+    No less than `least_far`: below zero there is so much to spare. A tolerance may follow λ (of a cone program).
     """
     from scipy import sparse
 
@@ -233,7 +206,7 @@ def _distance(
     upper = np.where(closed, np.inf, 0.0)
     solve = _linear if tangents == 1 else _conic
 
-    def away(reduction: float) -> tuple[float, float]:
+    def away(reduction: float, tolerance: float = _SOLVED) -> tuple[float, float]:
         carried = reduction * (of_slip @ along)  # what r puts on the blocks, less the sign
         balance = sparse.hstack([of_normal - carried @ pressed, of_slip, sparse.csr_matrix((len(load), 1))])
         right = -load + carried @ cohesion
@@ -241,7 +214,9 @@ def _distance(
             -reduction * (sparse.diags(stick) @ pressed), sparse.csr_matrix((groups, groups * tangents)), -weight,
         ])  # fmt: skip
         least = reduction * stick * cohesion
-        x, of_balance, of_room = solve(balance.tocsr(), right, room.tocsr(), least, upper, tangents, least_far)
+        x, of_balance, of_room = solve(
+            balance.tocsr(), right, room.tocsr(), least, upper, tangents, least_far, tolerance
+        )
         if x is None:
             return math.inf, 0.0
         strength = pressed @ x[:pairs] + cohesion
@@ -279,7 +254,8 @@ Solved = tuple[Floats | None, Floats, Floats]
 
 
 def _linear(
-    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float
+    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float,
+    tolerance: float,
 ) -> Solved:  # fmt: skip
     """min s with |T| <= room, by a linear program (HiGHS)."""
     from scipy import sparse
@@ -305,7 +281,8 @@ def _linear(
 
 
 def _conic(
-    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float
+    balance: Any, right: Floats, room: Any, least: Floats, upper: Floats, tangents: int, least_far: float,
+    tolerance: float,
 ) -> Solved:  # fmt: skip
     """The same by a cone program (Clarabel)."""
     import clarabel
@@ -331,8 +308,9 @@ def _conic(
     ]  # fmt: skip
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-9
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     settings.max_threads = 1
+    settings.direct_solve_method = "qdldl"  # for these programs its fastest, from 1 to 600 blocks
     cost = np.zeros(width)
     cost[-1] = 1.0
     found = clarabel.DefaultSolver(sparse.csc_matrix((width, width)), cost, rows, ends, kinds, settings).solve()
