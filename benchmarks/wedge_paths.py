@@ -1,8 +1,8 @@
 """Single wedges as assemblies of one block: their exact limit state against the limit of the elastic path.
 
-By hand: ``python -m benchmarks.wedge_paths [500]``. Random wedges with water, active bolts and
-earthquakes (passive bolts are strength, which assemblies have not). Compared where the one-block limit opens nothing
-that has cohesion; the rest is counted by what the two say.
+By hand: ``python -m benchmarks.wedge_paths [500]``. Random wedges with water, bolts and earthquakes;
+``python -m benchmarks.wedge_paths 500 passive`` takes those with passive bolts only. Compared where the one-block limit
+opens nothing that has cohesion; the rest is counted by what the two say.
 """
 
 import sys
@@ -14,6 +14,7 @@ from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import SlopekitError
 from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
@@ -47,16 +48,27 @@ def as_assembly(scene) -> tuple[AssemblyModel, Model]:
     )  # fmt: skip
     force, moment = model.load[:3] * model.force_scale, model.load[3:] * model.force_scale * model.length_scale
     whole = build_assembly(
-        patches, np.zeros(1, dtype=bool), bedding.centroid[None, :], force[None, :], moment[None, :], strength, False
-    )
+        patches, np.zeros(1, dtype=bool), bedding.centroid[None, :], force[None, :], moment[None, :], strength, False,
+        bolts=_bolts(model, bedding.centroid),
+    )  # fmt: skip
     return whole, model
 
 
-def compared(rng: np.random.Generator) -> tuple[str, float]:
+def _bolts(model: Model, centroid: np.ndarray) -> PassiveBolts:
+    """The passive bolts of one block from their rows: unit forces, and their moments about the centroid."""
+    along, turning = model.bolt_rows[:, :3], model.bolt_rows[:, 3:]
+    none = np.zeros(len(along), dtype=np.int64)
+    return PassiveBolts(
+        none, none + BEDROCK, along * (model.bolt_capacity * model.force_scale)[:, None],
+        centroid + np.cross(along, turning) * model.length_scale,
+    )  # fmt: skip
+
+
+def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, float]:
     """What one random wedge says: a word, and the relative difference where both have a factor."""
     while True:
         wedge = random_wedge(rng)
-        if all(bolt["acts"] == "active" for bolt in wedge.get("bolts", ())):
+        if not passive or any(bolt["acts"] == "passive" for bolt in wedge.get("bolts", ())):
             break
     try:
         scene = prepare(wedge_design(wedge), 0)

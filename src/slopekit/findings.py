@@ -35,14 +35,14 @@ class BlockMotion:
 
 @dataclass(frozen=True, slots=True)
 class GoverningInterface:
-    """An interface that resists the mechanism.
+    """An interface or a passive bolt that resists the mechanism.
 
     Attributes
     ----------
-    name : the two blocks; joint : its strength or set
-    mode : slip, or open where it opens on part of its area
-    share : of the work that the mechanism loses in friction and cohesion
-    normal_kn : normal force; area_m2
+    name : the two blocks; joint : its strength or set; of a bolt its name, and the block of its head
+    mode : slip, or open where it opens on part of its area; pull of a bolt
+    share : of the work that the mechanism loses in friction, cohesion and bolts
+    normal_kn : normal force, of a bolt its pull; area_m2 : 0 of a bolt
     """
 
     name: str

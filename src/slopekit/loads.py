@@ -6,11 +6,11 @@ stay apart: their capacity is strength, and is divided by the strength reduction
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, cross, frozen
+from slopekit.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.patches import Assembly
@@ -191,11 +191,32 @@ def judge_bolt(name: str, leaves: float | None, anchored: bool, length: float | 
 
 
 @dataclass(frozen=True, slots=True)
+class PassiveBolts:
+    """Passive bolts of an assembly, each along a line between two blocks or a block and bedrock.
+
+    Attributes
+    ----------
+    head, toe : (b,) the blocks at its two ends, -1 for bedrock
+    forces : (b, 3) kN, full capacity along the bolt, as it pulls the block of its head; points : (b, 3) m on its line
+    """
+
+    head: Ints
+    toe: Ints
+    forces: Floats
+    points: Floats
+
+
+NO_BOLTS = PassiveBolts(
+    np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), frozen(np.zeros((0, 3))), frozen(np.zeros((0, 3)))
+)
+
+
+@dataclass(frozen=True, slots=True)
 class AssemblyLoads:
     """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
 
     `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch; `live` forces and moments that are part of
-    them and neither weight nor water.
+    them and neither weight nor water. Passive `bolts` are strength and no part of them.
     """
 
     forces: Floats
@@ -203,6 +224,7 @@ class AssemblyLoads:
     weights: Floats
     water: Floats
     live: tuple[Floats, Floats]
+    bolts: PassiveBolts = NO_BOLTS
 
 
 def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
@@ -218,7 +240,7 @@ def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> Assembl
         arms = assembly.patches.centroids[own] - assembly.centroids[side[own]]
         np.subtract.at(moments, side[own], cross(arms, push))
     water[at] = 0.0
-    return AssemblyLoads(frozen(forces), frozen(moments), loads.weights, frozen(water), loads.live)
+    return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(water))
 
 
 def assembly_loads(
@@ -227,6 +249,7 @@ def assembly_loads(
     seismic: Floats,
     pressures: Floats,
     pushes: Sequence[tuple[int, PointForce]] = (),
+    bolts: PassiveBolts = NO_BOLTS,
 ) -> AssemblyLoads:
     """Add up the loads on the blocks of an assembly.
 
@@ -235,7 +258,7 @@ def assembly_loads(
     unit_weights : (n,) kN/m³
     seismic : (3,) parts of the weight, acting at the centroids
     pressures : (k,) mean water pressure on each patch (kPa), even over it
-    pushes : forces and the blocks they act on
+    pushes : forces and the blocks they act on; bolts : the passive ones
     """
     weights = unit_weights * assembly.volumes
     live, turning = weights[:, None] * seismic, np.zeros((len(weights), 3))
@@ -254,5 +277,5 @@ def assembly_loads(
             np.add.at(forces, side[at], push)
             np.add.at(moments, side[at], cross(patches.centroids[at] - assembly.centroids[side[at]], push))
     return AssemblyLoads(
-        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning))
+        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning)), bolts
     )

@@ -283,7 +283,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
     scene = assembly_scene(design, Clock())
     strength = room.joint_strength(scene.strengths)
-    loads = room.assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures)
+    loads = room.scene_loads(scene)
     ravelling_ = room.ravel(scene.assembly, loads, strength)
     failure = ravelling_.failures[0]
     part = failure.parts[0]

@@ -62,7 +62,7 @@ def keeps_its_evidence(design) -> None:
     if "solids" in design:
         return
     scene = assembly_scene(sk.load(design), Clock())
-    loads = room.assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    loads = room.scene_loads(scene)
     model = whole_model(scene.assembly, loads, room.joint_strength(scene.strengths))
     assert model is not None
     patches = scene.assembly.patches

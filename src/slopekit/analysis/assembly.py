@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene
+from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene, scene_loads
 from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state, at_full_strength
 from slopekit.analysis.motions import mechanism
 from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
@@ -17,7 +17,7 @@ from slopekit.block_scene import Contacts
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
-from slopekit.loads import AssemblyLoads, assembly_loads
+from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, common_notices
 from slopekit.preie.balance import Balance, Carried, assembly_balance
 from slopekit.preie.blocks import Basis
@@ -64,10 +64,7 @@ def load_multiplier(without: AssemblyDesign, unit: AssemblyDesign, target: float
     """
     clock = Clock()
     scenes = [assembly_scene(design, clock) for design in (without, unit)]
-    loads = [
-        assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
-        for scene in scenes
-    ]
+    loads = [scene_loads(scene) for scene in scenes]
     ramp = (loads[1].forces - loads[0].forces, loads[1].moments - loads[0].moments)
     if not ramp[0].any() and not ramp[1].any():
         return None
@@ -79,7 +76,7 @@ def load_multiplier(without: AssemblyDesign, unit: AssemblyDesign, target: float
 def assembly_factors(design: AssemblyDesign) -> tuple[str, float | None, ClosedForm, bool]:
     """Status, factor of safety, closed form and whether they settled, and nothing that a sheet prints beside them."""
     scene = assembly_scene(design, Clock())
-    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    loads = scene_loads(scene)
     ravelling = ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=False)
     found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     status = found[0].status if found else "no_driving_force"
@@ -93,7 +90,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     scene = assembly_scene(design, clock)
     assembly = scene.assembly
     with clock("loads"):
-        loads = assembly_loads(assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+        loads = scene_loads(scene)
     with clock("solve"):
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
     with clock("mechanisms"):
@@ -124,7 +121,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
         int((~assembly.fixed).sum()), sum(part.model.load.size for part in parts),
-        sum(len(part.model.control_area) for part in parts), max(split, default=0),
+        sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
         _left_out(design, scene, parts),
         max((part.limit.steps for part in first), default=0), found[0].change if found else 0.0,
@@ -138,7 +135,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
         warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
-        node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads),
+        node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balance, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
@@ -247,8 +244,9 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         if len(part.model.control_area) == 0:
             continue
         known = known and part.limit.factor is not None
-        joint = patches.joint[part.patch][part.model.pair_contact]
-        normal += np.bincount(joint, part.limit.normal_force * part.model.force_scale, count)
+        real = part.model.joint_pairs
+        joint = patches.joint[part.patch][part.model.pair_contact[real]]
+        normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
     water = np.bincount(patches.joint, loads.water, count)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
@@ -296,7 +294,7 @@ def _notices(
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if (limit.bond == 0.0).any():
-        share = float(1.0 - limit.bond.mean())
+        share = float(1.0 - limit.bond[ravelling.failures[0].parts[0].model.joint_pairs].mean())
         yield Notice("W307", f"the mechanism opens contacts, which lose their cohesion ({share * 100:.2g} % of the "
                      "node pairs): the factor of safety jumps where that happens")  # fmt: skip
     if isinstance(design, BenchDesign):

@@ -11,8 +11,8 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, ToppleDesign
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
-from slopekit.geometry.patches import Assembly
-from slopekit.loads import PointForce
+from slopekit.geometry.patches import BEDROCK, Assembly
+from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 from slopekit.orientation import Line
 
 _OVERLAP = 1e-3  # of the smaller block: a larger overlap is refused
@@ -27,7 +27,8 @@ class AssemblyScene:
     ----------
     names : (n,); joints : names by joint index, strengths : their strengths
     unit_weights : (n,) kN/m³; pressures : (k,) kPa on each patch
-    seismic : (3,) parts of the weight; pushes : forces on blocks by index
+    seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
+    bolts : the passive ones, bolt_names : as the design numbers them
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
     """
@@ -46,6 +47,8 @@ class AssemblyScene:
     notices: tuple[Notice, ...]
     thickness: float | None = None
     origin: Floats = field(default_factory=lambda: np.zeros(3))
+    bolts: PassiveBolts = NO_BOLTS
+    bolt_names: tuple[str, ...] = ()
 
 
 def assembly_scene(design: AssemblyDesign, clock: Clock) -> AssemblyScene:
@@ -56,7 +59,7 @@ def assembly_scene(design: AssemblyDesign, clock: Clock) -> AssemblyScene:
     GeometryError
         Where no blocks can be formed, E256 where none of them can move.
     DesignError
-        E250, E251 for loads on blocks that are not there.
+        E250, E251 for loads on blocks that are not there, E212 for passive bolts that end in their own block.
     """
     with clock("cut"):
         if isinstance(design, BenchDesign):
@@ -71,7 +74,13 @@ def assembly_scene(design: AssemblyDesign, clock: Clock) -> AssemblyScene:
         advice = "Take closer joints or a longer and deeper bench." if isinstance(design, BenchDesign) else ""
         message = f"none of the {len(scene.assembly)} blocks can move: each reaches bedrock's side of the model"
         raise GeometryError([Fault("E256", message, "", advice)])
-    return replace(scene, pushes=_pushes(design, scene), seismic=_seismic(design))
+    pushes, bolts, names = _pushes(design, scene)
+    return replace(scene, pushes=pushes, bolts=bolts, bolt_names=names, seismic=_seismic(design))
+
+
+def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
+    """All loads on the blocks of a scene."""
+    return assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes, scene.bolts)
 
 
 # -- the kinds --------------------------------------------------------------------------------------------------------
@@ -277,18 +286,18 @@ def _seismic(design: AssemblyDesign) -> Floats:
     return given.coefficient * Line(trend, 0.0).vector()
 
 
-def _pushes(design: AssemblyDesign, scene: AssemblyScene) -> tuple[tuple[int, PointForce], ...]:
-    """Forces and active bolts with the index of the block that each acts on."""
+def _pushes(
+    design: AssemblyDesign, scene: AssemblyScene
+) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts, tuple[str, ...]]:
+    """Forces and active bolts with the index of the block that each acts on, and passive bolts with their names."""
     found, faults = [], []
+    passive: list[tuple[int, int, PointForce]] = []
+    names: list[str] = []
     finder = _finder(scene)
     loads: list[tuple[str, Force | Bolt, PointForce]] = []
     for k, force in enumerate(design.forces, 1):
         loads.append((f"force {k}", force, point_force(force, scene.origin)))
     for k, bolt in enumerate(design.bolts, 1):
-        if bolt.acts == "passive":
-            advice = "Give acts: active (a load on its block), or check the bolted block as a wedge or plane."
-            faults.append(Fault("E255", f"bolt {k} is passive: in an assembly bolts act as loads only", "", advice))
-            continue
         head = None if bolt.head_m is None else np.array(bolt.head_m) - scene.origin
         loads.append((f"bolt {k}", bolt, PointForce(bolt.force_kn * bolt.toward.vector(), head)))
     for name, given, push in loads:
@@ -298,11 +307,51 @@ def _pushes(design: AssemblyDesign, scene: AssemblyScene) -> tuple[tuple[int, Po
             faults.append(Fault("E250", f"{name} acts on no block: {where}"))
         elif scene.assembly.fixed[block]:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock"))
-        else:
+        elif isinstance(given, Force) or given.acts == "active":
             found.append((block, push))
+        else:
+            toe = _toe(scene, given, block, finder)
+            if toe == block:
+                advice = "It needs its anchorage behind the joint on top of that, or leave length out: rock holds it."
+                message = f"{name} is {given.length_m:.4g} m long and ends in {scene.names[block]}: it is too short"
+                faults.append(Fault("E212", message, "", advice))
+            passive.append((block, toe, push))
+            names.append(name)
     if faults:
         raise DesignError(faults)
-    return tuple(found)
+    return tuple(found), _passive(scene, passive), tuple(names)
+
+
+def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:
+    """The block in which a bolt ends, -1 for bedrock: all that is none of the blocks, and where no length is given."""
+    if bolt.head_m is None or bolt.length_m is None:
+        return BEDROCK
+    end = np.array(bolt.head_m) + bolt.length_m * bolt.toward.vector() - scene.origin
+    found = finder(None, end)
+    if scene.assembly.in_section:
+        shown = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
+        inside = [k for k, outline in enumerate(shown) if _holds(outline, end[[0, 2]])]
+        found = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
+    return BEDROCK if found is None or scene.assembly.fixed[found] else found
+
+
+def _holds(outline: Floats, point: Floats) -> bool:
+    """Whether a polygon (k, 2) holds a point (2,): a ray from it crosses the outline an odd number of times."""
+    (x0, z0), (x1, z1) = outline.T, np.roll(outline, -1, axis=0).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = x0 + (point[1] - z0) * (x1 - x0) / (z1 - z0)
+    return bool(np.count_nonzero(((z0 > point[1]) != (z1 > point[1])) & (crossing > point[0])) % 2)
+
+
+def _passive(scene: AssemblyScene, found: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
+    """Passive bolts of blocks of their heads and toes, capacities and points; without a point through the centroid."""
+    if not found:
+        return NO_BOLTS
+    points = [scene.assembly.centroids[head] if push.at is None else push.at for head, _, push in found]
+    return PassiveBolts(
+        np.array([head for head, _, _ in found]), np.array([toe for _, toe, _ in found]),
+        frozen(np.array([push.force for _, _, push in found])), frozen(np.array(points)),
+    )  # fmt: skip
 
 
 def _finder(scene: AssemblyScene) -> Callable[[str | None, Floats | None], int | None]:

@@ -44,7 +44,8 @@ def assembly_pair_state(scene: AssemblyScene, parts: Sequence[Part]) -> NodePair
 
 def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
     model, limit, patches = part.model, part.limit, scene.assembly.patches
-    contact = model.pair_contact
+    real = model.joint_pairs
+    contact = model.pair_contact[real]
     opened, slips, _ = states_of_part(part)
     if scene.assembly.in_section:
         normals, tangents = np.zeros((len(model.plus), 3)), np.zeros((len(model.plus), 1, 3))
@@ -58,13 +59,14 @@ def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
     share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
     forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])
     moving = np.append(model.moving, -1)
+    plus, minus = model.plus[: len(part.patch)], model.minus[: len(part.patch)]
     return NodePairState(
-        frozen(model.points + scene.origin), _whole(patches.joint[part.patch][contact]),
-        frozen(model.control_area * model.area_scale), frozen(normals[contact]), moving[model.plus][contact],
-        np.where(model.minus < 0, _rock(scene, part, model.plus), moving[model.minus])[contact],
-        frozen(limit.normal_force * model.force_scale),
-        frozen(forces[model.group_of_pair] * share[:, None] * model.force_scale),
-        np.where(opened, OPEN, np.where(slips, SLIP, STICK)),
+        frozen(model.points[real] + scene.origin), _whole(patches.joint[part.patch][contact]),
+        frozen(model.control_area[real] * model.area_scale), frozen(normals[contact]), moving[plus][contact],
+        np.where(minus < 0, _rock(scene, part, plus), moving[minus])[contact],
+        frozen(limit.normal_force[real] * model.force_scale),
+        frozen((forces[model.group_of_pair] * share[:, None])[real] * model.force_scale),
+        np.where(opened, OPEN, np.where(slips, SLIP, STICK))[real],
     )  # fmt: skip
 
 
@@ -80,8 +82,21 @@ def _whole(values: "Ints | Floats") -> Ints:
     return np.asarray(values, dtype=np.int64)
 
 
-def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads) -> Arrows:
-    """The loads on the blocks that are not bedrock: weight, seismic load, water on each contact, forces and bolts."""
+def bolt_pulls(scene: AssemblyScene, parts: Sequence[Part]) -> Floats:
+    """What each passive bolt pulls at the limit, (b,) kN; nan where there is no limit."""
+    pulls = np.full(len(scene.bolts.head), np.nan)
+    for part in parts:
+        if part.limit.factor is not None:
+            bolted = part.model.bolted
+            pulls[part.model.bolts] = np.maximum(part.limit.friction[bolted, 0], 0.0) * part.model.force_scale
+    return pulls
+
+
+def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence[Part]) -> Arrows:
+    """The loads on the blocks that are not bedrock: weight, seismic load, water on each contact, forces and bolts.
+
+    Passive bolts pull as at the limit of their part; where it has none their full capacity is given.
+    """
     assembly = scene.assembly
     free = np.flatnonzero(~assembly.fixed)
     parts: list[tuple[str, Ints, Floats, Floats]] = []
@@ -101,6 +116,14 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads) -> Arrows:
     for k, (block, push) in enumerate(scene.pushes, 1):
         at = assembly.centroids[block] if push.at is None else push.at
         add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])
+    bolts = scene.bolts
+    for k, pull in enumerate(bolt_pulls(scene, solved).tolist()):
+        name, part_of_it = f"passive bolt {k + 1}", pull / float(np.linalg.norm(bolts.forces[k]))
+        if np.isnan(pull):
+            name, part_of_it = f"{name}, full capacity", 1.0
+        ends = np.array([end for end in (bolts.head[k], bolts.toe[k]) if end >= 0])
+        signs = np.where(ends == bolts.head[k], part_of_it, -part_of_it)
+        add(name, ends, signs[:, None] * bolts.forces[k], np.repeat(bolts.points[k : k + 1], len(ends), axis=0))
     names = tuple(dict.fromkeys(name for name, *_ in parts))
     return Arrows(
         names, np.concatenate([np.zeros(0), *(np.full(len(own), names.index(name)) for name, own, *_ in parts)]).astype(

@@ -81,17 +81,18 @@ def _how(motion: Floats, size: float, outcome: Outcome) -> str:
 def _modes(part: Part) -> dict[str, int]:
     if len(part.model.control_area) == 0:
         return {}
-    opened, slips, _ = states_of_part(part)
+    opened, slips = (state[part.model.joint_pairs] for state in states_of_part(part)[:2])
     return {"stick": int((~opened & ~slips).sum()), "slip": int(slips.sum()), "open": int(opened.sum())}
 
 
 def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterface], float]:
-    """Interfaces between two blocks that lose work in the mechanism, with the work, and all work."""
+    """Interfaces between two blocks, and bolts, that lose work in the mechanism, with the work, and all work."""
     model, limit = part.model, part.limit
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
     opened, _, size = states_of_part(part)
     carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
+    carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
     lost = carried * size
     work = np.bincount(model.group_contact, lost, len(model.plus))
     normal = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) * model.force_scale
@@ -100,7 +101,14 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
     found: dict[tuple[str, str], list[float]] = {}
     patches = scene.assembly.patches
+    bolts: list[GoverningInterface] = []
     for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
+        if k >= len(part.patch):
+            bolt = int(model.bolts[k - len(part.patch)])
+            pull = float(limit.friction[k - len(model.plus), 0]) * model.force_scale
+            head = scene.names[int(scene.bolts.head[bolt])]
+            bolts.append(GoverningInterface(scene.bolt_names[bolt], head, "pull", float(work[k]), pull, 0.0))
+            continue
         patch = int(part.patch[k])
         name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
         entry = found.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
@@ -109,7 +117,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     return [
         GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
         for (name, joint), (share, force, area_, gone) in found.items()
-    ], float(work.sum())
+    ] + bolts, float(work.sum())
 
 
 def _pair_name(scene: AssemblyScene, plus: int, minus: int) -> str:

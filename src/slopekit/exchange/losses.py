@@ -75,7 +75,7 @@ def rows_apart(source: Source) -> list[Pair]:
 def load_name(source: Source, word: str) -> str:
     """The name of a load as its design numbers it: forces, and bolts of both sorts in one row.
 
-    A scene numbers active and passive bolts each for themselves, and in assemblies bolts after forces.
+    A scene numbers active and passive bolts each for themselves, and in assemblies active bolts after forces.
     """
     inputs = source.document["inputs"]
     bolts = inputs.get("bolts", ())
@@ -87,7 +87,8 @@ def load_name(source: Source, word: str) -> str:
         own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == name.split()[0]]
         return f"bolt {own[at - 1]}" if at <= len(own) else word
     forces = len(inputs.get("forces", ()))
-    return f"bolt {at - forces}" if name == "force" and forces < at <= forces + len(bolts) else word
+    own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == "active"]
+    return f"bolt {own[at - forces - 1]}" if name == "force" and forces < at <= forces + len(own) else word
 
 
 def lost_of_loads(passive: Sequence[str], away: Sequence[str]) -> list[str]:

@@ -6,10 +6,13 @@ pair reads its opening and slip off that motion. Bedrock and fixed blocks have n
 
 In a vertical section a flat contact slips as one: its node pairs share one friction force. In space every node pair
 has its own.
+
+A passive bolt is one more contact, between the blocks of its head and its toe, with one friction force along the bolt
+and a node pair that never touches: it pulls with 0 <= T <= λ times its capacity, which stands as cohesion.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ from scipy import sparse
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
 
@@ -44,6 +48,7 @@ class AssemblyModel:
         nor water (earthquake, forces, active bolts)
     length_scale : m; force_scale : kN; area_scale : m²
     kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
+    bolts : (b,) which of the passive bolts are the last b contacts, friction forces and node pairs; they have no patch
     """
 
     plus: Ints
@@ -69,6 +74,26 @@ class AssemblyModel:
     area_scale: float
     kinematics: Any
     statics: Any
+    bolts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    @property
+    def bolted(self) -> Bools:
+        """Friction forces that are the pulls of passive bolts, (g,); pulls are positive."""
+        groups = len(self.group_contact)
+        return np.arange(groups) >= groups - len(self.bolts)
+
+    @property
+    def mean_pulls(self) -> Floats:
+        """Forces on the blocks (n u,) of passive bolts that pull with half of their capacity."""
+        half = np.where(self.bolted, 0.5 * self.by_group(self.cohesion), 0.0)
+        pulls = np.zeros(self.slip_rows.shape[:2])
+        pulls[:, 0] = half
+        return self.forces_on_blocks(np.zeros(len(self.control_area)), pulls).ravel()
+
+    @property
+    def joint_pairs(self) -> slice:
+        """The node pairs of joints: all but those that stand for bolts."""
+        return slice(len(self.control_area) - len(self.bolts))
 
     @property
     def unknowns(self) -> int:
@@ -108,6 +133,7 @@ class AssemblyModel:
 def build_assembly(
     patches: Patches, fixed: Bools, centroids: Floats, forces: Floats, moments: Floats, strength: JointStrength,
     in_section: bool, refine: Ints | None = None, live: tuple[Floats, Floats] | None = None,
+    bolts: PassiveBolts = NO_BOLTS,
 ) -> AssemblyModel:  # fmt: skip
     """The model of an assembly of blocks.
 
@@ -119,6 +145,7 @@ def build_assembly(
     in_section : the blocks move in their x-z section only
     refine : (k,) how often the triangles of each contact in space are split in four
     live : forces and moments (b, 3) that are part of those and neither weight nor water
+    bolts : passive ones; those between blocks that do not move are left out
 
     Raises
     ------
@@ -173,7 +200,7 @@ def build_assembly(
         np.concatenate([pair_contact, np.repeat(group_contact, slip_rows.shape[1])]),
         plus, minus, plus_motion, minus_motion, len(moving),
     )  # fmt: skip
-    return AssemblyModel(
+    model = AssemblyModel(
         plus=plus, minus=minus, plus_motion=frozen(plus_motion), minus_motion=frozen(minus_motion),
         kinematics=kinematics, statics=kinematics.T.tocsr(),
         pair_contact=pair_contact, normal_rows=frozen(normal_rows), group_contact=group_contact,
@@ -184,6 +211,65 @@ def build_assembly(
         load=frozen(load), live=frozen(live_load),
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
     )  # fmt: skip
+    return _with_bolts(model, bolts, index, centroids) if len(bolts.head) else model
+
+
+def _with_bolts(model: AssemblyModel, bolts: PassiveBolts, index: Ints, centroids: Floats) -> AssemblyModel:
+    """The model with passive bolts as its last contacts; `index` of each block among those that move.
+
+    The bolts of a block are together as stiff as its joints are in shear, each by its part of their capacity: one bolt
+    of 200 kN is two of 100 kN, and how stiff it is does not depend on how strong it is.
+    """
+    head, toe = index[bolts.head], index[bolts.toe]
+    kept = np.flatnonzero((head >= 0) | (toe >= 0))
+    if len(kept) == 0:
+        return model
+    forces, middle = bolts.forces[kept].copy(), bolts.points[kept]
+    plus, minus = head[kept], toe[kept]
+    turned = plus < 0  # the plus side always moves
+    plus[turned], minus[turned], forces[turned] = minus[turned], plus[turned], -forces[turned]
+    capacity = np.sqrt((forces * forces).sum(axis=1))
+    along = forces / capacity[:, None]
+    in_section, contacts, blocks = model.unknowns == 3, len(model.plus), len(model.moving)
+    if in_section:  # the tangent of the axes is the bolt
+        axes = _section_axes(np.stack([-along[:, 2], along[:, 1], along[:, 0]], axis=1))
+    else:
+        axes = local_axes(along)[:, [2, 0, 1]]
+    arms = (middle - centroids[model.moving[plus]]) / model.length_scale
+    plus_motion = _motion(axes, arms, in_section)
+    arms = (middle - centroids[model.moving[minus]]) / model.length_scale
+    minus_motion = -_motion(axes, arms, in_section) * (minus >= 0)[:, None, None]
+    slip_rows = np.zeros((len(kept), *model.slip_rows.shape[1:]))
+    slip_rows[:, 0, 1] = 1.0
+    joints = sum(
+        np.bincount(side[model.pair_contact] + 1, model.control_area, blocks + 1)[1:]
+        for side in (model.plus, model.minus)
+    )
+    areas = np.asarray(joints)[plus] * capacity / np.bincount(plus, capacity, blocks)[plus]
+    number, none = contacts + np.arange(len(kept)), np.zeros(len(kept))
+    pairs, groups = len(model.control_area), len(model.group_contact)
+    whole = replace(
+        model, plus=np.append(model.plus, plus), minus=np.append(model.minus, minus),
+        plus_motion=frozen(np.concatenate([model.plus_motion, plus_motion])),
+        minus_motion=frozen(np.concatenate([model.minus_motion, minus_motion])),
+        pair_contact=np.append(model.pair_contact, number),
+        normal_rows=frozen(np.concatenate([model.normal_rows, np.zeros((len(kept), model.unknowns))])),
+        group_contact=np.append(model.group_contact, number),
+        slip_rows=frozen(np.concatenate([model.slip_rows, slip_rows])),
+        group_first=np.append(model.group_first, pairs + np.arange(len(kept))),
+        control_area=frozen(np.append(model.control_area, areas)),
+        cohesion=frozen(np.append(model.cohesion, capacity / model.force_scale)),
+        tan_friction=frozen(np.append(model.tan_friction, none)),
+        tan_dilation=frozen(np.append(model.tan_dilation, none)),
+        points=frozen(np.concatenate([model.points, middle])), bolts=kept,
+    )  # fmt: skip
+    tangents = model.slip_rows.shape[1]
+    rows = np.concatenate([whole.normal_rows, whole.slip_rows.reshape(groups * tangents + len(kept) * tangents, -1)])
+    kinematics = _kinematics(
+        rows, np.concatenate([whole.pair_contact, np.repeat(whole.group_contact, tangents)]),
+        whole.plus, whole.minus, whole.plus_motion, whole.minus_motion, blocks,
+    )  # fmt: skip
+    return replace(whole, kinematics=kinematics, statics=kinematics.T.tocsr())
 
 
 def _kinematics(

@@ -111,14 +111,16 @@ def assembly_balance(parts: Sequence[Carried]) -> Balance | None:
         most = 2 if model.unknowns == 3 else 3
         force = max(force, float(out[:, :most].max()))
         moment = max(moment, float(out[:, most:].max()))
-        pull = max(pull, -float(part.normal.min()) / max(float(np.abs(part.normal).mean()), 1e-300))
+        normal = part.normal[model.joint_pairs]
+        pull = max(pull, -float(normal.min()) / max(float(np.abs(normal).mean()), 1e-300))
         size = np.sqrt((part.friction * part.friction).sum(axis=1))
         allowed = model.by_group(part.bond * model.cohesion) + model.tan_friction * model.by_group(part.normal)
         over = np.maximum(size - allowed / part.factor, 0.0)
+        over = np.maximum(over, np.where(model.bolted, -part.friction[:, 0], 0.0))  # a bolt does not push
         bedrock = np.append(weights, np.inf)
         beside = np.minimum(bedrock[model.plus], bedrock[model.minus])[model.group_contact]
         excess = max(excess, float((over / beside).max()))
     return Balance(
         min(part.factor for part in parts), force, moment, pull, excess,
-        sum(len(part.normal) for part in parts),
+        sum(len(part.normal[part.model.joint_pairs]) for part in parts),
     )  # fmt: skip

@@ -8,6 +8,8 @@ N_i = a_i <-B_n u + tan ψ p>, p the slip beyond the elastic one.
 
 A step of viscous flow adds η K_e (u - u_before) to what the forces have to balance, K_e the stiffness of joints that
 stick and pull; with η large enough it always has one solution.
+
+Passive bolts are friction forces of their own, one-sided: 0 <= T <= λ r, and nothing where the bolt gets shorter.
 """
 
 import math
@@ -121,6 +123,7 @@ class Bed:
         self.spring = ratio * self._summed(self.area)
         self.cohesion = self._summed(model.cohesion * (1.0 if bond is None else bond))
         self.friction = model.tan_friction
+        self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
         self.stiffness = Stiffness(model)
         self.contacts = len(model.plus)
@@ -180,19 +183,24 @@ class Bed:
         size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
-        strength = self.cohesion + self.friction * self._summed(normal)
+        direction = elastic / np.maximum(size, 1e-300)[:, None] if modes is None else modes.direction
+        cohesion = self.cohesion
+        if self.bolted is not None:
+            slack = self.bolted & (direction[:, 0] > 0.0)
+            cohesion = np.where(slack, 0.0, cohesion)
+            frozen = None if frozen is None else np.where(slack, 0.0, frozen)
+        strength = cohesion + self.friction * self._summed(normal)
         allowed = reduction * strength if frozen is None else frozen
         if modes is None:
             slips = size > allowed
-            direction = elastic / np.maximum(size, 1e-300)[:, None]
             carried = np.minimum(size, allowed)
         else:
-            slips, direction = modes.slips, modes.direction
+            slips = modes.slips
             size = (elastic * direction).sum(axis=1)
             carried = np.where(slips, allowed, size)
         if self.dilates and frozen is None and slips.any():
-            normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes)
-            strength = self.cohesion + self.friction * self._summed(normal)
+            normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
+            strength = cohesion + self.friction * self._summed(normal)
         friction = -direction * carried[:, None]
         if modes is not None:
             friction = np.where(slips[:, None], friction, -elastic)
@@ -208,13 +216,14 @@ class Bed:
         return np.minimum(self.model.tan_dilation, reduction * self.friction)
 
     def _dilated(
-        self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats, modes: Forces | None
-    ) -> tuple[Floats, Bools, Floats]:
+        self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats,
+        modes: Forces | None, cohesion: Floats,
+    ) -> tuple[Floats, Bools, Floats]:  # fmt: skip
         """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
         dilation, of_pair = self._dilation(reduction), self.group_of_pair
         pushes = self.area * dilation[of_pair] / self.spring[of_pair]
         for _ in range(_KINKS):
-            allowed = reduction * (self.cohesion + self.friction * self._summed(np.where(touching, pressing, 0.0)))
+            allowed = reduction * (cohesion + self.friction * self._summed(np.where(touching, pressing, 0.0)))
             gain = reduction * self.friction * self._summed(np.where(touching, pushes, 0.0))
             beyond = (size - allowed) / (1.0 + gain)  # k_t A p
             beyond = np.maximum(beyond, 0.0) if modes is None else np.where(modes.slips, beyond, 0.0)
@@ -427,6 +436,8 @@ class Bed:
         reduction, _ = self.drive.at(parameter)
         for _ in range(6):
             allowed = reduction * self.forces(at, parameter).strength
+            if self.bolted is not None:
+                allowed = np.where(self.bolted, reduction * self.cohesion, allowed)
             for _ in range(25):
                 there, off = self._off(at, before, parameter, viscosity, allowed)
                 if there.balanced(float(np.abs(off).max()), 1e-6):

@@ -185,9 +185,11 @@ def _distance(
     pairs, groups, tangents = len(opening), *slip.shape
     dilation = (model.tan_dilation * size)[model.group_of_pair]
     closed = opening - dilation <= _MOVES * fastest
+    closed[model.joint_pairs.stop :] = False
     slips = size > _MOVES * fastest
     direction = np.where(slips[:, None], slip / np.maximum(size, 1e-300)[:, None], 0.0)
     cohesion = model.by_group(model.cohesion * bond)
+    cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt may pull
     gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
     pressed = sparse.diags(model.tan_friction) @ gather  # μ ΣN
     # T = -λ r e + x, |x| <= s where it slips; |T| <= λ r + s elsewhere: the unknowns are N, x or T, and s
@@ -201,7 +203,7 @@ def _distance(
     parts = 1.0 / np.repeat(np.maximum(own, 1e-9 * float(own.max())), model.unknowns)  # each block by its own load
     statics = (sparse.diags(parts) @ model.statics).tocsc()
     of_normal, of_slip = statics[:, :pairs], statics[:, pairs:]
-    load = parts * model.load.ravel()
+    load, middle = parts * model.load.ravel(), parts * model.mean_pulls
     stick = (~slips).astype(float)
     upper = np.where(closed, np.inf, 0.0)
     solve = _linear if tangents == 1 else _conic
@@ -209,7 +211,7 @@ def _distance(
     def away(reduction: float, tolerance: float = _SOLVED) -> tuple[float, float]:
         carried = reduction * (of_slip @ along)  # what r puts on the blocks, less the sign
         balance = sparse.hstack([of_normal - carried @ pressed, of_slip, sparse.csr_matrix((len(load), 1))])
-        right = -load + carried @ cohesion
+        right = -load - reduction * middle + carried @ cohesion
         room = sparse.hstack([
             -reduction * (sparse.diags(stick) @ pressed), sparse.csr_matrix((groups, groups * tangents)), -weight,
         ])  # fmt: skip
@@ -221,7 +223,7 @@ def _distance(
             return math.inf, 0.0
         strength = pressed @ x[:pairs] + cohesion
         # dual: how s falls with the right side and the matrix, both of which move with λ
-        slope = float(of_balance @ (of_slip @ (along @ strength))) - float(of_room @ (stick * strength))
+        slope = float(of_balance @ (of_slip @ (along @ strength) - middle)) - float(of_room @ (stick * strength))
         return float(x[-1]), slope
 
     return away
@@ -243,6 +245,7 @@ def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Float
     hardly = _HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
     strength = (model.by_group(model.cohesion) + model.tan_friction * model.by_group(normal)) / factor
     sticks = (carried < (1.0 - _HARDLY_MOVES) * strength) & (size < hardly)
+    sticks &= ~model.bolted | (carried > _HARDLY_MOVES * strength)  # a slack bolt may get shorter
     still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
     rows = model.kinematics[np.flatnonzero(still)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)

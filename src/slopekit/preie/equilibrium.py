@@ -17,7 +17,7 @@ from slopekit.preie.model import Model
 _TOLERANCE = 1e-9
 _MOST_STEPS = 50
 _MOST_RELEASES = 30
-_BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
+BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 _SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium
 
@@ -147,7 +147,7 @@ def _newton(
     model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
 ) -> tuple[Floats, Tractions, float, int]:
     bolts = model.bolt_capacity / factor
-    stretch = model.bolt_capacity * (model.length_scale / _BOLT_GIVE_M)
+    stretch = model.bolt_capacity * (model.length_scale / BOLT_GIVE_M)
     weight = physical.area / model.force_scale
 
     def unbalanced(at: Floats) -> tuple[Floats, Tractions]:

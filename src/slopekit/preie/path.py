@@ -276,7 +276,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     """
     model = bed.model
     program = BlockProgram(model, ratio)
-    program.cohesion = model.by_group(model.cohesion * bond)
+    program.cohesion = program.carried(model.cohesion * bond)
     last: Step | None = None
     for part in _FAR_DOWN:
         program.elastic = part
@@ -383,6 +383,8 @@ def _of_modes(
     reduction, _ = bed.drive.at(parameter)
     spare = reduction * here.strength - np.sqrt((here.friction * here.friction).sum(axis=1))
     outside = -min(float(here.normal.min()), float(spare.min()))
+    if bed.bolted is not None:
+        outside = max(outside, -float(here.friction[bed.bolted, 0].min()))
     if parameter <= 0.0 or here.residual > _OFF * max(modes.largest, here.largest):
         return None
     if outside > _ADMISSIBLE * bed.load_size:

@@ -9,6 +9,8 @@ strength); ε C, the give of an even elastic bed, makes the forces unique. The m
 mechanism. Strengths that follow the normal forces, r = c A + μ Σ N, make it the equations of the limit state (slip
 does not dilate: no convex program, and its Jacobian is not symmetric) or those of the static bound (normality).
 
+A passive bolt, 0 <= T <= λ r, is a force λ r/2 beside the loads, and a friction force of strength r/2 about it.
+
 Why not a general solver: without the forces of its contacts a block has 3 or 6 unknowns in a narrow band, a next pass
 starts from the iterates of the last, strengths may follow the normal forces, and the bound's λ needs no bisection.
 """
@@ -94,14 +96,20 @@ class BlockProgram:
         self.of_pair = model.group_of_pair
         self.give = 1.0 / model.control_area
         self.group_give = 1.0 / (ratio * model.by_group(model.control_area))
-        self.cohesion = model.by_group(model.cohesion)
+        self.cohesion = self.carried(model.cohesion)
         self.load = model.load.ravel()
+        self.middle = model.mean_pulls
         self.load_size = float(np.abs(self.load).max())
         own = np.sqrt((model.load * model.load).sum(axis=1))
         self.least_load = np.repeat(np.maximum(own, _LIGHTEST * float(own.max())), model.unknowns)
         self.pattern = ContactPattern(model)
         self.stiffest, self.start = self._elastic_start()
         self.elastic = self.stiffest
+
+    def carried(self, cohesion: Floats) -> Floats:
+        """What cohesions (m,) let friction carry, (g,); of bolts half their range."""
+        summed = self.model.by_group(cohesion)
+        return np.where(self.model.bolted, 0.5 * summed, summed)
 
     def solve(self, strengths: Strengths, start: Iterate, tolerance: float = 1e-8, most: int = 60) -> ProgramResult:
         """Solve the program; an iterate that runs away ends it.
@@ -231,8 +239,9 @@ class _Residuals:
         strength = at.strength.copy()
         strength[:, 0] -= limit
         strength[:, 1:] -= at.friction
-        factor = 1.0 - float(coupling.strength @ slips)
+        factor = 1.0 - float(coupling.strength @ slips) + float(program.middle @ at.velocity)
         balance = model.forces_on_blocks(at.normal, at.friction).ravel() + (1.0 - at.shed) * load
+        balance = balance + at.load_factor * program.middle
         unbalanced = float((np.abs(balance) / program.least_load).max())
         earned = float(np.abs(normal * at.normal).sum()) + float(np.abs(off_slip * at.friction).sum())
         sound = (
@@ -277,8 +286,8 @@ class _Newton:
             program.elastic * program.group_give, scale, off.coupling,
         )  # fmt: skip
         solver = program.solver.factored(springs.stiffness(program.pattern), _SHIFT, strengths.symmetric)
-        border = model.forces_on_blocks(*springs.of_factor).ravel()
-        row = border if strengths.symmetric else model.forces_on_blocks(*springs.row).ravel()
+        border = model.forces_on_blocks(*springs.of_factor).ravel() - program.middle
+        row = border if strengths.symmetric else model.forces_on_blocks(*springs.row).ravel() - program.middle
         columns = solver(np.stack([border, load], axis=1))
         system = np.array([
             [springs.corner + row @ columns[:, 0], row @ columns[:, 1]],

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
@@ -169,8 +169,9 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
     if not (free[patches.plus] | free[patches.minus]).any():
         return None
     return build_assembly(
-        patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section, live=loads.live
-    )
+        patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section,
+        live=loads.live, bolts=loads.bolts,
+    )  # fmt: skip
 
 
 def critical_load(
@@ -190,7 +191,7 @@ def critical_load(
     there = ~assembly.fixed
     lowest: tuple[float, Part] | None = None
     with threadpool_limits(1):
-        for blocks in _components(assembly, np.flatnonzero(there)):
+        for blocks in _components(scene, np.flatnonzero(there)):
             found = _model(scene, there, blocks)
             if found is None or not found[0].live.any():
                 continue
@@ -209,7 +210,7 @@ def critical_load(
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
-    for blocks in _components(scene.assembly, among):
+    for blocks in _components(scene, among):
         found = _model(scene, there, blocks)
         if found is None:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
@@ -244,8 +245,9 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
         if limit.factor is None:
             return None
         broken = np.zeros(len(assembly.patches), dtype=bool)
-        broken[own[np.bincount(small.pair_contact, limit.bond == 0.0, len(small.plus)) > 0]] = True
-        bond = np.where(broken[patch][model.pair_contact], 0.0, 1.0)
+        broken[own[np.bincount(small.pair_contact, limit.bond == 0.0, len(small.plus))[: len(own)] > 0]] = True
+        lost = np.append(broken[patch], np.zeros(len(model.bolts), dtype=bool))
+        bond = np.where(lost[model.pair_contact], 0.0, 1.0)
         bed = Bed(model, Drive(model.load.ravel()), bond)
         flow = rests_before(bed, limit.factor)
         if flow.ended == "rest":
@@ -280,17 +282,16 @@ def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:
     return np.intersect1d(near, among)
 
 
-def _components(assembly: Assembly, among: Ints) -> list[Ints]:
-    """Blocks that touch each other, not only bedrock or what is held, together."""
+def _components(scene: _Scene, among: Ints) -> list[Ints]:
+    """Blocks that touch each other or are bolted together, not only bedrock or what is held, together."""
     if len(among) == 0:
         return []
-    patches = assembly.patches
+    assembly, bolts = scene.assembly, scene.loads.bolts
+    plus, minus = np.append(assembly.patches.plus, bolts.head), np.append(assembly.patches.minus, bolts.toe)
     inside = np.zeros(len(assembly) + 1, dtype=bool)
     inside[among] = True
-    both = inside[patches.plus] & inside[patches.minus] & (patches.minus >= 0) & (patches.plus >= 0)
-    graph = sparse.coo_matrix(
-        (np.ones(int(both.sum())), (patches.plus[both], patches.minus[both])), shape=(len(assembly),) * 2
-    )
+    both = inside[plus] & inside[minus] & (minus >= 0) & (plus >= 0)
+    graph = sparse.coo_matrix((np.ones(int(both.sum())), (plus[both], minus[both])), shape=(len(assembly),) * 2)
     _, label = connected_components(graph, directed=False)
     order = np.argsort(label[among], kind="stable")
     ends = np.flatnonzero(np.diff(label[among][order])) + 1
@@ -298,7 +299,10 @@ def _components(assembly: Assembly, among: Ints) -> list[Ints]:
 
 
 def _model(scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None) -> tuple[AssemblyModel, Ints] | None:
-    """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches."""
+    """The model with the blocks `free` moving and all others held, those that are gone taken away, and its patches.
+
+    A block that has gone takes its bolts with it.
+    """
     assembly, patches, loads = scene.assembly, scene.assembly.patches, scene.loads
     held = np.ones(len(assembly), dtype=bool)
     held[free] = False
@@ -306,9 +310,12 @@ def _model(scene: _Scene, there: Bools, free: Ints, refine: Ints | None = None) 
     kept = (moves[patches.plus] | moves[patches.minus]) & ~out[patches.plus] & ~out[patches.minus]
     if not kept.any():
         return None
+    off = out[loads.bolts.head] | out[loads.bolts.toe]
+    head, toe = (np.where(off, BEDROCK, end) for end in (loads.bolts.head, loads.bolts.toe))
     model = build_assembly(
         _chosen(patches, kept), held, assembly.centroids, loads.forces, loads.moments, scene.strength,
         assembly.in_section, None if refine is None else refine[kept], loads.live,
+        replace(loads.bolts, head=head, toe=toe),
     )  # fmt: skip
     return model, np.flatnonzero(kept)[model.patch]
 
@@ -352,7 +359,7 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
         if not twists.any():
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
-        refine[part.patch[twists]] = level
+        refine[part.patch[twists[: len(part.patch)]]] = level
         found = _model(scene, there, part.blocks, refine)
         if found is None or len(found[0].control_area) > _MOST_PAIRS:
             break
@@ -380,6 +387,7 @@ def _twisting(part: Part) -> Bools:
     carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
         model.pair_contact, model.cohesion * limit.bond, len(model.plus)
     )
+    carries[len(part.patch) :] = 0.0  # bolts do not twist
     weighs = carries * twist
     twisting: Bools = (twist > _TWISTS * (slip + twist)) & (weighs > _TWISTS * float((carries * (slip + twist)).sum()))
     return twisting

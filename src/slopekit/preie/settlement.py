@@ -3,7 +3,8 @@
 The law is that of `preie.bed` with the design's stiffnesses. On Clough and Duncan's hyperbola each joint has the secant
 stiffness K (1 - R_f τ / (σ_n tan φ₁)), K = k₁ γ_w (σ_n/P_a)ⁿ, at its own mean tractions, found again until it stays.
 With the paper's parameters the hyperbola cannot reach the strength of a joint at low normal traction, where Newton's
-method on it finds no rest: the secant is kept above a part of K, and the joint slips at its strength.
+method on it finds no rest: the secant is kept above a part of K, and the joint slips at its strength. A passive bolt
+carries its full capacity once it is drawn out by a millimetre, as on one block.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness
+from slopekit.preie.equilibrium import BOLT_GIVE_M
 from slopekit.preie.path import relaxed
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
@@ -29,7 +31,8 @@ class Settlement:
     Attributes
     ----------
     displacement : (n, u) m and radians
-    slips : (g,) friction forces at their strength, or in an open contact; failed_pairs : node pairs that share in them
+    slips : (g,) friction forces at their strength, or in an open contact, no bolts; failed_pairs : node pairs that share
+        in them
     residual : largest unbalanced force in parts of the largest load
     at, ratio, bond : (N,) displacement in the model's units, (g,) k_t / k_n and (m,) cohesion left, to go on from
     """
@@ -55,9 +58,12 @@ def settlement(
     per_metre = stiffness.normal * model.area_scale * model.length_scale / model.force_scale
     group_area = model.by_group(model.control_area) * model.area_scale
     law = stiffness.tangential
+    bolted, capacity = model.bolted, model.by_group(model.cohesion) * model.force_scale
+    of_bolts = (capacity / (BOLT_GIVE_M * stiffness.normal * group_area))[bolted]
     if start is None:
         bond = np.ones(len(model.control_area))
         ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
+        ratio[bolted] = of_bolts
         at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
     else:
         at, ratio, bond = start.at, start.ratio, start.bond
@@ -73,18 +79,20 @@ def settlement(
                 return None
             forces, at = flow.forces, flow.at
         parted = (bond > 0.0) & ~forces.touching & (model.cohesion > 0.0)
+        parted[model.joint_pairs.stop :] = False
         bond = np.where(parted, 0.0, bond)
         if isinstance(law, CloughDuncan):
             stiff, bent, *_ = law.hyperbola(model.by_group(forces.normal) * model.force_scale / group_area)
             shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
             ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - bent * shear, _LEAST) / stiffness.normal)
+            ratio[bolted] = of_bolts
         moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < _STEADY
         if not parted.any() and (settled or not isinstance(law, CloughDuncan)):
             break
     unknowns = model.unknowns
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
-    slips: Bools = forces.slips | ~(model.by_group(forces.normal) > 0.0)
+    slips: Bools = (forces.slips | ~(model.by_group(forces.normal) > 0.0)) & ~bolted
     return Settlement(
         frozen(at.reshape(model.load.shape) * to_metres), slips, int(slips[model.group_of_pair].sum()),
         forces.residual / bed.load_size, at, ratio, bond,

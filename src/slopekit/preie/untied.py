@@ -124,7 +124,7 @@ class _OfBlocks:
         self.stood[factor] = found is not None
         if found is None:
             return len(self.model.control_area), True
-        if blocks_untied(self.model, ~found.slips).any():
+        if blocks_untied(self.model, ~found.slips & ~self.model.bolted).any():
             return found.failed_pairs, True
         self.tied = found
         return found.failed_pairs, False

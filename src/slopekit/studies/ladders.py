@@ -304,7 +304,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
     part = failures[0].parts[0]
     for ratio in _RATIOS:
         limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
-        yield Rung("stiffness", f"k_t / k_n {ratio:g}", len(part.model.control_area), ratio, limit.factor, seconds)
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
     for level in range(3 if refines(solved) else 1):
         model = part.model
         if level:
@@ -313,7 +313,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
             break
         limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
         setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
-        yield Rung("mesh", setting, len(model.control_area), level, limit.factor, seconds)
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 
 
 def refines(solved: SolvedAssembly) -> bool:

@@ -40,7 +40,7 @@ _WAYS = {
     "slides": "slide", "slides_up": "slide up", "topples": "topple", "rotates": "turn", "falls": "fall",
     "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
 }  # fmt: skip
-_MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks"}
+_MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
 _CLOSED_FORMS = {"topple": "Goodman & Bray closed form", "bench": "closed form", "blocks": "closed form"}
 _NO_CLOSED_FORM = {
     "topple": "Goodman & Bray's method does not take this design (see NOTE)",
@@ -251,12 +251,17 @@ def _governing(interfaces: Sequence[GoverningInterface]) -> list[str]:
         max(map(len, words))
         for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
     )
-    entries = ["share of the work lost in friction and cohesion, by interface:"]
+    bolts = any(one.mode == "pull" for one in interfaces)
+    lost, by = (
+        ("friction, cohesion and bolts", "interface and bolt") if bolts else ("friction and cohesion", "interface")
+    )
+    entries = [f"share of the work lost in {lost}, by {by}:"]
     for one in shown:
         pressure = f" ({one.normal_kn / one.area_m2:.4g} kPa)" if one.area_m2 else ""
+        sign = "T" if one.mode == "pull" else "N'"
         entries.append(
             f"{one.share * 100:5.1f} %  {one.name:<{wide}}  {one.joint:<{joints}}  "
-            f"{_MODES.get(one.mode, one.mode):<{modes}}  N' {size_number(one.normal_kn)} kN{pressure}"
+            f"{_MODES.get(one.mode, one.mode):<{modes}}  {sign} {size_number(one.normal_kn)} kN{pressure}"
         )
     rest = 1.0 - sum(one.share for one in shown)
     if rest > _WHOLE:
