@@ -31,8 +31,8 @@ class Settlement:
     Attributes
     ----------
     displacement : (n, u) m and radians
-    slips : (g,) friction forces at their strength, or in an open contact, no bolts; failed_pairs : node pairs that share
-        in them
+    slips : (g,) friction forces at their strength, or in an open contact; no bolts
+    failed_pairs : node pairs that share in those
     residual : largest unbalanced force in parts of the largest load
     at, ratio, bond : (N,) displacement in the model's units, (g,) k_t / k_n and (m,) cohesion left, to go on from
     """
