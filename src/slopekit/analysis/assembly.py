@@ -19,7 +19,7 @@ from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, common_notices
-from slopekit.preie.balance import Balance, Carried, assembly_balance
+from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
@@ -116,7 +116,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
     )  # fmt: skip
     parts = ravelling.parts
-    balance = _balance(parts)
+    balanced = _balance(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
     split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
@@ -134,9 +134,9 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balance, timing_s=clock.done(),
+        findings=findings, balance=balanced, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -194,8 +194,8 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
 
 def _balance(parts: Sequence[Part]) -> Balance | None:
     """How well the forces of the parts that have a factor balance the loads."""
-    return assembly_balance([
-        Carried(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
+    return balance([
+        of_blocks(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
         for part in parts
         if part.limit.factor and part.limit.outcome is Outcome.SLIDES and len(part.model.control_area)
     ])  # fmt: skip
@@ -266,7 +266,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
 
 def _notices(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
-    closed: ClosedForm, balance: Balance | None,
+    closed: ClosedForm,
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)

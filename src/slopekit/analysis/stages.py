@@ -18,7 +18,7 @@ from slopekit.errors import Notice
 from slopekit.extents import Geometry
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
-from slopekit.preie.balance import block_balance
+from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
@@ -268,7 +268,7 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=block_balance(model, analysis),
+        balance=balance(of_one_block(model, analysis)),
         cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
     )  # fmt: skip
 
