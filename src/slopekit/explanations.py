@@ -154,7 +154,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "E208": "No piece of the cut rock mass touches both joints and the face and is free of the rock behind.",
     "E209": "Face and upper slope must meet in a crest above the toe.",
     "E211": "A bolt must pass through the wedge and be anchored behind one of its joints.",
-    "E212": "A bolt must reach past the deepest joint, with its anchorage length on top.",
+    "E212": "A bolt must reach past the deepest joint, with its anchorage length on top. In an assembly a passive bolt "
+    "must not end in the block of its head; where it ends in another that can move, it ties the two.",
     "E501": "The control areas of the node pairs must sum to the interface. This is a bug of ours: please report it.",
     "E502": "There is nothing to solve.",
     "E503": "A rigid translation moved node pairs by the wrong amount. This is a bug of ours: please report it.",
@@ -190,7 +191,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "judged. Bond gone: a joint that the motion opens anywhere loses all of it. By mechanism: what the motion opens, "
     "pair by pair of nodes; finer pairs lower it to bond gone. The limit is the lower of the first two. The line "
     "COHESION has all three, the pressed share of each joint, where its force acts and where it opens on the bed.",
-    "W315": "A passive bolt acts only when the wedge draws it out. These are square to the movement or pushed in.",
+    "W315": "A passive bolt acts only when the movement draws it out. These are square to it or pushed in; of many "
+    "blocks it is the first mechanism that counts.",
     "W318": "Bolts or forces are stronger than what drives the wedge down. The factor says how far it is from being "
     "pushed up the slope; more of the same force makes it smaller.",
     "W319": "With mean pressures each surface has its own: u=5kPa,8kPa,20kPa gives J1, J2 and the crack.",
@@ -309,8 +311,6 @@ EXPLANATIONS: Mapping[str, str] = {
     "normals are turned square to the motion that comes nearest, by the angle given; far from it the mass must dilate.",
     "W326": "With each facet's own normal a mass interlocks with its surface. Use true or smoothed normals.",
     "W327": "What a joint list holds beside its joints, and strengths of the design where the list has its own.",
-    "E255": "A passive bolt is strength that is divided by the factor of safety and pulls only as the movement "
-    "draws it out. In assemblies bolts act as loads (active) only.",
     "E256": "Every block reaches an outer face of the model, behind which the rock goes on, or is named fixed: "
     "nothing is left that could move. Closer joints, or a longer and deeper bench, give blocks that are "
     "free.",

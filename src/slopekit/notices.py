@@ -22,7 +22,7 @@ _ALL = 0.999999  # of an interface
 _FAR_M = 1e4  # coordinates beyond this are a map's
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 _NEARLY_PARALLEL_DEG = 5.0
-_SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
+SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +143,7 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         yield Notice("W318", f"the loads drive the {block} upward: the factor is against sliding up, not down")
     if limit.factor is not None and any(bolt.acts == "passive" for bolt in design.bolts):
         drawn = -model.bolt_rows @ limit.velocity_of(model)
-        if not (drawn > _SQUARE).any():
+        if not (drawn > SQUARE).any():
             yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
     strengths = [interface.strength for interface in interfaces]
     strongest = max(strength.cohesion_kpa for strength in strengths)

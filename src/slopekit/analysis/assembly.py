@@ -18,7 +18,7 @@ from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import MESH_CHANGE, common_notices
+from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
 from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
@@ -255,6 +255,12 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     )  # fmt: skip
 
 
+def _drawn_out(part: Part) -> bool:
+    """Whether a mechanism draws out a passive bolt."""
+    _, slip = part.model.opening_and_slip(part.limit.velocity)
+    return bool((slip[part.model.bolted, 0] < -SQUARE).any())
+
+
 def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[ClosedForm, tuple[Column, ...]]:
     """Goodman & Bray's columns, where their method applies."""
     if not isinstance(design, ToppleDesign):
@@ -287,6 +293,10 @@ def _notices(
     if limit.loads_last and first.fos is None and limit.carried is not None and limit.carried < 1.0:
         yield Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
                      "water, and no friction lets them carry all: there is no factor of safety")  # fmt: skip
+    if any(bolt.head_m is None for bolt in design.bolts):
+        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
+        yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
     if first.fos and first.static_bound is None:
         yield Notice("W309", "the static bound was not found: joints free to dilate would wedge these blocks fast")
     if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:

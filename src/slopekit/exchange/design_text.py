@@ -107,21 +107,23 @@ def _water(pressures: Mapping[Pair, float]) -> list[str]:
 
 
 def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[str]]:
-    """Seismic load and forces; bolts act as forces."""
+    """Seismic load and forces; active bolts act as forces."""
     arrows, names, kind = source.scene.loads, source.scene.shapes.names, source.document["kind"]
     own_water = kind in ("bench", "blocks", "topple")
     forces, seismic = [], np.zeros(3)
-    passive, away = [], []
+    passive: dict[str, str] = {}
+    bolts, away = source.document["inputs"].get("bolts", ()), []
     for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
         word, name = arrows.names[what], names[block]
         if word == "weight" or (own_water and word == "water"):
             continue
         if word == "seismic":
             seismic = force
-        elif word.startswith("passive"):
-            passive.append(load_name(source, word))
         elif name not in files:
             away.append(load_name(source, word))
+        elif word.startswith("passive"):
+            called = load_name(source, word)
+            passive.setdefault(called, _bolt(bolts[int(called.split()[1]) - 1], name, at))  # its head comes first
         else:
             own = f"force: {_point(force)}, block: {_text(name)}, at: {_point(at)}"
             forces.append(f"    - {{{own}}}  # {load_name(source, word)}")
@@ -130,7 +132,19 @@ def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[st
     if coefficient and seismic.any():
         lines.append(f"  seismic: {{k: {coefficient!r}, toward: {direction_deg(seismic)!r}}}")
     lines += ["  forces:", *forces] if forces else ["  forces: []"]
-    return lines, lost_of_loads(passive, away)
+    if passive:
+        lines += ["support:", "  bolts:", *(f"    - {{{bolt}}}  # {name}" for name, bolt in passive.items())]
+    return lines, lost_of_loads(away)
+
+
+def _bolt(given: Mapping[str, Any], block: str, at: Sequence[float]) -> str:
+    """A passive bolt with its full capacity; without a head it passes through the centroid of its block."""
+    line = given["toward"]
+    length = "" if given["length_m"] is None else f", length: {given['length_m']!r} m"
+    return (
+        f"force: {given['force_kn']!r}, toward: [{line['trend_deg']!r}, {line['plunge_deg']!r}], acts: passive, "
+        f"block: {_text(block)}, head: {_point(at)}{length}"
+    )
 
 
 def _analysis(inputs: Mapping[str, Any], rules: Sequence[str]) -> list[str]:

@@ -91,16 +91,12 @@ def load_name(source: Source, word: str) -> str:
     return f"bolt {own[at - forces - 1]}" if name == "force" and forces < at <= forces + len(own) else word
 
 
-def lost_of_loads(passive: Sequence[str], away: Sequence[str]) -> list[str]:
-    """Loads by their names that kind blocks cannot have, or whose block was not chosen."""
-    lost = []
-    if passive:
-        verb = "is passive" if len(passive) == 1 else "are passive"
-        lost.append(f"{', '.join(passive)}, which {verb} (kind blocks takes active bolts)")
-    if away:
-        verb = "acts on a block" if len(away) == 1 else "act on blocks"
-        lost.append(f"{', '.join(away)}, which {verb} not chosen")
-    return lost
+def lost_of_loads(away: Sequence[str]) -> list[str]:
+    """Loads by their names whose block was not chosen."""
+    if not away:
+        return []
+    verb = "acts on a block" if len(away) == 1 else "act on blocks"
+    return [f"{', '.join(away)}, which {verb} not chosen"]
 
 
 def pressures_of(

@@ -150,25 +150,28 @@ class BlockProgram:
         """How blocks set off that nothing balances, (n u,): the acceleration of least constraint, contacts rough.
 
         Every kind of motion has the same inertia here (scaled by the size of the blocks); contacts that would pull
-        are let go, one round after the other.
+        are let go, one round after the other, and bolts that would push.
         """
         model = self.model
-        roughness = _ROUGH * (model.tan_friction > _SMOOTH)
+        roughness = _ROUGH * ((model.tan_friction > _SMOOTH) | model.bolted)
         pressed = np.ones(len(self.give), dtype=bool)
+        taut = np.ones(len(roughness), dtype=bool)
         inertia = np.full(len(self.load), 1.0)
         velocity = self.load
         for _ in range(_RELEASES):
             springs = np.where(pressed, _ROUGH * model.control_area, 0.0)
-            held = roughness * (model.by_group(springs) > 0.0)
+            held = roughness * taut * (model.by_group(springs) > 0.0)
             rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
             velocity = self.solver.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
-            opening, _ = model.opening_and_slip(velocity)
+            opening, slip = model.opening_and_slip(velocity)
             fastest = max(float(np.abs(velocity).max()), 1e-300)
             pulled = pressed & (opening > _LETS_GO * fastest)
             pushed = ~pressed & (opening < -_PUSHES * fastest)
-            if not pulled.any() and not pushed.any():
+            slack = taut & model.bolted & (slip[:, 0] > _LETS_GO * fastest)
+            drawn = ~taut & (slip[:, 0] < -_PUSHES * fastest)
+            if not (pulled.any() or pushed.any() or slack.any() or drawn.any()):
                 break
-            pressed = (pressed & ~pulled) | pushed
+            pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | drawn
         return velocity
 
     def _elastic_start(self) -> tuple[float, Iterate]:
