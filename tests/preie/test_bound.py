@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slopekit.analysis.wedge import prepare
+from slopekit.design.reading import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import curved_limit_analysis, limit_analysis
 from tests.preie import conic_oracle
@@ -82,3 +84,17 @@ def test_strength_times_two_is_bound_times_two(by) -> None:
     two = static_bound(scaled, limit.velocity, by * limit.factor)
     assert two.factor == pytest.approx(by * one.factor, rel=1e-6)
     assert np.isfinite(two.normal_force).all()
+
+
+JAMS = {
+    "dips": [[77.63, 48.29], [48.14, 253.4]], "face": [73.67, 312.8], "upper": [21.05, 312.8], "height": 35.91,
+    "c": [30.18, 4.943], "phi": [35.26, 16.29], "unit_weight": 24.26, "water": [807.8, 60.93],
+}  # fmt: skip
+
+
+def test_where_the_joints_jam_newton_is_not_trusted() -> None:
+    """A little more strength and forces however large balance: the distance is a step there. Bisection, to 1e-6."""
+    model = prepare(wedge_design(JAMS), 0).model
+    limit = limit_analysis(model).governing
+    found = static_bound(model, limit.velocity_of(model), limit.factor)
+    assert found.factor == pytest.approx(conic_oracle.sparse_static_bound(model, limit.factor), rel=1e-6)

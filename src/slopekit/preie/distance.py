@@ -189,6 +189,10 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             low, motion = reduction, far.motion
         else:
             high, best = reduction, far
+        if tolerance > SOLVED and high < low * (1.0 + _ROUGHLY):  # its ends are as rough as the programs were
+            low, high, tolerance = low / (1.0 + _ROUGHLY), high * (1.0 + _ROUGHLY), SOLVED
+            reduction = math.sqrt(low * high)
+            continue
         if newton and abs(trial / reduction - 1.0) < NEAR:
             best, motion = far, far.motion
             return bound(trial)
