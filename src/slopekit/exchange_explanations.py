@@ -19,9 +19,9 @@ EXCHANGE: Mapping[str, str] = {
     "W370": "Binary STL has seven digits: at map coordinates that is decimetres. Leave --binary out: text holds every "
     "digit.",
     "W376": "Designs of kind blocks know uniform strengths and mean pressures on the interface of two blocks, forces, "
-    "passive bolts and a seismic load. The rest of the design the result came from cannot be written in them. Blocks in "
-    "space are cut into node pairs from other corners than in the first run: factors differ, usually by less than 1 %, "
-    "by far more where the limit state is not the only one. Run blocks.yaml and compare before you build on it.",
+    "passive bolts and a seismic load. The rest of the design the result came from cannot be written in them. Blocks "
+    "in space are cut into node pairs from other corners than in the first run: factors differ, usually by less than "
+    "1 %, by far more where the limit state is not the only one. Run blocks.yaml and compare before you build on it.",
     "W377": "A curved slip surface is analysed with its true normals and volume. Files hold its flat triangles, "
     "inside the curve where it is convex: their volume is 0.1 to 1 % less.",
 }  # fmt: skip

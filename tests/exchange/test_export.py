@@ -209,13 +209,17 @@ def test_rules_on_factors_that_blocks_lack_are_said(tmp_path) -> None:
 
 
 def test_bolts_keep_the_numbers_of_the_design(tmp_path) -> None:
-    """Passive bolts are left out by their number in the design; the second active bolt of it is bolt 3."""
-    bolts = ["100kN@000/05", "900kN@000/05,passive", "200kN@000/10"]
+    """Active bolts become forces, the second of them is bolt 3; a passive one stays what it is, and the factor too."""
+    bolts = ["1e5kN@000/05", "9e5kN@000/05,passive", "2e5kN@000/10"]
     first = sk.wedge(dips=("45/115", "45/245"), bolts=bolts, forces=["50kN@180/00"])
     done = sk.export(first, split=tmp_path)
-    assert [(notice.code, "bolt 2, which is passive" in notice.message) for notice in done.warnings] == [("W376", True)]
+    assert not done.warnings
     lines = [line for line in done.files[0].read_text().splitlines() if "- {force" in line]
-    assert [line.partition("#")[2].strip() for line in lines] == ["force 1", "bolt 1", "bolt 3"]
+    assert [line.partition("#")[2].strip() for line in lines] == ["force 1", "bolt 1", "bolt 3", "bolt 2"]
+    design = sk.load(done.files[0])
+    (bolt,) = design.bolts
+    assert (bolt.acts, bolt.force_kn, bolt.toward.trend_deg, bolt.toward.plunge_deg) == ("passive", 9e5, 0.0, 5.0)
+    assert sk.run(done.files[0]).fos.limit == pytest.approx(first.fos.limit, rel=1e-6)
 
 
 def test_bolts_of_blocks_keep_their_numbers(tmp_path) -> None:

@@ -12,6 +12,7 @@ from slopekit.geometry.columns import column_assembly
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.geometry.splitting import cut_bench
+from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength
@@ -30,6 +31,7 @@ class Scene:
     moments: np.ndarray
     fixed: np.ndarray
     in_section: bool
+    bolts: PassiveBolts = NO_BOLTS
 
     def __len__(self) -> int:
         return len(self.centroids)
@@ -41,7 +43,7 @@ class Scene:
         strength = JointStrength(np.asarray(c) * each, *tangents, 0.0 * each)
         found: AssemblyModel = build_assembly(
             self.patches, self.fixed, self.centroids, self.forces, self.moments, strength, self.in_section,
-            np.full(len(self.patches), refine),
+            np.full(len(self.patches), refine), bolts=self.bolts,
         )  # fmt: skip
         return found
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks import populations
+from slopekit.geometry.patches import BEDROCK
+from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive, Forces
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
@@ -347,7 +349,19 @@ BEDS = {
     "columns": lambda psi: rectangles([(0, 1, 0, 2), (1, 3, 0, 3), (3, 4, 0, 1)], 30.0).model(30.0, 1.0, psi),
     "space": lambda psi: boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0, psi),
     "bench": lambda psi: bench(BENCH, scatter=3.0, seed=4).model(30.0, 0.0, psi),
+    "bolted section": lambda psi: bolted(stack(3, 25.0, 4.0)).model(30.0, 2.0, psi),
+    "bolted space": lambda psi: bolted(boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3)).model(30.0, 1.0, psi),
 }
+
+
+def bolted(scene: Scene) -> Scene:
+    """With a bolt on each block, every other one to the block before it, off their centroids."""
+    rng, blocks = np.random.default_rng(9), np.flatnonzero(~scene.fixed)
+    forces = rng.normal(size=(len(blocks), 3)) * np.abs(scene.forces).max()
+    if scene.in_section:
+        forces[:, 1] = 0.0
+    toes = np.where(np.arange(len(blocks)) % 2, np.roll(blocks, 1), BEDROCK)
+    return replace(scene, bolts=PassiveBolts(blocks, toes, 0.2 * forces, scene.centroids[blocks] + 0.3))
 
 
 def away_from_kinks(bed: Bed, reduction: float, size: float) -> tuple[np.ndarray, Forces]:
@@ -416,6 +430,7 @@ def test_the_slope_in_the_load_is_the_load() -> None:
 @pytest.mark.parametrize("name", BEDS)
 def test_the_law_holds_at_any_displacement(name, psi) -> None:
     """N >= 0 and |T| <= λ r; T against the slip, at λ r where it slips and k_t A s below; pairs press as they close.
+    Bolts do not push.
 
     N = a <-opening + tan ψ p>, p the slip beyond the elastic one: equation by equation.
     """
@@ -430,6 +445,7 @@ def test_the_law_holds_at_any_displacement(name, psi) -> None:
     pressed = model.control_area * np.maximum(rises[model.group_of_pair] - opening, 0.0)
     assert there.normal == pytest.approx(pressed, abs=1e-9 * pressed.max())
     strength = model.by_group(model.cohesion) + model.tan_friction * model.by_group(there.normal)
+    strength[model.bolted & (slip[:, 0] > 0.0)] = 0.0  # a bolt that gets shorter
     assert there.strength == pytest.approx(strength)
     assert carried == pytest.approx(np.minimum(spring * size, 0.6 * strength), abs=1e-9 * strength.max())
     assert (there.friction * slip).sum(axis=1) == pytest.approx(-carried * size)

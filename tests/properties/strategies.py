@@ -171,6 +171,19 @@ def columns(draw) -> Mapping:
 
 
 @st.composite
+def bolted(draw, families: st.SearchStrategy[Mapping]) -> Mapping:
+    """A design of blocks with one to three passive bolts, up or down the slope, weak to strong."""
+    design = dict(draw(families))
+    names = [name for name in (design.get("solids") or design["blocks"]) if name != "base"]
+    bolts = [
+        {"force": draw(rounded(1.0, 150.0)), "toward": [draw(st.sampled_from([90.0, 90.0, 270.0])),
+         draw(rounded(-60.0, 80.0, 1))], "acts": "passive", "block": draw(st.sampled_from(names))}
+        for _ in range(draw(st.integers(1, 3)))
+    ]  # fmt: skip
+    return design | {"support": {"bolts": bolts}}
+
+
+@st.composite
 def bricks(draw) -> Mapping:
     """Two to four blocks of six flat faces each, none quite square, on a slope; corners (x, y, z) by their names.
 

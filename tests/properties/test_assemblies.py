@@ -12,7 +12,7 @@ from slopekit.analysis.assembly_scene import assembly_scene
 from slopekit.analysis.stages import Clock
 from slopekit.preie.ravelling import whole_model
 from tests.properties import changes
-from tests.properties.strategies import benches, bonds, bricks, columns, rows, shards, stacks
+from tests.properties.strategies import benches, bolted, bonds, bricks, columns, rows, shards, stacks
 
 SECTIONS = {"stacks and rows": stacks() | rows(), "shards and bonds": shards() | bonds()}
 #: A limit state of a section is exact, one in space settles to this: the same arithmetic in another order, other units
@@ -66,13 +66,14 @@ def keeps_its_evidence(design) -> None:
     model = whole_model(scene.assembly, loads, room.joint_strength(scene.strengths))
     assert model is not None
     patches = scene.assembly.patches
-    area = model.control_area * model.area_scale
+    real = model.joint_pairs
+    area, contact = model.control_area[real] * model.area_scale, model.pair_contact[real]
     whole = patches.areas[model.patch]
     assert (area > 0.0).all()
-    assert np.bincount(model.pair_contact, area) == pytest.approx(whole, rel=1e-9)
+    assert np.bincount(contact, area) == pytest.approx(whole, rel=1e-9)
     size = float(np.ptp(patches.corners, axis=0).max())
     for axis in range(3):  # exact for linear traction: the middle of the pairs is that of the interface
-        middle = np.bincount(model.pair_contact, area * model.points[:, axis]) / whole
+        middle = np.bincount(contact, area * model.points[real, axis]) / whole
         assert middle == pytest.approx(patches.centroids[model.patch, axis], abs=1e-9 * size)
 
 
@@ -125,6 +126,23 @@ def test_more_strength_never_lowers_the_bound_of_a_section(design) -> None:
     more_strength_never_lowers_the_bound(design)
 
 
+@pytest.mark.parametrize("change", IN_SECTION.values(), ids=IN_SECTION)
+def test_a_bolted_section(change) -> None:
+    @quick
+    @given(design=bolted(stacks() | rows() | shards() | bonds()))
+    def check(design) -> None:
+        holds(design, change)
+
+    check()
+
+
+@quick
+@given(design=bolted(stacks() | rows() | shards() | bonds()))
+def test_a_bolted_section_with_its_strength_divided_by_the_limit(design) -> None:
+    at_its_limit(design)
+    keeps_its_evidence(design)
+
+
 # -- rows of columns --------------------------------------------------------------------------------------------------
 
 
@@ -158,6 +176,16 @@ def test_columns_keep_their_evidence(design) -> None:
 def test_solids(change) -> None:
     @few
     @given(design=bricks())
+    def check(design) -> None:
+        holds(design, change)
+
+    check()
+
+
+@pytest.mark.parametrize("change", IN_SPACE.values(), ids=IN_SPACE)
+def test_bolted_solids(change) -> None:
+    @few
+    @given(design=bolted(bricks()))
     def check(design) -> None:
         holds(design, change)
 

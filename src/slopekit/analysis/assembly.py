@@ -4,7 +4,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -279,6 +279,11 @@ def _notices(
     if not found:
         return
     first, limit = found[0], ravelling.failures[0].limit
+    limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
+    if any(bolt.head_m is None for bolt in design.bolts):
+        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
+    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
+        yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
     if limit.outcome is Outcome.NO_STRENGTH:
         yield Notice("W308", "the joints have no strength: nothing holds the blocks, there is no factor of safety")
     moved = max((part.mesh_change or 0.0 for part in ravelling.failures[0].parts), default=0.0)
@@ -293,10 +298,6 @@ def _notices(
     if limit.loads_last and first.fos is None and limit.carried is not None and limit.carried < 1.0:
         yield Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
                      "water, and no friction lets them carry all: there is no factor of safety")  # fmt: skip
-    if any(bolt.head_m is None for bolt in design.bolts):
-        yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
-    if first.fos and scene.bolt_names and not any(_drawn_out(part) for part in ravelling.failures[0].parts):
-        yield Notice("W315", "the passive bolts add nothing: the movement does not draw them out")
     if first.fos and first.static_bound is None:
         yield Notice("W309", "the static bound was not found: joints free to dilate would wedge these blocks fast")
     if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
@@ -304,7 +305,7 @@ def _notices(
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if (limit.bond == 0.0).any():
-        share = float(1.0 - limit.bond[ravelling.failures[0].parts[0].model.joint_pairs].mean())
+        share = float(1.0 - limit.bond.mean())
         yield Notice("W307", f"the mechanism opens contacts, which lose their cohesion ({share * 100:.2g} % of the "
                      "node pairs): the factor of safety jumps where that happens")  # fmt: skip
     if isinstance(design, BenchDesign):

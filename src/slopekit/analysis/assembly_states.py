@@ -123,7 +123,8 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
             name, part_of_it = f"{name}, full capacity", 1.0
         ends = np.array([end for end in (bolts.head[k], bolts.toe[k]) if end >= 0])
         signs = np.where(ends == bolts.head[k], part_of_it, -part_of_it)
-        add(name, ends, signs[:, None] * bolts.forces[k], np.repeat(bolts.points[k : k + 1], len(ends), axis=0))
+        at = np.repeat(bolts.points[k : k + 1], len(ends), axis=0)
+        parts.append((name, ends, signs[:, None] * bolts.forces[k], at))  # also where it does not pull
     names = tuple(dict.fromkeys(name for name, *_ in parts))
     return Arrows(
         names, np.concatenate([np.zeros(0), *(np.full(len(own), names.index(name)) for name, own, *_ in parts)]).astype(

@@ -234,7 +234,9 @@ def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, p
     if not alone:
         return None
     bound = static_bound(model) if len(blocks) <= _MOST_BOUNDED else None
-    group = np.array(alone[:1])
+    bolts = scene.loads.bolts
+    bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
+    group = np.array(alone)[np.argsort(bolted, kind="stable")][:1]
     for _ in range(_MOST_GROUPS):
         group = _with_neighbours(assembly, group, blocks)
         found = _model(scene, there, group) if len(group) <= _MOST_GROUP * len(blocks) else None

@@ -1,0 +1,435 @@
+"""Passive bolts of many blocks: 0 <= T <= capacity / F along the bolt, as on one block.
+
+Held against closed forms by hand, against one block's limit state, against active bolts that pull as much, and against
+a linear program of its own.
+"""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import slopekit as sk
+from benchmarks.wedge_paths import as_assembly, compared
+from slopekit.analysis.assembly_scene import assembly_scene, scene_loads
+from slopekit.analysis.stages import Clock, joint_strength
+from slopekit.analysis.wedge import prepare
+from slopekit.design.reading import wedge_design
+from slopekit.errors import DesignError
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.limit import limit_analysis
+from slopekit.preie.ravelling import whole_model
+from slopekit.result import Result
+from slopekit.studies.check import check
+from slopekit.views.sheet import sheet
+
+DIP, WEIGHT = 30.0, 200.0  # blocks 4 m by 2 m, 25 kN/m³
+ALONG, ACROSS = math.sin(math.radians(DIP)), math.cos(math.radians(DIP))
+UP, IN = [math.cos(math.radians(DIP)), math.sin(math.radians(DIP))], [ALONG, -ACROSS]  # the slope, and into it
+
+
+def on_slope(corners) -> list[list[float]]:
+    """Points (along the slope, above it) as x, z; the slope falls toward -x."""
+    return [[x * UP[0] - z * IN[0], x * UP[1] - z * IN[1]] for x, z in corners]
+
+
+def box(x: float, wide: float = 4.0, high: float = 2.0, above: float = 0.0) -> dict[str, Any]:
+    low, top = above, above + high
+    return {"polygon": on_slope([(x, low), (x + wide, low), (x + wide, top), (x, top)])}
+
+
+def design(blocks: dict[str, Any], bolts: list[dict[str, Any]] = (), phi: float = 20.0, **more: Any) -> dict[str, Any]:
+    base = {"polygon": on_slope([(-3.0, -3.0), (20.0, -3.0), (20.0, 0.0), (-3.0, 0.0)]), "fixed": True}
+    passive = [{"acts": "passive", **bolt} for bolt in bolts]
+    return {
+        "slopekit": 1, "kind": "blocks", "blocks": {"base": base, **blocks},
+        "strength": {"j": {"c": 0, "phi": phi}},
+        "interfaces": {"default": "j"}, "rock": {"unit_weight": 25}, "support": {"bolts": passive}, **more,
+    }  # fmt: skip
+
+
+def bolt(force: float, block: str = "A", steeper: float = 0.0, **more: Any) -> dict[str, Any]:
+    """A bolt up the slope, or into it by so many degrees."""
+    plunge = steeper - DIP
+    toward = [90.0, plunge] if plunge <= 90.0 else [270.0, 180.0 - plunge]
+    return {"force": force, "toward": toward, "block": block, **more}
+
+
+def model_of(given: dict[str, Any]) -> AssemblyModel:
+    scene = assembly_scene(sk.load(given), Clock())
+    model = whole_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths))
+    assert model is not None
+    return model
+
+
+def limit_of(given: dict[str, Any]) -> BlocksLimit:
+    return limit_of_blocks(model_of(given))
+
+
+def by_hand(capacity: float, steeper: float, phi: float = 20.0) -> float:
+    """D F² - (N μ + T cos a) F - T sin a μ = 0 for a bolt into the slope at an angle, drawn out."""
+    friction, a = math.tan(math.radians(phi)), math.radians(steeper)
+    drives, b = WEIGHT * ALONG, WEIGHT * ACROSS * friction + capacity * math.cos(a)
+    return (b + math.sqrt(b * b + 4.0 * drives * capacity * math.sin(a) * friction)) / (2.0 * drives)
+
+
+# -- one block --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("steeper", [0.0, 25.0, 60.0, -15.0])
+@pytest.mark.parametrize("capacity", [1e-6, 30.0, 150.0, 5000.0])
+def test_one_block_on_a_slope(capacity: float, steeper: float) -> None:
+    """A quadratic by hand, to rounding; 5000 kN hold 25 times the weight."""
+    if steeper < 0.0 and capacity > 1000.0:
+        pytest.skip("it lifts the block")
+    found = limit_of(design({"A": box(0.0)}, [bolt(capacity, steeper=steeper, head=middle(2.0), length=50.0)]))
+    exact = by_hand(capacity, steeper)
+    assert found.basis is Basis.LIMIT
+    assert found.factor == pytest.approx(exact, rel=1e-11)
+    assert found.lowest == pytest.approx(exact, rel=1e-6)
+    assert found.static_bound is not None
+    assert found.static_bound >= exact * (1.0 - 1e-9)
+
+
+def middle(x: float, above: float = 0.0) -> list[float]:
+    """A point of the slope, as a head."""
+    (point,) = on_slope([(x, above)])
+    return [point[0], 0.0, point[1]]
+
+
+def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
+    """1e-9: what the path settles to in space."""
+    for force, toward in ((1e6, (0.0, 10.0)), (5e5, (20.0, 40.0)), (3e6, (340.0, -15.0))):
+        wedge = {"dips": ("45/115", "45/245"), "bolts": [{"force": force, "toward": toward, "acts": "passive"}]}
+        scene = prepare(wedge_design(wedge), 0)
+        whole, one = as_assembly(scene)
+        analysis = limit_analysis(one)
+        assert not analysis.moments_govern
+        assert limit_of_blocks(whole, ranged=False).factor == pytest.approx(analysis.governing.factor, rel=1e-9)
+
+
+def test_random_wedges_with_passive_bolts() -> None:
+    """Where the limit state opens no joint with cohesion the two are one (`benchmarks.wedge_paths`)."""
+    rng = np.random.default_rng(4)
+    words = [compared(rng, passive=True) for _ in range(30)]
+    assert sum(word == "alike" for word, _ in words) >= 12
+    assert not [off for word, off in words if word == "DIFFER"]
+
+
+def test_a_bolt_square_to_the_movement() -> None:
+    """It pulls anything from nothing to T / F: the range is what friction makes of that, by hand."""
+    found = limit_of(design({"A": box(0.0)}, [bolt(60.0, steeper=90.0, head=middle(2.0), length=50.0)]))
+    slides = math.tan(math.radians(20.0)) / math.tan(math.radians(DIP))
+    held = by_hand(60.0, 90.0)
+    assert found.lowest == pytest.approx(slides, rel=2e-5)  # how near an end of the range is found
+    assert found.highest == pytest.approx(held, rel=2e-5)
+    assert found.lowest <= found.factor <= found.highest
+
+
+def test_a_bolt_that_is_pushed_in_adds_nothing() -> None:
+    """W315; and it does not push."""
+    given = design({"A": box(0.0)}, [bolt(60.0, steeper=180.0)])
+    assert limit_of(given).factor == pytest.approx(limit_of(design({"A": box(0.0)})).factor, rel=1e-12)
+    result = sk.run(given)
+    assert "W315" in [notice.code for notice in result.warnings]
+    assert pulls(result) == [0.0]
+
+
+def pulls(result: Result) -> list[float]:
+    arrows = result.acting
+    passive = ["passive" in arrows.names[k] for k in arrows.what.tolist()]
+    return np.sqrt((arrows.force_kn[passive] ** 2).sum(axis=1)).tolist()
+
+
+# -- several blocks ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("capacity", [10.0, 40.0, 100.0, 300.0])
+def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
+    """A smooth block below a rough one: it tears the bolt, or draws the other along; one that goes takes it away."""
+    blocks = {"A": box(0.0), "B": box(5.0)}
+    given = design(
+        blocks, [bolt(capacity, head=middle(2.0, 1.0), length=5.0)], interfaces={"default": "j", "base/B": "rough"},
+        strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}}, analysis={"mechanisms": 2},
+    )  # fmt: skip
+    drives, smooth, rough = WEIGHT * ALONG, WEIGHT * ACROSS * math.tan(math.radians(20.0)), WEIGHT * ACROSS
+    torn, along = (smooth + capacity) / drives, (smooth + rough) / (2.0 * drives)
+    result = sk.run(given)
+    assert result.fos.limit == pytest.approx(min(torn, along), rel=1e-12)
+    pulled = min(capacity / torn, drives - smooth / along)
+    assert pulls(result) == pytest.approx([pulled, pulled], rel=1e-9)  # on both of its blocks
+    ends = [mechanism.fos for mechanism in result.findings.mechanisms]
+    if torn < along:
+        assert ends == pytest.approx([torn, rough / drives], rel=1e-12)
+        assert result.findings.mechanisms[0].interfaces[-1].mode in ("pull", "slip")
+        assert sum(one.share for one in result.findings.mechanisms[0].interfaces) == pytest.approx(1.0, rel=1e-9)
+    else:
+        assert len(ends) == 1
+
+
+def test_a_stack_of_three() -> None:
+    """Each joint carries what lies above it, with its bolts: the weakest of three by hand."""
+    blocks = {"A": box(0.0), "B": box(0.0, above=2.0), "C": box(0.0, above=4.0)}
+    for capacities in ((90.0, 10.0, 5.0), (5.0, 60.0, 1.0), (10.0, 10.0, 90.0)):
+        bolts = [bolt(force, name) for force, name in zip(capacities, blocks, strict=True)]
+        slides = math.tan(math.radians(20.0)) / math.tan(math.radians(DIP))
+        exact = min(slides + sum(capacities[k:]) / ((3 - k) * WEIGHT * ALONG) for k in range(3))
+        assert limit_of(design(blocks, bolts)).factor == pytest.approx(exact, rel=1e-11)
+
+
+def test_blocks_that_hang_on_bolts() -> None:
+    """Nothing but bolts holds them: F is what they pull over the weight, as on one block; without one a block falls."""
+    w = math.tan(math.radians(20.0))
+    outlines = {
+        "left": [[-10, 0], [0, 0], [2 * w, 2], [2 * w, 4], [-10, 4]],
+        "A": [[0, 0], [4, 0], [4 - 2 * w, 2], [2 * w, 2]],
+        "middle": [[4, 0], [8, 0], [8 + 2 * w, 2], [8 + 2 * w, 4], [4 - 2 * w, 4], [4 - 2 * w, 2]],
+        "B": [[8, 0], [12, 0], [12 - 2 * w, 2], [8 + 2 * w, 2]],
+        "right": [[12, 0], [20, 0], [20, 4], [12 - 2 * w, 4], [12 - 2 * w, 2]],
+    }
+    weight = 25.0 * 2.0 * (4.0 - 2.0 * w)
+
+    def roof(*bolts: tuple[str, float, float]) -> Result:
+        hung = [{"force": force, "toward": "000/-90", "block": name, "head": [x, 0.0, 1.0]} for name, force, x in bolts]
+        given = design({}, hung, phi=30.0, analysis={"mechanisms": 2})
+        given["blocks"] = {
+            name: {"polygon": outline} | ({"fixed": True} if name.islower() else {})
+            for name, outline in outlines.items()
+        }
+        return sk.run(given)
+
+    both = roof(("A", 200.0, 2.0), ("B", 300.0, 10.0))
+    assert [one.fos for one in both.findings.mechanisms] == pytest.approx([200.0 / weight, 300.0 / weight], rel=1e-12)
+    assert roof(("A", 100.0, 1.5), ("A", 100.0, 2.5), ("B", 300.0, 10.0)).fos.limit == pytest.approx(200.0 / weight)
+    one = roof(("A", 200.0, 2.0))
+    assert one.status == "falls"
+    assert [[block.name for block in found.blocks] for found in one.findings.mechanisms] == [["B"], ["A"]]
+    # at full strength the bolt is drawn out by a millimetre times its share, and the joints open
+    assert both.at_factor_one is not None
+    down = both.at_factor_one.every[[1, 3], 2]
+    assert down == pytest.approx([-1e-3 * weight / 200.0, -1e-3 * weight / 300.0], rel=1e-9)
+
+
+#: Blocks that lean on each other, push and turn, with bolts of several kinds.
+ASSEMBLIES: dict[str, dict[str, Any]] = {
+    "row": design(
+        {"A": box(0.0, 2.0, 3.0), "B": box(2.0, 3.0, 2.0), "C": box(5.0, 2.0, 4.0)},
+        [bolt(30.0, "A", 20.0), bolt(60.0, "C", 40.0, head=middle(6.0, 3.0)), bolt(20.0, "B", 170.0)],
+    ),
+    "bond": design(
+        {"A": box(0.0), "B": box(4.0), "C": box(0.0, 2.0, above=2.0), "D": box(2.0, above=2.0)},
+        [bolt(30.0, "D", 30.0, head=middle(4.0, 3.0), length=3.0), bolt(50.0, "A", 10.0), bolt(40.0, "C")],
+    ),
+    "thin": design(
+        {"A": box(0.0, 1.0, 4.0), "B": box(1.0, 1.0, 5.0), "C": box(2.0, 1.0, 3.0)},
+        [bolt(60.0, "A", 10.0, head=middle(0.5, 3.5)), bolt(6.0, "B", 0.0, head=middle(1.5, 4.5))], phi=35.0,
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=ASSEMBLIES)
+def assembly(request) -> tuple[dict[str, Any], AssemblyModel, BlocksLimit]:
+    given = ASSEMBLIES[request.param]
+    model = model_of(given)
+    return given, model, limit_of_blocks(model)
+
+
+def with_bolts(given: dict[str, Any], change) -> dict[str, Any]:
+    changed = [new for one in given["support"]["bolts"] for new in change(dict(one))]
+    return {**given, "support": {"bolts": changed}}
+
+
+def test_bolts_stay_within_their_range(assembly) -> None:
+    """0 <= T <= capacity / F; forces that balance; F between its ends and below the static bound."""
+    _, model, found = assembly
+    assert found.basis is Basis.LIMIT
+    pulled = found.friction[model.bolted, 0]
+    most = model.cohesion[model.joint_pairs.stop :] / found.factor
+    assert (pulled >= -1e-12).all()
+    assert (pulled <= most * (1.0 + 1e-9)).all()
+    assert np.abs(model.unbalanced(found.normal_force, found.friction)).max() < 1e-10
+    assert found.lowest <= found.factor <= found.static_bound
+    assert found.factor <= found.highest <= found.static_bound * (1.0 + 1e-9)
+
+
+def test_the_strength_divided_by_k(assembly) -> None:
+    """c, tan φ and capacities: k F(strength / k) = F, by construction."""
+    _, model, found = assembly
+    for k in (0.4, found.factor, 3.0):
+        weaker = replace(model, tan_friction=model.tan_friction / k, cohesion=model.cohesion / k)
+        assert limit_of_blocks(weaker, ranged=False).factor * k == pytest.approx(found.factor, rel=1e-10)
+
+
+def test_one_bolt_or_two_of_half_its_capacity(assembly) -> None:
+    given, _, found = assembly
+    halved = with_bolts(given, lambda one: [one | {"force": 0.5 * one["force"]}] * 2)
+    assert limit_of(halved).factor == pytest.approx(found.factor, rel=1e-10)
+
+
+def test_other_orders_of_blocks_and_bolts(assembly) -> None:
+    given, _, found = assembly
+    turned = {
+        **given, "blocks": dict(reversed(given["blocks"].items())),
+        "support": {"bolts": given["support"]["bolts"][::-1]},
+    }  # fmt: skip
+    assert limit_of(turned).factor == pytest.approx(found.factor, rel=1e-9)
+
+
+def test_in_the_mirror(assembly) -> None:
+    given, _, found = assembly
+
+    def seen(one: dict[str, Any]) -> list[dict[str, Any]]:
+        one["toward"] = [360.0 - one["toward"][0], one["toward"][1]]
+        if "head" in one:
+            one["head"] = [-one["head"][0], *one["head"][1:]]
+        return [one]
+
+    blocks = {name: one | {"polygon": [[-x, z] for x, z in one["polygon"]]} for name, one in given["blocks"].items()}
+    assert limit_of(with_bolts({**given, "blocks": blocks}, seen)).factor == pytest.approx(found.factor, rel=1e-9)
+
+
+def test_weak_bolts_are_none(assembly) -> None:
+    given, _, found = assembly
+    if given is ASSEMBLIES["thin"]:
+        pytest.skip("without bolts the columns topple, and their motion does not settle")
+    none = limit_of({**given, "support": {"bolts": []}}).factor
+    weak = limit_of(with_bolts(given, lambda one: [one | {"force": 1e-7 * one["force"]}])).factor
+    assert weak == pytest.approx(none, rel=1e-6)
+    assert found.factor > none * 1.02
+
+
+def test_active_bolts_that_pull_as_much(assembly) -> None:
+    """At the limit a passive bolt is a load of what it pulls there: the same forces, the same factor."""
+    given, model, found = assembly
+    pulled = iter((found.friction[model.bolted, 0] * model.force_scale).tolist())
+
+    def active(one: dict[str, Any]) -> list[dict[str, Any]]:
+        force = next(pulled)
+        toe = one.pop("length", None)
+        if toe is not None:
+            pytest.skip("an active bolt acts on the block of its head alone")
+        return [one | {"force": force, "acts": "active"}] if force > 1e-9 else []
+
+    assert limit_of(with_bolts(given, active)).factor == pytest.approx(found.factor, rel=1e-6)
+
+
+def test_the_static_bound_against_a_linear_program(assembly) -> None:
+    """The smallest λ with N >= 0, |T| <= λ μ ΣN and 0 <= T <= λ capacity on bolts, bisected; HiGHS on dense arrays."""
+    _, model, found = assembly
+    pairs, groups = len(model.control_area), len(model.group_contact)
+    bolts = len(model.bolts)
+    statics = model.statics.toarray()
+    statics = np.delete(statics, np.s_[pairs - bolts : pairs], axis=1)  # node pairs that stand for bolts carry nothing
+    pairs -= bolts
+    sums = np.zeros((groups, pairs))
+    sums[model.group_of_pair[:pairs], np.arange(pairs)] = 1.0
+    capacity = model.cohesion[pairs:]
+
+    def stands(reduction: float) -> bool:
+        pressed = reduction * model.tan_friction[:, None] * sums
+        joints = groups - bolts
+        pick = np.eye(groups)
+        cone = np.block([[-pressed[:joints], sign * pick[:joints]] for sign in (1.0, -1.0)])
+        ends = [(0.0, None)] * pairs + [(None, None)] * joints + [(0.0, reduction * most) for most in capacity]
+        found = linprog(np.zeros(pairs + groups), cone, np.zeros(len(cone)), statics, -model.load.ravel(), ends)
+        return found.status == 0
+
+    low, high = 0.1 / found.static_bound, 3.0 / found.static_bound
+    assert stands(high)
+    assert not stands(low)
+    while high / low > 1.0 + 1e-7:
+        middle_ = math.sqrt(low * high)
+        low, high = (low, middle_) if stands(middle_) else (middle_, high)
+    assert found.static_bound == pytest.approx(1.0 / high, rel=2e-6)
+
+
+def test_joints_that_dilate_by_all_their_friction_have_the_static_bound() -> None:
+    """Normality: the limit is the bound, with bolts as without."""
+    given = ASSEMBLIES["row"]
+    given = {**given, "strength": {"j": {"c": 0, "phi": 20, "dilation": 20}}}
+    found = limit_of(given)
+    assert found.factor == pytest.approx(found.static_bound, rel=1e-4)
+
+
+# -- around it --------------------------------------------------------------------------------------------------------
+
+
+def test_the_papers_criterion_and_check() -> None:
+    """All pairs failed lies below the limit; check finds forces, bolts and other strengths in order."""
+    result = sk.run({**ASSEMBLIES["row"], "analysis": {"criterion": "all-pairs"}})
+    assert 0.5 * result.fos.limit < result.fos.all_pairs_failed <= result.fos.limit * (1.0 + 1e-9)
+    checked = check(sk.load(ASSEMBLIES["row"]))
+    assert not [finding for finding in checked.findings if finding.met is False]
+
+
+def test_solve_for_a_capacity() -> None:
+    """F = (N μ + T) / D by hand."""
+    given = design({"A": box(0.0)}, [bolt(50.0)])
+    found = sk.solve(sk.load(given), "support.bolts.0.force", fos=1.5)
+    exact = 1.5 * WEIGHT * ALONG - WEIGHT * ACROSS * math.tan(math.radians(20.0))
+    assert found.answer is not None
+    assert found.answer.value == pytest.approx(exact, rel=1e-6)
+
+
+def test_solve_for_an_earthquake() -> None:
+    """The path in the load at λ = 1 / 1.2: W (sin + k cos) = λ (W (cos - k sin) μ + T), by hand."""
+    given = design({"A": box(0.0)}, [bolt(80.0)], loads={"seismic": {"k": 0.1, "toward": 270}})
+    found = sk.solve(sk.load(given), "loads.seismic.k", fos=1.2)
+    friction = math.tan(math.radians(20.0)) / 1.2
+    exact = (ACROSS * friction + 80.0 / 1.2 / WEIGHT - ALONG) / (ACROSS + ALONG * friction)
+    assert found.answer is not None
+    assert found.answer.value == pytest.approx(exact, rel=1e-9)
+
+
+def test_bolts_alone_hold_smooth_blocks() -> None:
+    """Without friction and cohesion F = T / D."""
+    given = design({"A": box(0.0), "B": box(5.0)}, [bolt(150.0), bolt(120.0, "B")], phi=0.0)
+    assert limit_of(given).factor == pytest.approx(120.0 / (WEIGHT * ALONG), rel=1e-11)
+
+
+@pytest.mark.parametrize("length", [None, 25.0])
+def test_columns_in_rows_keep_their_bolts(length: float | None) -> None:
+    """A bolt of the second row ties columns of the second row: the first, without bolts, fails as if it were alone."""
+    columns = {"dip": 70, "width": 2, "heights": [3, 6, 5, 3], "base_step": 0.3}
+    given = {
+        "slopekit": 1, "kind": "topple", "columns": columns, "strength": {"j": {"c": 0, "phi": 35}},
+        "rock": {"unit_weight": 25}, "analysis": {"mechanisms": 2},
+    }  # fmt: skip
+    alone = sk.run(given).fos.limit
+    scene = assembly_scene(sk.load(given), Clock())
+    head = scene.assembly.centroids[1]
+    held = {"force": 400, "toward": "090/20", "acts": "passive", "head": [float(head[0]), 0.0, float(head[2])]}
+    if length is not None:
+        held["length"] = 2.5
+    two = {**given, "columns": columns | {"rows": 2}, "support": {"bolts": [held | {"block": "C2-2"}]}}
+    (toe,) = assembly_scene(sk.load(two), Clock()).bolts.toe
+    assert toe == (-1 if length is None else 6)
+    result = sk.run(two)
+    assert result.fos.limit == pytest.approx(alone, rel=1e-9)
+    assert {block.name[-2:] for block in result.findings.mechanisms[0].blocks} == {"-1"}
+    one = sk.run({**given, "support": {"bolts": [held | {"block": "C2"}]}})
+    assert one.fos.limit > alone * 1.01
+    assert result.findings.mechanisms[1].fos == pytest.approx(one.fos.limit, rel=1e-9)
+
+
+def test_bolts_that_hold_nothing_are_refused() -> None:
+    """All faults at once: too short for its block, on bedrock, in no block."""
+    given = design({"A": box(0.0), "B": box(5.0)}, [bolt(50.0, head=middle(2.0, 1.0), length=1.0), bolt(9.0, "C")])
+    with pytest.raises(DesignError) as caught:
+        sk.run(given)
+    assert caught.value.codes == ("E250",)
+    given["support"]["bolts"].pop()
+    with pytest.raises(DesignError, match="1 m long and ends in A: it is too short") as caught:
+        sk.run(given)
+    assert caught.value.codes == ("E212",)
+
+
+def test_the_sheet_says_what_bolts_pull() -> None:
+    result = sk.run(ASSEMBLIES["row"])
+    text = sheet(result)
+    assert "by interface and bolt" in text
+    assert "W311" in text
