@@ -185,7 +185,7 @@ def _on_its_pairs(
     velocity /= np.sqrt(velocity @ velocity)
     limit = Limit(
         Outcome.SLIDES, factor, velocity, forces.normal, forces.pressed.astype(np.float64), motion.passes,
-        motion.steps + found.points, 0.0, forces.shear, forces.pulls,
+        0.0, forces.shear, forces.pulls,
     )  # fmt: skip
     return Scene(pairs, own, bedding), limit
 

@@ -96,9 +96,9 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
         return _alike(intact)
     none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
-        return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0, 0.0))
+        return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
     if _stands_without_strength(model):
-        return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0, 0.0))
+        return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
     if model.dilates and (associated := _associated_curved_limit(model)) is not None:
         return _alike(associated)
     start = elastic_displacement(model)
@@ -150,7 +150,7 @@ def _associated_limit(model: Model) -> Limit | None:
     if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
         return None
     bond = np.ones(len(model.control_area))
-    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
+    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
 
 
 def _associated_curved_limit(model: Model) -> Limit | None:
@@ -167,9 +167,7 @@ def _associated_curved_limit(model: Model) -> Limit | None:
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
-            return Limit(
-                Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0
-            )
+            return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
         bond = renewed
     return None
 
@@ -219,7 +217,7 @@ def forces_only_limit(model: Model) -> Limit:
             slip = np.maximum(held.slip(velocity), NO_FORCE)
             friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
             pulls = push.bolt_pulls
-        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0, friction, pulls)
+        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0.0, friction, pulls)
 
     alone = at(0.0)
     if alone.driving < NO_FORCE:

@@ -39,7 +39,6 @@ class LimitState:
     forces : (n, 3) normal and two tangents, at the reduced strength
     pulls : (b,) of the passive bolts
     residual : largest unbalanced generalised force in parts of the load
-    steps : Newton steps
     """
 
     reduction: float
@@ -49,7 +48,6 @@ class LimitState:
     forces: Floats
     pulls: Floats
     residual: float
-    steps: int
 
 
 def elastic_displacement(model: Model) -> Floats:
@@ -269,6 +267,4 @@ def limit_state(
     all_forces[hinges] = at_hinges
     pulls = reduction * model.bolt_capacity * full
     pulls[square] = carried
-    return LimitState(
-        reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual, steps
-    )
+    return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual)

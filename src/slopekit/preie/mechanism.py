@@ -37,7 +37,7 @@ _LONGEST = 30.0  # a step is at most this many times the velocity: flat directio
 
 @dataclass(frozen=True, slots=True)
 class Mechanism:
-    """A velocity (u,) with P·v = 1, its load factor, and the steps it took.
+    """A velocity (u,) with P·v = 1 and its load factor.
 
     `normal_force` (n,), `friction_force` (n, 2) and `bolt_pull` (b,) are those at that factor.
     """
@@ -47,7 +47,6 @@ class Mechanism:
     normal_force: Floats
     friction_force: Floats
     bolt_pull: Floats
-    steps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +77,7 @@ def cheapest_mechanism(
     """
     load = model.load
     velocity = start / float(load @ start)
-    steps, factor = 0, 0.0
+    factor = 0.0
     scale = max(float(friction.sum() + model.bolt_capacity.sum()), 1e-12)
     unknowns = model.unknowns
     bordered = np.zeros((unknowns + 1, unknowns + 1))
@@ -96,7 +95,6 @@ def cheapest_mechanism(
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])
             longest = _LONGEST * math.sqrt(float(velocity @ velocity))
             step *= min(1.0, longest / max(math.sqrt(float(step @ step)), 1e-300))
-            steps += 1
             forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
             if float(np.abs(at.gradient - factor * load).max()) < residual * forces:
                 break
@@ -111,7 +109,7 @@ def cheapest_mechanism(
                 length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
             velocity, at = velocity + length * step, after
     friction_force = -at.strength[:, None] * at.direction
-    return Mechanism(velocity, factor, at.normal_force, friction_force, at.pull, steps)
+    return Mechanism(velocity, factor, at.normal_force, friction_force, at.pull)
 
 
 def _evaluate(

@@ -48,7 +48,7 @@ class Limit:
     outcome : how it ended
     factor : F, None unless something slides or turns
     velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
-    passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
+    passes : work done; change : relative change of the factor in the last pass (0: solved exactly)
     friction : (n, 2) tangential forces and pulls : (b,) those of the bolts, at the reduced strength; None without a
         factor
     """
@@ -59,7 +59,6 @@ class Limit:
     normal_force: Floats
     bond: Floats
     passes: int
-    steps: int
     change: float
     friction: Floats | None = None
     pulls: Floats | None = None
@@ -79,7 +78,7 @@ def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond:
     if swift.outcome is not Outcome.NOT_CONVERGED:
         return swift
     slow = _steered(model, velocity, normal_force, bond, patient=True)
-    return replace(slow, passes=swift.passes + slow.passes, steps=swift.steps + slow.steps)
+    return replace(slow, passes=swift.passes + slow.passes)
 
 
 def _steered(
@@ -95,15 +94,15 @@ def _steered(
         velocity = model.load
     stages, weight = COLD, 1.0
     last: Floats | None = None
-    factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
+    factor, change, calm, quiet = math.inf, math.inf, 0, 0
     recent: list[float] = []
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
         if total < NOTHING * NOTHING:
-            return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
+            return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
         tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, NO_FORCE))
         found = cheapest_mechanism(model, friction, tan_dilation, velocity, stages)
-        velocity, stages, steps = found.velocity, WARM, steps + found.steps
+        velocity, stages = found.velocity, WARM
         factor_before, factor = factor, found.load_factor
         without = not factor > NOTHING * total
         if not without:
@@ -132,12 +131,12 @@ def _steered(
             renewed, releases = release(model, at, tan_dilation, bond, releases)
             if (renewed == bond).all():
                 if without:
-                    return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
+                    return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
                 if state is not None:
-                    return exact_limit(state, bond, count, steps)
+                    return exact_limit(state, bond, count)
                 if settled:
                     return Limit(
-                        Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, steps, moved,
+                        Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, moved,
                         *_carried(found),
                     )  # fmt: skip
             else:
@@ -162,17 +161,17 @@ def _steered(
     if patient and lowest > NOTHING and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
-            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest,
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, 1.0 - lowest / highest,
             *_carried(found),
         )  # fmt: skip
-    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
+    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, change)
 
 
-def exact_limit(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
+def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
     factor = 1.0 / state.reduction
     normal = np.maximum(state.normal_force, 0.0)
     return Limit(
-        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0, state.forces[:, 1:],
+        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, 0.0, state.forces[:, 1:],
         state.pulls,
     )  # fmt: skip
 
