@@ -44,7 +44,7 @@ class Arrays:
     """What a judge sees of a model: m node pairs, g friction forces of t components, n unknowns.
 
     normal (m, n) and slip (g t, n) rows of B; load (n,); area, cohesion (m,); friction (g,); group (m,) of each pair;
-    contact (m,) of each pair.
+    contact (m,) of each pair; bolted (g,) friction forces that are bolts: 0 <= T <= λ r. `history` alone knows those.
     """
 
     normal: np.ndarray
@@ -55,6 +55,7 @@ class Arrays:
     friction: np.ndarray
     group: np.ndarray
     contact: np.ndarray
+    bolted: np.ndarray
 
     @property
     def directions(self) -> int:
@@ -71,7 +72,7 @@ def arrays_of(model: AssemblyModel) -> Arrays:
     rows, pairs = model.kinematics.toarray(), len(model.control_area)
     return Arrays(
         rows[:pairs], rows[pairs:], model.load.ravel(), model.control_area, model.cohesion, model.tan_friction,
-        model.group_of_pair, model.pair_contact,
+        model.group_of_pair, model.pair_contact, model.bolted,
     )  # fmt: skip
 
 
@@ -358,8 +359,9 @@ class _Bed:
         opening = given.normal @ u
         pressed = given.area * (opening < 0.0)
         normal = -pressed * opening
-        most = strength * (limit := self.bond + given.friction * given.of_groups(normal))
         trial = old.friction - (self.along * (given.slip @ u)).reshape(-1, t) + self._reached(old)
+        limit = np.where(given.bolted & (trial[:, 0] < 0.0), 0.0, self.bond) + given.friction * given.of_groups(normal)
+        most = strength * limit
         size = np.sqrt((trial * trial).sum(axis=1))
         slips = size > most
         e = trial / np.maximum(size, 1e-300)[:, None]

@@ -19,6 +19,7 @@ from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
+from slopekit.preie import bounds
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.limit import limit_analysis
@@ -26,6 +27,7 @@ from slopekit.preie.ravelling import whole_model
 from slopekit.result import Result
 from slopekit.studies.check import check
 from slopekit.views.sheet import sheet
+from tests.preie import path_oracle
 
 DIP, WEIGHT = 30.0, 200.0  # blocks 4 m by 2 m, 25 kN/m³
 ALONG, ACROSS = math.sin(math.radians(DIP)), math.cos(math.radians(DIP))
@@ -169,6 +171,19 @@ def test_two_blocks_tied_by_a_bolt(capacity: float) -> None:
         assert sum(one.share for one in result.findings.mechanisms[0].interfaces) == pytest.approx(1.0, rel=1e-9)
     else:
         assert len(ends) == 1
+
+
+def test_a_bolt_whose_toe_has_gone() -> None:
+    """A rough block is bolted to a smooth one above it, which slides first: then friction alone holds the rough one."""
+    given = design(
+        {"A": box(0.0), "B": box(5.0)}, [bolt(100.0, head=middle(2.0, 1.0), length=5.0)],
+        interfaces={"default": "j", "base/A": "rough"}, analysis={"mechanisms": 2},
+        strength={"j": {"c": 0, "phi": 20}, "rough": {"c": 0, "phi": 45}},
+    )  # fmt: skip
+    slopes = [math.tan(math.radians(phi)) / math.tan(math.radians(DIP)) for phi in (20.0, 45.0)]
+    found = sk.run(given).findings.mechanisms
+    assert [[block.name for block in one.blocks] for one in found] == [["B"], ["A"]]
+    assert [one.fos for one in found] == pytest.approx(slopes, rel=1e-11)
 
 
 def test_a_stack_of_three() -> None:
@@ -347,6 +362,28 @@ def test_the_static_bound_against_a_linear_program(assembly) -> None:
     assert found.static_bound == pytest.approx(1.0 / high, rel=2e-6)
 
 
+def test_an_incremental_history(assembly) -> None:
+    """Slip and pull that stay what they were, strength lowered slowly (`path_oracle.history`): the same limit, 1e-6.
+
+    In the thin row forces may be locked in: its mechanism alone has factors from 1.438 to 1.552.
+    """
+    _, model, found = assembly
+    told = path_oracle.history(model, 2.0 / found.static_bound)
+    assert told.end == "settled"
+    assert found.factor == pytest.approx(told.factor, rel=1e-6)
+
+
+def test_the_slope_of_the_range(assembly) -> None:
+    """How the distance of forces from a mechanism's changes with λ, beyond an end of its range: central differences."""
+    _, model, found = assembly
+    away = bounds._distance(model, found.velocity.ravel(), found.bond)
+    for at in (1.2 / found.lowest, 0.8 / found.highest):
+        ahead, behind = (away(at * (1.0 + step))[0] for step in (1e-4, -1e-4))
+        far, slope = away(at)
+        assert far > 1e-4
+        assert slope == pytest.approx((ahead - behind) / (2e-4 * at), rel=1e-3)
+
+
 def test_joints_that_dilate_by_all_their_friction_have_the_static_bound() -> None:
     """Normality: the limit is the bound, with bolts as without."""
     given = ASSEMBLIES["row"]
@@ -364,6 +401,20 @@ def test_the_papers_criterion_and_check() -> None:
     assert 0.5 * result.fos.limit < result.fos.all_pairs_failed <= result.fos.limit * (1.0 + 1e-9)
     checked = check(sk.load(ASSEMBLIES["row"]))
     assert not [finding for finding in checked.findings if finding.met is False]
+
+
+@pytest.mark.parametrize("ways", [[180.0], [0.0], [0.0, 180.0]])
+def test_the_papers_criterion_by_hand(ways: list[float]) -> None:
+    """The joint slips at F = N μ / (its part of D); springs side by side: k_t A, and T / 1 mm if drawn out. 1e-4."""
+    capacity, shear = 150.0, 1e5
+    given = design(
+        {"A": box(0.0)}, [bolt(capacity, steeper=way, head=middle(2.0)) for way in ways],
+        strength={"j": {"c": 0, "phi": 20, "stiffness": {"normal": 1e7, "shear": shear}}},
+        analysis={"criterion": "all-pairs"},
+    )  # fmt: skip
+    joint, pull = shear * 4.0, capacity / 1e-3 if 0.0 in ways else 0.0
+    exact = ACROSS * math.tan(math.radians(20.0)) / ALONG * (joint + pull) / joint
+    assert sk.run(given).fos.all_pairs_failed == pytest.approx(exact, rel=2e-4)
 
 
 def test_solve_for_a_capacity() -> None:
