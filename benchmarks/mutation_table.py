@@ -48,7 +48,7 @@ MUTATIONS = (
          "psi = np.minimum(1.01 * tan_dilation, mu)", _REST),
         ("Clough-Duncan, stiffness", "preie/contact.py", "initial = self.modulus_number *",
          "initial = 1.01 * self.modulus_number *", _REST),
-        ("Clough-Duncan, bend", "preie/contact.py", "bent = law.failure_ratio /", "bent = 1.01 * law.failure_ratio /",
+        ("Clough-Duncan, bend", "preie/contact.py", "bent = self.failure_ratio /", "bent = 1.01 * self.failure_ratio /",
          _REST),
         ("stiffness of debonded pairs", "preie/contact.py", "-stiffness.debonded * opening",
          "-1.01 * stiffness.debonded * opening", _REST),
