@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
 
 _SOUND = 1e-6  # of the heaviest block's load, and of a factor: less is rounding
-_LEAST = 1e-300
+_LEAST = 1e-300  # kept from a division by nothing
 
 
 @dataclass(frozen=True, slots=True)

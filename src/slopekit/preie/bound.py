@@ -18,11 +18,11 @@ from slopekit.preie.distance import StaticBound, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 
-_MOST_STEPS = 40
+_MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
 _BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
 _LACKS = 1e-6  # of the limit: where the bound is lower by more, its search or that of the limit has lost its way
-_PROVED = 1e-9
+_PROVED = 1e-9  # of the load: forces that leave no more balance it
 _TANGENT = 1e-9  # opening below this part of the slip is none
 
 

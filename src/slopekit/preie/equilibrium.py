@@ -14,9 +14,9 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
 
-_TOLERANCE = 1e-9
-_MOST_STEPS = 50
-_MOST_RELEASES = 30
+_TOLERANCE = 1e-9  # unbalanced force in parts of the load; Newton aims at a thousandth of it
+_MOST_STEPS = 50  # of Newton's method: what needs more has lost its way
+_MOST_RELEASES = 30  # rounds of pairs that debond
 BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 _SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium

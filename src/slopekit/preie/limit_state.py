@@ -21,9 +21,9 @@ from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
 
 _EYE2 = np.eye(2)
-_MOST_STEPS = 30
-_MOST_CHANGES = 12
-_MOST_TURNS = 200
+_MOST_STEPS = 30  # of Newton's method
+_MOST_CHANGES = 12  # of contact modes, on the way from approximate ones
+_MOST_TURNS = 200  # of the motion, whose slip opens the joints that dilate
 _SQUARE = 1e-5  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
 _LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 

@@ -31,7 +31,7 @@ COLD: Stages = (
     (1e7, 1e-6, 1e-8),
 )
 WARM = COLD[-1:]
-_MOST_STEPS = 60
+_MOST_STEPS = 60  # of Newton's method, a stage
 _LONGEST = 30.0  # a step is at most this many times the velocity: flat directions have no natural length
 
 

@@ -17,11 +17,11 @@ from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
 from slopekit.preie.model import Model
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 300
+_MOST_PASSES = 300  # swift, and as many patient: two random wedges in 400 need the second
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
-MOST_RELEASES = 2
-_AITKEN_PASSES = 30
-_PATIENT_STEP = 0.1
+MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
+_AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
+_PATIENT_STEP = 0.1  # part of the way to the new friction that a patient pass takes
 _WINDOW = 20  # passes over which the factor must keep still ...
 _STEADY = 1e-5  # ... to this part, where the normal forces do not settle
 NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
