@@ -8,7 +8,7 @@ import pytest
 import slopekit as sk
 from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
-from slopekit.preie.balance import Carried, assembly_balance, block_balance
+from slopekit.preie.balance import balance, of_blocks, of_one_block
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
 from tests.preie.block_scenes import wall
@@ -67,7 +67,7 @@ def test_wrong_forces_are_seen(solved, change, figure) -> None:
     """One per cent off in any of them shows as a part of a per cent of the load or more."""
     model, analysis = solved
     wrong = change(analysis.governing)
-    seen = block_balance(model, replace(analysis, governing=wrong, with_turning=wrong))
+    seen = balance(of_one_block(model, replace(analysis, governing=wrong, with_turning=wrong)))
     assert getattr(seen, figure) > 1e-4
 
 
@@ -77,7 +77,7 @@ def test_a_couple_is_seen_as_a_moment(solved) -> None:
     pressed = np.argsort(normal)[-2:]
     normal[pressed] += np.array([0.01, -0.01])  # the same push elsewhere
     wrong = replace(analysis.governing, normal_force=normal)
-    assert block_balance(model, replace(analysis, governing=wrong, with_turning=wrong)).moment > 1e-4
+    assert balance(of_one_block(model, replace(analysis, governing=wrong, with_turning=wrong))).moment > 1e-4
 
 
 def test_many_blocks() -> None:
@@ -85,10 +85,10 @@ def test_many_blocks() -> None:
     scene = wall(4, 5)
     model = scene.model(35.0)
     limit = limit_of_blocks(model)
-    carried = Carried(model, limit.factor, limit.normal_force, limit.friction, limit.bond)
-    found = assembly_balance([carried])
+    forces = limit.normal_force, limit.friction
+    found = balance([of_blocks(model, limit.factor, *forces, limit.bond)])
     assert max(found.force, found.moment, found.friction_excess, found.pull) < 1e-6
-    more = assembly_balance([replace(carried, friction=carried.friction * 1.01)])
+    more = balance([of_blocks(model, limit.factor, forces[0], 1.01 * forces[1], limit.bond)])
     assert more.friction_excess > 1e-3
     assert more.force > 1e-3
-    assert assembly_balance([]) is None
+    assert balance([]) is None

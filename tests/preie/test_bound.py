@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slopekit.analysis.wedge import prepare
+from slopekit.design.reading import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import curved_limit_analysis, limit_analysis
 from tests.preie import conic_oracle
@@ -21,7 +23,6 @@ def test_on_one_plane_the_bound_is_the_limit(dip, c, phi) -> None:
     found = static_bound(model, limit.velocity_of(model), limit.factor)
     a = math.radians(dip)
     exact = (4.0 * c + 20.0 * math.cos(a) * math.tan(math.radians(phi))) / (20.0 * math.sin(a))
-    assert found.proved
     assert found.factor == pytest.approx(exact, rel=1e-9)
 
 
@@ -31,7 +32,6 @@ def test_without_friction_a_turning_mass_has_but_one_factor(slip) -> None:
     model = model_of({**slip, **COARSE}, phi=0.0)[0]
     limit = curved_limit_analysis(model).governing
     found = static_bound(model, limit.velocity, limit.factor)
-    assert found.proved
     assert found.factor == pytest.approx(limit.factor, rel=1e-9)
     assert conic_oracle.sparse_shortfall(model, 1.0 / (found.factor * (1.0 - 1e-6))) < 1e-8
     assert conic_oracle.sparse_shortfall(model, 1.0 / (found.factor * (1.0 + 1e-4))) > 1e-6
@@ -58,7 +58,6 @@ def test_curved_surfaces_against_clarabel(slip, more) -> None:
     model = model_of({**slip, **COARSE}, **more)[0]
     limit = curved_limit_analysis(model).governing
     found = static_bound(model, limit.velocity, limit.factor)
-    assert found.proved
     assert found.factor >= limit.factor
     below, above = (conic_oracle.sparse_shortfall(model, 1.0 / (found.factor * by)) for by in (1.0 - 1e-5, 1.0 + 1e-5))
     assert below < 0.0 < above
@@ -85,3 +84,17 @@ def test_strength_times_two_is_bound_times_two(by) -> None:
     two = static_bound(scaled, limit.velocity, by * limit.factor)
     assert two.factor == pytest.approx(by * one.factor, rel=1e-6)
     assert np.isfinite(two.normal_force).all()
+
+
+JAMS = {
+    "dips": [[77.63, 48.29], [48.14, 253.4]], "face": [73.67, 312.8], "upper": [21.05, 312.8], "height": 35.91,
+    "c": [30.18, 4.943], "phi": [35.26, 16.29], "unit_weight": 24.26, "water": [807.8, 60.93],
+}  # fmt: skip
+
+
+def test_where_the_joints_jam_newton_is_not_trusted() -> None:
+    """A little more strength and forces however large balance: the distance is a step there. Bisection, to 1e-6."""
+    model = prepare(wedge_design(JAMS), 0).model
+    limit = limit_analysis(model).governing
+    found = static_bound(model, limit.velocity_of(model), limit.factor)
+    assert found.factor == pytest.approx(conic_oracle.sparse_static_bound(model, limit.factor), rel=1e-6)

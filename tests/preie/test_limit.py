@@ -83,7 +83,6 @@ def test_full_dilation_gives_the_static_bound(c) -> None:
     full = limit_analysis(paper_model((c, c), dilation=20.0)).governing.factor
     model = paper_model((c, c))
     bound = static_bound(model, limit_analysis(model).governing.velocity, limit_analysis(model).governing.factor)
-    assert bound.proved
     assert full == pytest.approx(bound.factor, rel=2e-6)
 
 
@@ -135,13 +134,10 @@ def random_models(count: int, seed: int):
 
 
 def test_static_bound_against_clarabel() -> None:
-    """Two solvers without a line in common; proved bounds to 1e-6, the others to 2e-3 (Clarabel's margin is 1e-10)."""
-    proved = 0
+    """Other matrices, and bisection: to 1e-6 (Clarabel's margin is 1e-10)."""
     for model, analysis in random_models(25, 11):
         ours = static_bound(model, analysis.governing.velocity_of(model), analysis.governing.factor)
-        assert ours.factor == pytest.approx(conic_oracle.static_bound(model), rel=1e-6 if ours.proved else 2e-3)
-        proved += ours.proved
-    assert proved > 10
+        assert ours.factor == pytest.approx(conic_oracle.static_bound(model), rel=1e-6)
 
 
 def test_turning_limit_against_the_conic_sequence() -> None:

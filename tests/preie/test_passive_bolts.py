@@ -21,9 +21,9 @@ from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
-from slopekit.preie import bounds
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.distance import Distance
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.ravelling import whole_model
 from slopekit.result import Result
@@ -408,12 +408,12 @@ def test_an_incremental_history(assembly) -> None:
 def test_the_slope_of_the_range(assembly) -> None:
     """How the distance of forces from a mechanism's changes with λ, beyond an end of its range: central differences."""
     _, model, found = assembly
-    away = bounds._distance(model, found.velocity.ravel(), found.bond)
+    away = Distance(model, found.velocity.ravel(), found.bond)
     for at in (1.2 / found.lowest, 0.8 / found.highest):
-        ahead, behind = (away(at * (1.0 + step))[0] for step in (1e-4, -1e-4))
-        far, slope = away(at)
-        assert far > 1e-4
-        assert slope == pytest.approx((ahead - behind) / (2e-4 * at), rel=1e-3)
+        ahead, behind = (away.at(at * (1.0 + step)).distance for step in (1e-4, -1e-4))
+        there = away.at(at)
+        assert there.distance > 1e-4
+        assert there.slope == pytest.approx((ahead - behind) / (2e-4 * at), rel=1e-3)
 
 
 def test_joints_that_dilate_by_all_their_friction_have_the_static_bound() -> None:

@@ -19,14 +19,15 @@ from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
-from slopekit.preie.balance import Balance, Carried, assembly_balance
+from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.bed import SHEAR_TO_NORMAL
 from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
-from slopekit.preie.untied import UntiedSearch, all_blocks_untied
+from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
 
+_BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -117,7 +118,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
-    balance = _balance(parts)
+    balanced = _balance(parts)
     first = ravelling.failures[0].parts if ravelling.failures else ()
     split = [0 if part.refined is None else int(part.refined.max()) for part in first]
     size = ModelSize(
@@ -135,25 +136,24 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
         all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed, balance)),
+        warnings=tuple(_notices(design, scene, ravelling, found, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balance, timing_s=clock.done(),
+        findings=findings, balance=balanced, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
 
 def untied_search(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
-) -> UntiedSearch | None:
+) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
     model = whole_model(scene.assembly, loads, joint_strength(scene.strengths))
-    return None if model is None else all_blocks_untied(model, joint_stiffness(design), limit)
+    return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def all_pairs(search: UntiedSearch) -> AllPairs:
+def all_pairs(search: AllPairsFailed) -> AllPairs:
     """The search as a result keeps it."""
-    history = tuple((factor, failed) for factor, _, failed in search.history)
-    return AllPairs(search.bracket, search.lost_equilibrium, history)
+    return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
 
 def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
@@ -196,8 +196,8 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
 
 def _balance(parts: Sequence[Part]) -> Balance | None:
     """How well the forces of the parts that have a factor balance the loads."""
-    return assembly_balance([
-        Carried(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
+    return balance([
+        of_blocks(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
         for part in parts
         if part.limit.factor and part.limit.outcome is Outcome.SLIDES and len(part.model.control_area)
     ])  # fmt: skip
@@ -280,7 +280,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
 
 def _notices(
     design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
-    closed: ClosedForm, balance: Balance | None,
+    closed: ClosedForm,
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)

@@ -152,6 +152,5 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = found.displacement
     size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
     most = int(np.argmax(size))
-    failed = int(found.slips[model.group_of_pair].sum())
     movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
-    return AtFactorOne(movement, failed, found.residual, scene.names[most], frozen(every))
+    return AtFactorOne(movement, found.failed_pairs, found.residual, scene.names[most], frozen(every))

@@ -20,12 +20,11 @@ from slopekit.analysis.states import opening_pairs
 from slopekit.arrays import Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
-from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis
+from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
 
-_MOMENTS = 1e-6  # as in `limit`: a factor lower than that of the forces alone by more than this part
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
 
 
@@ -124,12 +123,12 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
         change = None if last is None else abs(bare / last - 1.0)
     assert judged.factor is not None
     own = scene
-    if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - _MOMENTS):
+    if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - MOMENTS):
         own, judged = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
         change, rule = found.change, "cracked_base"
         alone = forces_only_limit(own.model)
     assert judged.factor is not None
-    govern = alone.factor is None or judged.factor < alone.factor * (1.0 - _MOMENTS)
+    govern = alone.factor is None or judged.factor < alone.factor * (1.0 - MOMENTS)
     governing = judged if govern else replace(alone, velocity=alone.velocity_of(own.model))
     assert governing.factor is not None
     rules = CohesionRules(
@@ -186,7 +185,7 @@ def _on_its_pairs(
     velocity /= np.sqrt(velocity @ velocity)
     limit = Limit(
         Outcome.SLIDES, factor, velocity, forces.normal, forces.pressed.astype(np.float64), motion.passes,
-        motion.steps + found.points, 0.0, forces.shear, forces.pulls,
+        0.0, forces.shear, forces.pulls,
     )  # fmt: skip
     return Scene(pairs, own, bedding), limit
 

@@ -19,14 +19,14 @@ from slopekit.extents import Geometry
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.onlooker import say
-from slopekit.preie.balance import block_balance
+from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import JointStrength, Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.reduction import AllPairsFailed, all_pairs_failed
+from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
     AllPairs,
     AtFactorOne,
@@ -73,7 +73,7 @@ class Solved:
     Attributes
     ----------
     refined : how often the triangles were split; change : what the last split did to the limit
-    bound, proved : the static bound; at_rest : the equilibrium at full strength
+    bound : the static bound; at_rest : the equilibrium at full strength
     rules : on cohesion, where moments open part of a contact that has some
     """
 
@@ -82,7 +82,6 @@ class Solved:
     refined: int
     change: float | None
     bound: float | None
-    proved: bool
     at_rest: Equilibrium | None
     pairs: AllPairsFailed | None
     series: tuple[ReductionStep, ...]
@@ -116,10 +115,10 @@ def solve(
     scene, analysis = found.scene, found.analysis
     limit, model = analysis.governing, scene.model
     with clock("bound"):
-        bound, proved = None, False
+        bound = None
         if limit.factor:
-            above = static_bound(found.bounded.model, limit.velocity_of(model), limit.factor, found.rules is None)
-            bound, proved = above.factor, above.proved
+            velocity = limit.velocity_of(model)
+            bound = static_bound(found.bounded.model, velocity, limit.factor, found.rules is None).factor
     stiffness = joint_stiffness(design)
     with clock("displacements"):
         at_rest = None
@@ -131,7 +130,7 @@ def solve(
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, found.refined, found.change, bound, proved, at_rest, pairs, series, found.rules)
+    return Solved(scene, analysis, found.refined, found.change, bound, at_rest, pairs, series, found.rules)
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,7 +243,7 @@ def result(
     difference, agree = compare(compared, status, closed, design.agree_within)
     rest = solved.at_rest
     facts = Facts(
-        status, analysis, solved.scene.pairs, model, solved.proved or not limit.factor, solved.change,
+        status, analysis, solved.scene.pairs, model, solved.bound is not None or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
         loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None,
     )  # fmt: skip
@@ -257,7 +256,7 @@ def result(
         design=design, status=status,
         fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
-        static_bound_proved=solved.proved, geometry=geometry, forces=forces, model=size,
+        static_bound_proved=solved.bound is not None, geometry=geometry, forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
             turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
@@ -271,7 +270,7 @@ def result(
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
-        balance=block_balance(model, analysis),
+        balance=balance(of_one_block(model, analysis)),
         cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
     )  # fmt: skip
 

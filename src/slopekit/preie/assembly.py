@@ -22,7 +22,7 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
-from slopekit.preie.model import JointStrength, local_axes
+from slopekit.preie.model import JointStrength, Model, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
 
 _LIGHTEST = 1e-6
@@ -212,6 +212,28 @@ def build_assembly(
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
     )  # fmt: skip
     return _with_bolts(model, bolts, index, centroids) if len(bolts.head) else model
+
+
+def one_block(model: Model) -> AssemblyModel:
+    """The model of one block as an assembly: every node pair of its own friction, on one contact with bedrock."""
+    pairs, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
+    normal_rows, slip_rows = np.zeros((pairs + bolts, unknowns)), np.zeros((pairs + bolts, 2, unknowns))
+    normal_rows[:pairs], slip_rows[:pairs] = model.normal_rows, model.rows[:, 1:]
+    slip_rows[pairs:, 0] = model.bolt_rows
+    contact = np.concatenate([np.zeros(pairs, dtype=np.int64), 1 + np.arange(bolts)])
+    kinematics = sparse.csr_matrix(np.concatenate([normal_rows, slip_rows.reshape(-1, unknowns)]))
+    none, motion = np.zeros(bolts), np.tile(np.eye(unknowns), (1 + bolts, 1, 1))
+    return AssemblyModel(
+        plus=np.zeros(1 + bolts, dtype=np.int64), minus=np.full(1 + bolts, BEDROCK), plus_motion=motion,
+        minus_motion=np.zeros_like(motion), pair_contact=contact, normal_rows=normal_rows, group_contact=contact,
+        slip_rows=slip_rows, group_first=np.arange(pairs + bolts),
+        control_area=np.append(model.control_area, none + 1.0),
+        cohesion=np.append(model.cohesion, model.bolt_capacity), tan_friction=np.append(model.tan_friction, none),
+        tan_dilation=np.append(model.tan_dilation, none), patch=np.zeros(1, dtype=np.int64),
+        points=np.zeros((pairs + bolts, 3)), moving=np.zeros(1, dtype=np.int64), load=model.load[None, :],
+        live=np.zeros((1, unknowns)), length_scale=model.length_scale, force_scale=model.force_scale,
+        area_scale=model.area_scale, kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=np.arange(bolts),
+    )  # fmt: skip
 
 
 def _with_bolts(model: AssemblyModel, bolts: PassiveBolts, index: Ints, centroids: Floats) -> AssemblyModel:

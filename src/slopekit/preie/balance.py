@@ -5,7 +5,7 @@ believed because they balance, not because the search for it says so.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +13,13 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.passes import Outcome
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
 
-_SOUND = 1e-6
+_SOUND = 1e-6  # of the heaviest block's load, and of a factor: less is rounding
+_LEAST = 1e-300  # kept from a division by nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +48,43 @@ class Balance:
 
     def to_dict(self) -> dict[str, Any]:
         """The balance as JSON values."""
-        return {
-            "factor": self.factor,
-            "force": self.force,
-            "moment": self.moment,
-            "pull": self.pull,
-            "friction_excess": self.friction_excess,
-            "node_pairs": self.node_pairs,
-        }
+        return asdict(self)
 
 
-def block_balance(model: Model, analysis: LimitAnalysis) -> Balance | None:
-    """The forces of one block at its limit; None where there is no factor.
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """What a model carries at a factor, held against its loads and its strength.
+
+    Attributes
+    ----------
+    unbalanced : (n, u) of what the forces leave of the loads, in parts of each block's load; translations come first
+    normal : (m,) of the node pairs
+    beyond : forces beyond what the contact law allows, in parts of the load of a block that they act on
+    """
+
+    factor: float
+    unbalanced: Floats
+    translations: int
+    normal: Floats
+    beyond: Floats
+
+
+def balance(parts: Sequence[Carried]) -> Balance | None:
+    """The worst of each figure over all parts; None where there are none."""
+    if not parts:
+        return None
+    return Balance(
+        min(part.factor for part in parts),
+        max(float(np.abs(part.unbalanced[:, : part.translations]).max()) for part in parts),
+        max(float(np.abs(part.unbalanced[:, part.translations :]).max(initial=0.0)) for part in parts),
+        max(max(0.0, -float(part.normal.min())) / max(float(np.abs(part.normal).mean()), _LEAST) for part in parts),
+        max(max(float(part.beyond.max()), 0.0) for part in parts),
+        sum(len(part.normal) for part in parts),
+    )  # fmt: skip
+
+
+def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
+    """What one block carries at its limit; nothing where there is no factor.
 
     Where the forces alone govern although the block could be held to more by its moments, the state with turning is
     the one that balances both; it stands at a higher factor, so at the limit too.
@@ -67,60 +93,29 @@ def block_balance(model: Model, analysis: LimitAnalysis) -> Balance | None:
     limit = governing
     if turning.factor is not None and turning.outcome is Outcome.SLIDES and governing.factor is not None:
         limit = turning if turning.factor >= governing.factor * (1.0 - _SOUND) else governing
-    if not limit.factor or limit.friction is None or limit.pulls is None:
-        return None
-    return _balance(model, limit, limit.friction, limit.pulls, limit.factor)
-
-
-def _balance(model: Model, limit: Limit, friction: Floats, pulls: Floats, factor: float) -> Balance:
-    most = limit.velocity.size if limit.velocity.size < model.unknowns else model.translations
-    normal = limit.normal_force
-    forces = np.column_stack([normal, friction]).ravel()
-    out = forces @ model.flat_rows + model.load + pulls @ model.bolt_rows
-    size = np.sqrt((friction * friction).sum(axis=1))
+    factor, normal, friction, pulls = limit.factor, limit.normal_force, limit.friction, limit.pulls
+    if not factor or friction is None or pulls is None:
+        return []
+    out = np.column_stack([normal, friction]).ravel() @ model.flat_rows + model.load + pulls @ model.bolt_rows
     allowed = (limit.bond * model.cohesion + model.tan_friction * normal) / factor
-    over = np.concatenate([size - allowed, pulls - model.bolt_capacity / factor, -pulls])
-    return Balance(
-        factor, float(np.abs(out[:most]).max()), float(np.abs(out[most:]).max(initial=0.0)),
-        max(0.0, -float(normal.min())) / max(float(np.abs(normal).mean()), 1e-300), max(float(over.max()), 0.0),
-        len(normal),
+    beyond = np.concatenate([_sizes(friction) - allowed, pulls - model.bolt_capacity / factor, -pulls])
+    turns = limit.velocity.size == model.unknowns
+    return [Carried(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
+
+
+def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> Carried:
+    """What many blocks carry: N (m,), T (g, t), and what bonds are left (m,)."""
+    own = _sizes(model.load)
+    weights = np.append(np.maximum(own, _SOUND * float(own.max())), np.inf)  # bedrock is the last
+    beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
+    allowed = model.by_group(bond * model.cohesion) + model.tan_friction * model.by_group(normal)
+    over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))
+    return Carried(
+        factor, model.unbalanced(normal, friction), 2 if model.unknowns == 3 else 3, normal[model.joint_pairs],
+        over / beside,
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Carried:
-    """A model of many blocks with its forces at a factor: N (m,), T (g, t) and what bonds are left (m,)."""
-
-    model: "AssemblyModel"
-    factor: float
-    normal: Floats
-    friction: Floats
-    bond: Floats
-
-
-def assembly_balance(parts: Sequence[Carried]) -> Balance | None:
-    """The forces of many blocks, the worst of each figure over all blocks; None where no part has a factor."""
-    if not parts:
-        return None
-    force = moment = pull = excess = 0.0
-    for part in parts:
-        model = part.model
-        out = np.abs(model.unbalanced(part.normal, part.friction))
-        weights = np.sqrt((model.load * model.load).sum(axis=1))
-        weights = np.maximum(weights, _SOUND * float(weights.max()))
-        most = 2 if model.unknowns == 3 else 3
-        force = max(force, float(out[:, :most].max()))
-        moment = max(moment, float(out[:, most:].max()))
-        normal = part.normal[model.joint_pairs]
-        pull = max(pull, -float(normal.min()) / max(float(np.abs(normal).mean()), 1e-300))
-        size = np.sqrt((part.friction * part.friction).sum(axis=1))
-        allowed = model.by_group(part.bond * model.cohesion) + model.tan_friction * model.by_group(part.normal)
-        over = np.maximum(size - allowed / part.factor, 0.0)
-        over = np.maximum(over, np.where(model.bolted, -part.friction[:, 0], 0.0))  # a bolt does not push
-        bedrock = np.append(weights, np.inf)
-        beside = np.minimum(bedrock[model.plus], bedrock[model.minus])[model.group_contact]
-        excess = max(excess, float((over / beside).max()))
-    return Balance(
-        min(part.factor for part in parts), force, moment, pull, excess,
-        sum(len(part.normal[part.model.joint_pairs]) for part in parts),
-    )  # fmt: skip
+def _sizes(rows: Floats) -> Floats:
+    sizes: Floats = np.sqrt((rows * rows).sum(axis=1))
+    return sizes

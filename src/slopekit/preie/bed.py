@@ -22,6 +22,7 @@ import numpy as np
 from slopekit.arrays import Bools, Floats
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.stiffness import Stiffness
 
 #: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
@@ -127,11 +128,9 @@ class Bed:
         self.dilates = bool(model.tan_dilation.any())
         self.stiffness = Stiffness(model)
         self.contacts = len(model.plus)
-        products = self.area[:, None, None] * model.normal_rows[:, :, None] * model.normal_rows[:, None, :]
-        self._products = products.reshape(self.pairs, -1)
+        self._pattern = ContactPattern(model)
         self._pressing = self.area[:, None] * model.normal_rows
         self._transposed = np.ascontiguousarray(model.slip_rows.transpose(0, 2, 1))
-        self._pair_starts = np.searchsorted(model.pair_contact, np.arange(self.contacts))
         self._group_starts = np.searchsorted(model.group_contact, np.arange(self.contacts))
         self._one_each = self.groups == self.contacts
         every = np.ones(self.pairs, dtype=bool)
@@ -236,11 +235,7 @@ class Bed:
 
     def _local(self, touching: Bools, tangent: Floats) -> Floats:
         """Stiffness (k, u, u) of the contacts: pairs that touch, and tangent stiffnesses (g, t, t)."""
-        unknowns = self.model.unknowns
-        of_pairs = np.add.reduceat(self._products * touching[:, None], self._pair_starts)
-        of_groups = np.matmul(self._transposed, np.matmul(tangent, self.model.slip_rows))
-        local: Floats = of_pairs.reshape(-1, unknowns, unknowns) + self._by_contact(of_groups)
-        return local
+        return self._pattern.stiffness(self.area * touching, tangent)
 
     def _by_contact(self, of_groups: Floats) -> Floats:
         if self._one_each:

@@ -22,7 +22,8 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive
-from slopekit.preie.bounds import StaticBound, mechanism_range, static_bound
+from slopekit.preie.bounds import mechanism_range, static_bound
+from slopekit.preie.distance import StaticBound
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed, relaxed
 

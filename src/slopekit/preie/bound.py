@@ -9,36 +9,21 @@ Both sides are used: a mechanism proposes λ, and forces that balance the loads 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.preie.distance import StaticBound, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
 
-_MOST_STEPS = 40
-_FEWEST_STEPS = 4  # trials without which no bracket closes
-_MOST_WORK = 30_000  # trials times node pairs: some seconds of Clarabel
-_CONIC_WIDTH = 1e-7  # the bracket of λ, in parts of it
+_MOST_STEPS = 40  # of Newton's method
+_MOST_PAIRS = 7_500  # beyond, cone programs take minutes
 _BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
-_BALANCED = 1e-9  # a shortfall this small, in parts of the load, is none
-_PROVED = 1e-9
+_LACKS = 1e-6  # of the limit: where the bound is lower by more, its search or that of the limit has lost its way
+_PROVED = 1e-9  # of the load: forces that leave no more balance it
 _TANGENT = 1e-9  # opening below this part of the slip is none
-
-
-@dataclass(frozen=True, slots=True)
-class StaticBound:
-    """The bound (None: not found), whether a mechanism and forces prove it, the work done.
-
-    `velocity` (u,) is its mechanism and `normal_force` (n,) what the pairs carry in it.
-    """
-
-    factor: float | None
-    proved: bool
-    steps: int
-    velocity: Floats
-    normal_force: Floats
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
@@ -51,12 +36,12 @@ def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bo
         its motion says nothing of the bound
     """
     if not of_its_motion:
-        return _conic_bound(model, velocity, limit)
+        return _by_programs(model, velocity, limit)
     if not model.tan_friction.any():
         slip = float(model.slip(velocity).max())
         if float(np.abs(model.normal_rows @ velocity).max()) <= _TANGENT * slip:
             # no friction, and nothing opens: the limit's mechanism is the bound's, and its forces balance
-            return StaticBound(limit, True, 0, velocity, np.zeros(len(model.control_area)))
+            return StaticBound(limit, False, False, velocity, np.zeros(len(model.control_area)), 0)
     if not len(model.bolt_capacity):
         flat = _one_plane_bound(model, velocity, limit)
         if flat is not None:
@@ -64,7 +49,7 @@ def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bo
         translating = _two_joint_bound(model, velocity, limit)
         if translating is not None:
             return translating
-    return _conic_bound(model, velocity, limit)
+    return _by_programs(model, velocity, limit)
 
 
 def _one_plane_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
@@ -81,7 +66,7 @@ def _one_plane_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
     normal_force = _balancing(model, velocity[:most], 1.0 / limit)
     if normal_force is None:
         return None
-    return StaticBound(limit, True, 0, velocity, normal_force)
+    return StaticBound(limit, False, False, velocity, normal_force, 0)
 
 
 def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBound | None:
@@ -127,7 +112,8 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
     normal_force = _balancing(model, v, reduction)
     if normal_force is None:
         return None
-    return StaticBound(1.0 / reduction, True, steps, np.concatenate([v, np.zeros(model.unknowns - 3)]), normal_force)
+    velocity = np.concatenate([v, np.zeros(model.unknowns - 3)])
+    return StaticBound(1.0 / reduction, False, False, velocity, normal_force, steps)
 
 
 def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
@@ -141,121 +127,15 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
     return normal_force if float(np.abs(rest).max()) < _PROVED else None
 
 
-def _conic_bound(model: Model, velocity: Floats, limit: float) -> StaticBound:
-    """The least λ at which second-order cones of forces balance the loads: Newton in a bracket, with Clarabel.
+def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
+    """The least λ at which some forces balance the loads, as for many blocks; the limit's own do at 1/limit."""
+    none = StaticBound(None, False, False, velocity, np.zeros(len(model.control_area)), 0)
+    if len(model.control_area) > _MOST_PAIRS:
+        return none
+    from slopekit.preie.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
 
-    Each trial asks for the least t >= -1 such that N >= 0, |f_t| <= λ (c A + N tan φ) + t a and Bᵀ f + P = 0 (bolts
-    pull with 0 to λ times their capacity); t <= 0 means they balance. The limit's own forces do: λ <= 1/limit.
-    """
-    most = min(_MOST_STEPS + 40, _MOST_WORK // len(model.control_area))
-    if most < _FEWEST_STEPS:  # so many cones would take minutes
-        return StaticBound(None, False, 0, velocity, np.zeros(len(model.control_area)))
-    program = _ConicProgram(model)
-    low, high = 0.0, 1.0 / limit
-    best, steps, mechanism = program.solve(high), 1, velocity
-    if best is None or best.shortfall > 1e-6:
-        return StaticBound(None, False, steps, velocity, np.zeros(len(model.control_area)))
-    guess, step = best.root(high), 0.9
-    while high - low > _CONIC_WIDTH * high and steps < most:
-        if not low < guess < high:
-            guess = 0.5 * (low + high) if low > 0.0 else high * step
-            step *= step
-        # a guess at an end of the bracket closes in on it from the other side
-        near = 0.3 * _CONIC_WIDTH * guess
-        trial_at = min(guess + near, 0.5 * (guess + high)) if guess - low < near else guess
-        trial_at = max(guess - near, 0.5 * (guess + low)) if high - guess < near else trial_at
-        trial = program.solve(trial_at)
-        steps += 1
-        if trial is None:
-            break
-        if trial.shortfall <= _BALANCED:
-            high, best = trial_at, trial
-            if high * limit * _BEYOND < 1.0:
-                break
-        else:
-            low, mechanism = trial_at, trial.velocity
-        guess = trial.root(trial_at)
-    if high * limit * _BEYOND < 1.0 or high - low > 10.0 * _CONIC_WIDTH * high:
-        return StaticBound(None, False, steps, mechanism, best.normal_force)
-    return StaticBound(max(1.0 / high, limit), True, steps, mechanism, best.normal_force)
-
-
-@dataclass(frozen=True, slots=True)
-class _Trial:
-    """The shortfall t at a λ, its slope dt/dλ from the multipliers, the mechanism (u,) and the normal forces (n,)."""
-
-    shortfall: float
-    slope: float
-    velocity: Floats
-    normal_force: Floats
-
-    def root(self, reduction: float) -> float:
-        """Where Newton expects t = 0; not a number above 0 where the slope says nothing."""
-        return reduction - self.shortfall / self.slope if self.slope < 0.0 else 0.0
-
-
-class _ConicProgram:
-    """The program of `_conic_bound`; only its right-hand side and one column entry a pair depend on λ."""
-
-    def __init__(self, model: Model) -> None:
-        from scipy import sparse  # only a bound that moments govern pays for SciPy and Clarabel
-
-        self.model = model
-        count, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
-        width = 3 * count + bolts + 1
-        balance = sparse.hstack(
-            [
-                sparse.csc_matrix(model.flat_rows.T),
-                sparse.csc_matrix(model.bolt_rows.T),
-                sparse.csc_matrix((unknowns, 1)),
-            ]
-        )
-        pairs = np.arange(count)
-        signs = sparse.csc_matrix(
-            (np.full(count + 2 * bolts + 1, -1.0) * np.concatenate([np.ones(count + bolts), -np.ones(bolts), [1.0]]),
-             (np.arange(count + 2 * bolts + 1),
-              np.concatenate([3 * pairs, 3 * count + np.arange(bolts), 3 * count + np.arange(bolts), [width - 1]]))),
-            shape=(count + 2 * bolts + 1, width),
-        )  # fmt: skip
-        rows = np.concatenate([3 * pairs, 3 * pairs, 3 * pairs + 1, 3 * pairs + 2])
-        columns = np.concatenate([3 * pairs, np.full(count, width - 1), 3 * pairs + 1, 3 * pairs + 2])
-        self.cone_shape = (rows, columns, (3 * count, width))
-        self.top = sparse.vstack([balance, signs])
-        self.cost = np.zeros(width)
-        self.cost[-1] = 1.0
-        self.none = sparse.csc_matrix((width, width))
-
-    def solve(self, reduction: float) -> _Trial | None:
-        """Least shortfall at a λ, or None where Clarabel gives up."""
-        import clarabel
-        from scipy import sparse
-
-        model = self.model
-        count, bolts, unknowns = len(model.control_area), len(model.bolt_capacity), model.unknowns
-        rows, columns, shape = self.cone_shape
-        values = np.concatenate(
-            [-reduction * model.tan_friction, -model.control_area, np.full(count, -1.0), np.full(count, -1.0)]
-        )
-        cone_right = np.zeros(3 * count)
-        cone_right[::3] = reduction * model.cohesion
-        matrix = sparse.vstack([self.top, sparse.csc_matrix((values, (rows, columns)), shape=shape)]).tocsc()
-        right = np.concatenate(
-            [-model.load, np.zeros(count + bolts), reduction * model.bolt_capacity, [1.0], cone_right]
-        )
-        cones = [clarabel.ZeroConeT(unknowns), clarabel.NonnegativeConeT(count + 2 * bolts + 1)]
-        cones += [clarabel.SecondOrderConeT(3)] * count
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        found = clarabel.DefaultSolver(self.none, self.cost, matrix, right, cones, settings).solve()
-        forces, duals = np.array(found.x), np.array(found.z)
-        velocity = duals[:unknowns]
-        velocity = velocity if float(velocity @ model.load) > 0.0 else -velocity
-        if str(found.status).endswith("PrimalInfeasible"):  # no shear, however strong: bolts have to hold it down
-            return _Trial(math.inf, 0.0, velocity, np.zeros(count))
-        if not str(found.status).endswith("olved"):
-            return None
-        normal = np.maximum(forces[: 3 * count : 3], 0.0)
-        of_cones = duals[unknowns + count + 2 * bolts + 1 :][::3]
-        of_bolts = duals[unknowns + count + bolts : unknowns + count + 2 * bolts]
-        slope = -float(of_cones @ (model.cohesion + model.tan_friction * normal) + of_bolts @ model.bolt_capacity)
-        return _Trial(float(found.obj_val), slope, velocity, normal)
+    found = bound_by_programs(one_block(model), 1.0 / limit)
+    if found is None or found.factor is None or not (1.0 - _LACKS) * limit < found.factor < _BEYOND * limit:
+        return none
+    normal = found.normal_force[: len(model.control_area)]
+    return replace(found, factor=max(found.factor, limit), normal_force=normal)

@@ -65,11 +65,10 @@ def quotient(a: Floats, b: Floats) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Scaling:
-    """W = η [w0, w1ᵀ; w1, I + w1 w1ᵀ / (1 + w0)] by the row; `inverse_square` is W⁻², (g, 1 + t, 1 + t)."""
+    """W = η [w0, w1ᵀ; w1, I + w1 w1ᵀ / (1 + w0)] by the row."""
 
     direction: Floats
     size: Floats
-    inverse_square: Floats
 
     def times(self, x: Floats) -> Floats:
         """W x."""
@@ -97,10 +96,4 @@ def scaling(primal: Floats, dual: Floats) -> Scaling:
     gamma = np.sqrt(np.maximum((1.0 + along_rows(q, z)) / 2.0, 1e-30))
     direction = (q + flipped) / (2.0 * gamma)[:, None]
     size = (of_primal / of_dual) ** 0.25
-    turned = direction.copy()
-    turned[:, 1:] *= -1.0
-    inverse_square = 2.0 * turned[:, :, None] * turned[:, None, :]
-    k = np.arange(1, primal.shape[1])
-    inverse_square[:, 0, 0] -= 1.0
-    inverse_square[:, k, k] += 1.0
-    return Scaling(direction, size, inverse_square / (size * size)[:, None, None])
+    return Scaling(direction, size)

@@ -37,6 +37,13 @@ class CloughDuncan:
     atmospheric_kpa: float = 101.325
     floor_kpa: float = 1.0
 
+    def hyperbola(self, normal: Floats) -> tuple[Floats, Floats, Floats, Bools]:
+        """K and R_f / (σ_n tan φ₁) of the hyperbola at normal tractions (n,), those above the floor, and which are."""
+        pressed = np.maximum(normal, self.floor_kpa)
+        initial = self.modulus_number * self.water_unit_weight * (pressed / self.atmospheric_kpa) ** self.exponent
+        bent = self.failure_ratio / (pressed * math.tan(math.radians(self.friction_angle_deg)))
+        return initial, bent, pressed, normal > self.floor_kpa
+
 
 @dataclass(frozen=True, slots=True)
 class JointStiffness:
@@ -125,19 +132,11 @@ def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -
     return law.tractions[:, 0] < -tension / reduction - rounding
 
 
-def _hyperbola(normal: Floats, law: CloughDuncan) -> tuple[Floats, Floats, Floats, Bools]:
-    """Initial stiffness and 1 / ceiling of Clough and Duncan's hyperbola at a normal traction above the floor."""
-    pressed = np.maximum(normal, law.floor_kpa)
-    initial = law.modulus_number * law.water_unit_weight * (pressed / law.atmospheric_kpa) ** law.exponent
-    bent = law.failure_ratio / (pressed * math.tan(math.radians(law.friction_angle_deg)))
-    return initial, bent, pressed, normal > law.floor_kpa
-
-
 def _tangential(slip: Floats, normal: Floats, law: float | CloughDuncan) -> tuple[Floats, Floats, Floats]:
     """Elastic shear traction at a slip and a normal traction, and its slopes by both."""
     if not isinstance(law, CloughDuncan):
         return law * slip, np.full_like(slip, law), np.zeros_like(slip)
-    initial, bent, pressed, above = _hyperbola(normal, law)
+    initial, bent, pressed, above = law.hyperbola(normal)
     bend = 1.0 / (1.0 + initial * slip * bent)
     shear = initial * slip * bend
     by_normal = np.where(above, (bend * bend * law.exponent * initial * slip + shear * shear * bent) / pressed, 0.0)

@@ -14,9 +14,9 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
 
-_TOLERANCE = 1e-9
-_MOST_STEPS = 50
-_MOST_RELEASES = 30
+_TOLERANCE = 1e-9  # unbalanced force in parts of the load; Newton aims at a thousandth of it
+_MOST_STEPS = 50  # of Newton's method: what needs more has lost its way
+_MOST_RELEASES = 30  # rounds of pairs that debond
 BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
 _SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium
@@ -33,7 +33,6 @@ class Equilibrium:
     displacement : (u,) m and radians, of the block's centroid
     forces : (n, 3) kN at the node pairs; modes : (n,) ContactMode
     residual : largest unbalanced generalised force in parts of the load
-    steps : Newton steps
     """
 
     stands: bool
@@ -42,7 +41,6 @@ class Equilibrium:
     forces: Floats
     modes: Ints
     residual: float
-    steps: int
     scaled: Floats
     debonded: Bools
 
@@ -96,13 +94,11 @@ def equilibrium(
             return state
     else:
         state = start
-    steps = state.steps
     stride = math.log(factor / state.factor) if state.factor < factor else 0.0
     remaining = stride
     while remaining > 0.0:
         target = factor if stride >= remaining else state.factor * math.exp(stride)
         trial = _settle(model, physical, target, stiffness, state.scaled, state.debonded)
-        steps += trial.steps
         if trial.stands:
             state = trial
             if until_all_failed and state.failed_pairs == len(state.modes):
@@ -112,26 +108,18 @@ def equilibrium(
         else:
             stride = min(stride, remaining) / 3.0
             if stride < _SMALLEST_STEP:
-                return _with_steps(trial, steps, factor)
-    return _with_steps(state, steps, state.factor if remaining > 0.0 else factor)
-
-
-def _with_steps(state: Equilibrium, steps: int, factor: float) -> Equilibrium:
-    return Equilibrium(
-        state.stands, factor, state.displacement, state.forces, state.modes, state.residual, steps, state.scaled,
-        state.debonded,
-    )  # fmt: skip
+                return replace(trial, factor=factor)
+    return state if remaining > 0.0 else replace(state, factor=factor)
 
 
 def _settle(
     model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, start: Floats, debonded: Bools
 ) -> Equilibrium:
     """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
-    scaled, steps = start, 0
+    scaled = start
     rounding = _TOLERANCE * model.force_scale / model.area_scale
     for _ in range(_MOST_RELEASES):
-        scaled, law, residual, used = _newton(model, physical, factor, stiffness, scaled, debonded)
-        steps += used
+        scaled, law, residual = _newton(model, physical, factor, stiffness, scaled, debonded)
         broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
         if residual > _TOLERANCE or not broken.any():
             break
@@ -139,13 +127,13 @@ def _settle(
     forces = law.tractions * physical.area[:, None]
     to_metres = np.where(np.arange(model.unknowns) < model.translations, model.length_scale, 1.0)
     return Equilibrium(
-        residual <= _TOLERANCE, factor, scaled * to_metres, forces, law.modes, residual, steps, scaled, debonded
+        residual <= _TOLERANCE, factor, scaled * to_metres, forces, law.modes, residual, scaled, debonded
     )
 
 
 def _newton(
     model: Model, physical: _Physical, factor: float, stiffness: JointStiffness, scaled: Floats, debonded: Bools
-) -> tuple[Floats, Tractions, float, int]:
+) -> tuple[Floats, Tractions, float]:
     bolts = model.bolt_capacity / factor
     stretch = model.bolt_capacity * (model.length_scale / BOLT_GIVE_M)
     weight = physical.area / model.force_scale
@@ -162,8 +150,9 @@ def _newton(
 
     out, law = unbalanced(scaled)
     size = float(np.abs(out).max())
-    steps = 0
-    while size > _TOLERANCE * 1e-3 and steps < _MOST_STEPS:
+    for _ in range(_MOST_STEPS):
+        if size <= _TOLERANCE * 1e-3:
+            break
         slopes = law.slopes * (weight * model.length_scale)[:, None, None]
         matrix = model.flat_rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
         if len(bolts):
@@ -175,7 +164,6 @@ def _newton(
             step = -np.linalg.solve(matrix * unit, out) * unit
         except np.linalg.LinAlgError:
             break
-        steps += 1
         length = 1.0
         while length > 1e-4:
             after, law_after = unbalanced(scaled + length * step)
@@ -186,4 +174,4 @@ def _newton(
         else:
             break
         scaled, out, law, size = scaled + length * step, after, law_after, size_after
-    return scaled, law, size, steps
+    return scaled, law, size

@@ -38,18 +38,8 @@ class Iterate:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class Step(Iterate):
     """A change of every part of an iterate."""
-
-    normal: Floats
-    friction: Floats
-    load_factor: float
-    shed: float
-    strength: Floats
-    velocity: Floats
-    gap: Floats
-    slip: Floats
-    shed_slack: float
 
     def longest(self, at: Iterate) -> float:
         """How far the step may go, at most 1."""

@@ -29,15 +29,13 @@ from slopekit.preie.limit_state import (
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
 
-_MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
-_NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
+MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
 _STRIDE = 1.05  # steps of λ on the way to the first loss
 _NO_NUMBER = 0.5  # a range of factors wider than this part of the highest is none
 _MOST_TRIES = 40  # bonds let go and found again
-_NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,24 +59,17 @@ class LimitAnalysis:
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
-    state = intact_limit_state(model)
-    if state is not None and model.dilates:
-        state = dilating_limit_state(model, state)
-    if state is not None:
-        limit = exact_limit(state, np.ones(len(model.control_area)), 0)
-        return LimitAnalysis(limit, limit, limit, False)
+    intact = _intact_limit(model)
+    if intact is not None:
+        return _alike(intact)
     alone = forces_only_limit(model)
-    if alone.outcome is Outcome.LIFTED:
-        return LimitAnalysis(alone, alone, alone, False)
-    if alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model):
-        return LimitAnalysis(alone, alone, alone, False)
-    if alone.factor == 0.0:
-        return LimitAnalysis(alone, alone, alone, False)
+    stands = alone.outcome is Outcome.NO_DRIVING_FORCE and _stands_without_strength(model)
+    if stands or alone.outcome is Outcome.LIFTED or alone.factor == 0.0:
+        return _alike(alone)
     if model.dilates and (associated := _associated_limit(model)) is not None:
-        return LimitAnalysis(associated, associated, associated, False)
+        return _alike(associated)
     start = alone.velocity_of(model)
-    may_bond: Bools = np.ones(len(alone.bond), dtype=bool)
-    turning = settle_by_passes(model, start, alone.normal_force, alone.bond, may_bond)
+    turning = settle_by_passes(model, start, alone.normal_force, alone.bond)
     if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
         turning = replace(turning, outcome=Outcome.NOT_CONVERGED)  # dilation itself resists: the passes lost their way
     if turning.outcome is Outcome.NO_STRENGTH:
@@ -86,13 +77,13 @@ def limit_analysis(model: Model) -> LimitAnalysis:
     if turning.outcome is Outcome.NOT_CONVERGED:
         return LimitAnalysis(turning, alone, turning, False)
     assert turning.factor is not None
-    governs = alone.factor is None or turning.factor < alone.factor * (1.0 - _MOMENTS)
+    governs = alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS)
     if governs:
         return LimitAnalysis(turning, alone, turning, True)
-    if alone.factor is not None and turning.factor < alone.factor * (1.0 + _MOMENTS):
+    if alone.factor is not None and turning.factor < alone.factor * (1.0 + MOMENTS):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
-    return LimitAnalysis(_turned(alone, model), alone, turning, False)
+    return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
 
 
 def curved_limit_analysis(model: Model) -> LimitAnalysis:
@@ -100,31 +91,36 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
 
     There are no forces alone to compare with: `moments_govern` is false.
     """
-    every: Bools = np.ones(len(model.control_area), dtype=bool)
-    bond = np.ones(len(every))
-
-    def alike(limit: Limit) -> LimitAnalysis:
-        return LimitAnalysis(limit, limit, limit, False)
-
-    state = intact_limit_state(model)
-    if state is not None and model.dilates:
-        state = dilating_limit_state(model, state)
-    if state is not None:
-        return alike(exact_limit(state, bond, 0))
-    none = np.zeros(model.unknowns)
+    intact = _intact_limit(model)
+    if intact is not None:
+        return _alike(intact)
+    none, bond = np.zeros(model.unknowns), np.ones(len(model.control_area))
     if float((model.normal_rows @ model.load).min()) > 0.0:  # the load itself moves it off every pair
-        return alike(Limit(Outcome.LIFTED, None, none, np.zeros(len(every)), 0.0 * bond, 0, 0, 0.0))
+        return _alike(Limit(Outcome.LIFTED, None, none, 0.0 * bond, 0.0 * bond, 0, 0.0))
     if _stands_without_strength(model):
-        return alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, np.zeros(len(every)), bond, 0, 0, 0.0))
+        return _alike(Limit(Outcome.NO_DRIVING_FORCE, None, none, 0.0 * bond, bond, 0, 0.0))
     if model.dilates and (associated := _associated_curved_limit(model)) is not None:
-        return alike(associated)
+        return _alike(associated)
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
-    limit = settle_by_passes(model, start, normal, bond, every)
+    limit = settle_by_passes(model, start, normal, bond)
     if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > _NO_NUMBER):
         # dilation itself resists: the passes lost their way
         limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
-    return alike(limit)
+    return _alike(limit)
+
+
+def _alike(limit: Limit) -> LimitAnalysis:
+    """One step settled all."""
+    return LimitAnalysis(limit, limit, limit, False)
+
+
+def _intact_limit(model: Model) -> Limit | None:
+    """The exact limit with every pair closed and every bond whole, dilating or not; None where there is none."""
+    state = intact_limit_state(model)
+    if state is not None and model.dilates:
+        state = dilating_limit_state(model, state)
+    return None if state is None else exact_limit(state, np.ones(len(model.control_area)), 0)
 
 
 def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
@@ -138,10 +134,7 @@ def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
     velocity, factor = model.load, 0.0
     for _ in range(passes):
         friction = model.cohesion + model.tan_friction * normal
-        found = cheapest_mechanism(
-            model, friction, np.zeros(len(normal)), velocity, np.zeros(model.unknowns), model.load,
-            model.bolt_capacity, stages,
-        )  # fmt: skip
+        found = cheapest_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
         velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
         normal = found.normal_force / factor
     return factor
@@ -154,10 +147,10 @@ def _associated_limit(model: Model) -> Limit | None:
     if not without.factor:
         return None
     bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
+    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
         return None
     bond = np.ones(len(model.control_area))
-    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0)
+    return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
 
 
 def _associated_curved_limit(model: Model) -> Limit | None:
@@ -170,13 +163,11 @@ def _associated_curved_limit(model: Model) -> Limit | None:
         if not without.factor:
             return None
         bound = static_bound(rigid, without.velocity, without.factor)
-        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - _NOTHING)).any():
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
-            return Limit(
-                Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, bound.steps, 0.0
-            )
+            return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
         bond = renewed
     return None
 
@@ -214,32 +205,31 @@ def forces_only_limit(model: Model) -> Limit:
         touching: Bools = (pushes > 0.0)[which]
         normal = pushes[which] * share
         strength = touching * held.cohesion + held.tan_friction * normal
-        slip = held.slip(rest) / driving if driving > _NO_FORCE else np.ones(len(share))
+        slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
         return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
     def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
         bond = push.touching.astype(np.float64)
-        velocity = push.pull / push.driving if push.driving > _NO_FORCE else np.zeros(held.unknowns)
+        velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
         friction = pulls = None
         if factor:
             strength = (bond * held.cohesion + held.tan_friction * push.normal_force) / factor
-            slip = np.maximum(held.slip(velocity), _NO_FORCE)
+            slip = np.maximum(held.slip(velocity), NO_FORCE)
             friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
             pulls = push.bolt_pulls
-        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0, 0.0, friction, pulls)
+        return Limit(outcome, factor, velocity, push.normal_force, bond, 0, 0.0, friction, pulls)
 
     alone = at(0.0)
-    if alone.driving < _NO_FORCE:
+    if alone.driving < NO_FORCE:
         return limit(Outcome.NO_DRIVING_FORCE, None, alone)
     if not len(held.bolt_capacity):
         if not alone.touching.any():
             return limit(Outcome.LIFTED, None, alone)
         if held.dilates:
-            may_bond: Bools = np.ones(len(share), dtype=bool)
             velocity = alone.pull / alone.driving
-            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64), may_bond)
+            return settle_by_passes(held, velocity, alone.normal_force, alone.touching.astype(np.float64))
         return limit(Outcome.SLIDES, alone.resisting / alone.driving, alone)
-    guess = alone.driving / max(alone.resisting, _NO_FORCE)
+    guess = alone.driving / max(alone.resisting, NO_FORCE)
     return _first_loss(at, limit, float(held.bolt_capacity.sum()), guess if alone.touching.any() else 0.0)
 
 
@@ -255,7 +245,7 @@ def _first_loss(
     """
 
     def stands(push: _Push, reduction: float) -> bool:
-        return push.driving < _NO_FORCE or reduction * push.resisting >= push.driving
+        return push.driving < NO_FORCE or reduction * push.resisting >= push.driving
 
     low = high = _STRONGEST / capacity
     push = top = at(high)
@@ -277,11 +267,6 @@ def _first_loss(
             break
         low, high = (low, middle) if stands(at(middle), middle) else (middle, high)
     return limit(Outcome.SLIDES, 1.0 / high, at(low))
-
-
-def _turned(limit: Limit, model: Model) -> Limit:
-    """The forces-only limit with its velocity in the full model's unknowns."""
-    return replace(limit, velocity=limit.velocity_of(model))
 
 
 def _stands_without_strength(model: Model) -> bool:

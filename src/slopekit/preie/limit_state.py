@@ -21,9 +21,9 @@ from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
 
 _EYE2 = np.eye(2)
-_MOST_STEPS = 30
-_MOST_CHANGES = 12
-_MOST_TURNS = 200
+_MOST_STEPS = 30  # of Newton's method
+_MOST_CHANGES = 12  # of contact modes, on the way from approximate ones
+_MOST_TURNS = 200  # of the motion, whose slip opens the joints that dilate
 _SQUARE = 1e-5  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
 _LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 
@@ -39,7 +39,6 @@ class LimitState:
     forces : (n, 3) normal and two tangents, at the reduced strength
     pulls : (b,) of the passive bolts
     residual : largest unbalanced generalised force in parts of the load
-    steps : Newton steps
     """
 
     reduction: float
@@ -49,7 +48,6 @@ class LimitState:
     forces: Floats
     pulls: Floats
     residual: float
-    steps: int
 
 
 def elastic_displacement(model: Model) -> Floats:
@@ -269,6 +267,4 @@ def limit_state(
     all_forces[hinges] = at_hinges
     pulls = reduction * model.bolt_capacity * full
     pulls[square] = carried
-    return LimitState(
-        reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual, steps
-    )
+    return LimitState(reduction, all_forces[:, 0].copy(), free @ along, rest @ elastic, all_forces, pulls, residual)

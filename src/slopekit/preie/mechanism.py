@@ -2,7 +2,7 @@
 
 For frozen friction forces r and tan ψ (the tangent of the dilation) it finds
 
-    minimise    Σ r |v_t|  +  Σ T <ė>  +  κ/2 Σ a <tan ψ |v_t| - v_n>²  -  p·v      subject to   q·v = 1,
+    minimise    Σ r |v_t|  +  Σ T <ė>  +  κ/2 Σ a <tan ψ |v_t| - v_n>²      subject to   P·v = 1,
 
 v_n and v_t the opening and slip of the node pairs, T and ė the passive bolts and how fast they are drawn out. The
 penalty κ keeps the blocks out of each other: its gradient is the normal force. |v_t| is rounded off within
@@ -31,27 +31,22 @@ COLD: Stages = (
     (1e7, 1e-6, 1e-8),
 )
 WARM = COLD[-1:]
-_MOST_STEPS = 60
+_MOST_STEPS = 60  # of Newton's method, a stage
 _LONGEST = 30.0  # a step is at most this many times the velocity: flat directions have no natural length
 
 
 @dataclass(frozen=True, slots=True)
 class Mechanism:
-    """A velocity (u,) with q·v = 1, its load factor, the normal forces (n,) at that factor, and the steps it took.
+    """A velocity (u,) with P·v = 1 and its load factor.
 
-    `energy` is the value of the program, `slip` the rounded |v_t| of the pairs (n,); `friction_force` (n, 2) and
-    `bolt_pull` (b,) are at that factor too; `settled`: the last stage met its residual.
+    `normal_force` (n,), `friction_force` (n, 2) and `bolt_pull` (b,) are those at that factor.
     """
 
     velocity: Floats
     load_factor: float
     normal_force: Floats
-    steps: int
-    energy: float
-    slip: Floats
     friction_force: Floats
     bolt_pull: Floats
-    settled: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,14 +64,7 @@ class _Point:
 
 
 def cheapest_mechanism(
-    model: Model,
-    friction: Floats,
-    tan_dilation: Floats,
-    start: Floats,
-    load: Floats,
-    normalise: Floats,
-    bolts: Floats,
-    stages: Stages = COLD,
+    model: Model, friction: Floats, tan_dilation: Floats, start: Floats, stages: Stages = COLD
 ) -> Mechanism:
     """Solve the program of this module.
 
@@ -84,66 +72,49 @@ def cheapest_mechanism(
     ----------
     friction : (n,) frozen r
     tan_dilation : (n,)
-    start : (u,) with q·v not zero
-    load, normalise : (u,) p and q
-    bolts : (b,) T
+    start : (u,) with P·v not zero
     stages : (penalty relative to Σ r, rounding, relative residual) one after the other
     """
-    velocity = start / float(normalise @ start)
-    steps, factor, settled = 0, 0.0, False
-    scale = max(float(friction.sum() + bolts.sum()), 1e-12)
+    load = model.load
+    velocity = start / float(load @ start)
+    factor = 0.0
+    scale = max(float(friction.sum() + model.bolt_capacity.sum()), 1e-12)
     unknowns = model.unknowns
     bordered = np.zeros((unknowns + 1, unknowns + 1))
     for penalty, rounding, residual in stages:
         kappa = penalty * scale
-        at = _evaluate(model, friction, tan_dilation, velocity, kappa, rounding, load, bolts)
-        settled = False
+        at = _evaluate(model, friction, tan_dilation, velocity, kappa, rounding)
         for _ in range(_MOST_STEPS):
             curvature = _curvature(model, at, tan_dilation, kappa)
             diagonal = np.diag(curvature)
             unit = 1.0 / np.sqrt(np.maximum(diagonal, 1e-14 * float(np.abs(diagonal).sum()) or 1.0))
             bordered[:unknowns, :unknowns] = curvature * unit[:, None] * unit
             bordered[np.arange(unknowns), np.arange(unknowns)] += 1e-13
-            bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -normalise * unit
+            bordered[:unknowns, unknowns] = bordered[unknowns, :unknowns] = -load * unit
             solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])
             longest = _LONGEST * math.sqrt(float(velocity @ velocity))
             step *= min(1.0, longest / max(math.sqrt(float(step @ step)), 1e-300))
-            steps += 1
             forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
-            if float(np.abs(at.gradient - factor * normalise).max()) < residual * forces:
-                settled = True
+            if float(np.abs(at.gradient - factor * load).max()) < residual * forces:
                 break
             slope, length = float(at.gradient @ step), 1.0
             if not slope < 0.0:  # downhill is below rounding: this is the bottom
-                settled = True
                 break
             for _ in range(30):
-                after = _evaluate(model, friction, tan_dilation, velocity + length * step, kappa, rounding, load, bolts)
+                after = _evaluate(model, friction, tan_dilation, velocity + length * step, kappa, rounding)
                 slope_after = float(after.gradient @ step)
                 if slope_after <= 0.5 * abs(slope):
                     break
                 length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
             velocity, at = velocity + length * step, after
-    energy = float(friction @ at.slip) + 0.5 * kappa * float(model.control_area @ (at.overlap**2))
-    energy += float(at.pull @ np.maximum(-model.bolt_rows @ velocity, 0.0)) - float(load @ velocity)
-    return Mechanism(
-        velocity,
-        factor,
-        at.normal_force,
-        steps,
-        energy,
-        at.slip,
-        -at.strength[:, None] * at.direction,
-        at.pull,
-        settled,
-    )
+    friction_force = -at.strength[:, None] * at.direction
+    return Mechanism(velocity, factor, at.normal_force, friction_force, at.pull)
 
 
 def _evaluate(
-    model: Model, friction: Floats, tan_dilation: Floats, velocity: Floats, kappa: float, rounding: float,
-    load: Floats, bolts: Floats,
-) -> _Point:  # fmt: skip
+    model: Model, friction: Floats, tan_dilation: Floats, velocity: Floats, kappa: float, rounding: float
+) -> _Point:
     motion = model.relative(velocity)
     tangential = motion[:, 1:]
     slip = np.sqrt((tangential * tangential).sum(axis=1) + rounding * rounding)
@@ -154,7 +125,8 @@ def _evaluate(
     forces = np.empty_like(motion)
     forces[:, 0] = -normal_force
     forces[:, 1:] = strength[:, None] * direction
-    gradient = forces.ravel() @ model.flat_rows - load
+    gradient = forces.ravel() @ model.flat_rows
+    bolts = model.bolt_capacity
     if len(bolts) == 0:
         return _Point(gradient, normal_force, strength, direction, slip, overlap, bolts, bolts)
     drawn = -model.bolt_rows @ velocity

@@ -11,21 +11,21 @@ from enum import Enum
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
 from slopekit.preie.model import Model
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 300
+_MOST_PASSES = 300  # swift, and as many patient: two random wedges in 400 need the second
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
-MOST_RELEASES = 2
-_AITKEN_PASSES = 30
-_PATIENT_STEP = 0.1
+MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
+_AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
+_PATIENT_STEP = 0.1  # part of the way to the new friction that a patient pass takes
 _WINDOW = 20  # passes over which the factor must keep still ...
 _STEADY = 1e-5  # ... to this part, where the normal forces do not settle
-_NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
-_NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
+NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
+NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
 class Outcome(Enum):
@@ -48,7 +48,7 @@ class Limit:
     outcome : how it ended
     factor : F, None unless something slides or turns
     velocity : (u,) the mechanism, of unit length; normal_force : (n,); bond : (n,) cohesion left, 0 or 1
-    passes, steps : work done; change : relative change of the factor in the last pass (0: solved exactly)
+    passes : work done; change : relative change of the factor in the last pass (0: solved exactly)
     friction : (n, 2) tangential forces and pulls : (b,) those of the bolts, at the reduced strength; None without a
         factor
     """
@@ -59,7 +59,6 @@ class Limit:
     normal_force: Floats
     bond: Floats
     passes: int
-    steps: int
     change: float
     friction: Floats | None = None
     pulls: Floats | None = None
@@ -73,42 +72,39 @@ class Limit:
         return np.concatenate([self.velocity, np.zeros(model.unknowns - len(self.velocity))])
 
 
-def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools) -> Limit:
+def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
     """Passes steered by Aitken's rule, and where those do not settle, patient ones."""
-    swift = _steered(model, velocity, normal_force, bond, may_bond, patient=False)
+    swift = _steered(model, velocity, normal_force, bond, patient=False)
     if swift.outcome is not Outcome.NOT_CONVERGED:
         return swift
-    slow = _steered(model, velocity, normal_force, bond, may_bond, patient=True)
-    return replace(slow, passes=swift.passes + slow.passes, steps=swift.steps + slow.steps)
+    slow = _steered(model, velocity, normal_force, bond, patient=True)
+    return replace(slow, passes=swift.passes + slow.passes)
 
 
 def _steered(
-    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, may_bond: Bools, patient: bool
+    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, patient: bool
 ) -> Limit:  # fmt: skip
-    """Frozen-friction passes from a first guess; `may_bond` marks the pairs that may have cohesion at all.
+    """Frozen-friction passes from a first guess.
 
     Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
     """
-    releases = np.where(may_bond, 0, MOST_RELEASES)
+    releases = np.zeros(len(bond))
     friction = bond * model.cohesion + model.tan_friction * normal_force
     if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
         velocity = model.load
     stages, weight = COLD, 1.0
     last: Floats | None = None
-    factor, change, calm, quiet, steps = math.inf, math.inf, 0, 0, 0
+    factor, change, calm, quiet = math.inf, math.inf, 0, 0
     recent: list[float] = []
-    nothing = np.zeros(model.unknowns)
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
-        if total < _NOTHING * _NOTHING:
-            return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
-        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, _NO_FORCE))
-        found = cheapest_mechanism(
-            model, friction, tan_dilation, velocity, nothing, model.load, model.bolt_capacity, stages
-        )
-        velocity, stages, steps = found.velocity, WARM, steps + found.steps
+        if total < NOTHING * NOTHING:
+            return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
+        tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, NO_FORCE))
+        found = cheapest_mechanism(model, friction, tan_dilation, velocity, stages)
+        velocity, stages = found.velocity, WARM
         factor_before, factor = factor, found.load_factor
-        without = not factor > _NOTHING * total
+        without = not factor > NOTHING * total
         if not without:
             normal_force = found.normal_force / factor
         # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
@@ -135,12 +131,12 @@ def _steered(
             renewed, releases = release(model, at, tan_dilation, bond, releases)
             if (renewed == bond).all():
                 if without:
-                    return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, steps, 0.0)
+                    return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
                 if state is not None:
-                    return exact_limit(state, bond, count, steps)
+                    return exact_limit(state, bond, count)
                 if settled:
                     return Limit(
-                        Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, steps, moved,
+                        Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, moved,
                         *_carried(found),
                     )  # fmt: skip
             else:
@@ -162,20 +158,20 @@ def _steered(
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
-    if patient and lowest > _NOTHING and (bond == 0.0).any():
+    if patient and lowest > NOTHING and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
-            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, steps, 1.0 - lowest / highest,
+            Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, 1.0 - lowest / highest,
             *_carried(found),
         )  # fmt: skip
-    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, steps, change)
+    return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, change)
 
 
-def exact_limit(state: LimitState, bond: Floats, passes: int, steps: int = 0) -> Limit:
+def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
     factor = 1.0 / state.reduction
     normal = np.maximum(state.normal_force, 0.0)
     return Limit(
-        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, steps + state.steps, 0.0, state.forces[:, 1:],
+        Outcome.SLIDES, factor, state.velocity, normal, bond, passes, 0.0, state.forces[:, 1:],
         state.pulls,
     )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""How far the blocks of an assembly settle at full strength on their elastic joints: displacements in metres.
+"""How far the blocks of an assembly settle on their elastic joints: displacements in metres.
 
 The law is that of `preie.bed` with the design's stiffnesses. On Clough and Duncan's hyperbola each joint has the secant
 stiffness K (1 - R_f τ / (σ_n tan φ₁)), K = k₁ γ_w (σ_n/P_a)ⁿ, at its own mean tractions, found again until it stays.
@@ -7,7 +7,6 @@ method on it finds no rest: the secant is kept above a part of K, and the joint 
 carries its full capacity once it is drawn out by a millimetre, as on one block.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from slopekit.preie.path import relaxed
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
+_THICK = 1e-2  # viscosity to begin with where they have been at rest nearby
 _STEADY = 1e-3  # change of the displacements, in parts of the largest, that ends the rounds
 
 
@@ -32,32 +32,49 @@ class Settlement:
     ----------
     displacement : (n, u) m and radians
     slips : (g,) friction forces at their strength, or in an open contact; no bolts
+    failed_pairs : node pairs that share in those
     residual : largest unbalanced force in parts of the largest load
+    at, ratio, bond : (N,) displacement in the model's units, (g,) k_t / k_n and (m,) cohesion left, to go on from
     """
 
     displacement: Floats
     slips: Bools
+    failed_pairs: int
     residual: float
+    at: Floats
+    ratio: Floats
+    bond: Floats
 
 
-def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | None:
-    """The blocks at rest at full strength; None where they come to none."""
+def settlement(
+    model: AssemblyModel, stiffness: JointStiffness, factor: float = 1.0, start: Settlement | None = None
+) -> Settlement | None:
+    """The blocks at rest with their strength divided by the factor; None where they come to none.
+
+    Parameters
+    ----------
+    start : the same at a smaller factor, to go on from; cohesion that is lost stays lost
+    """
     per_metre = stiffness.normal * model.area_scale * model.length_scale / model.force_scale
     group_area = model.by_group(model.control_area) * model.area_scale
     law = stiffness.tangential
-    bond = np.ones(len(model.control_area))
-    ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
     bolted, capacity = model.bolted, model.by_group(model.cohesion) * model.force_scale
     of_bolts = (capacity / (BOLT_GIVE_M * stiffness.normal * group_area))[bolted]
-    ratio[bolted] = of_bolts
-    at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
+    if start is None:
+        bond = np.ones(len(model.control_area))
+        ratio = np.full(len(group_area), 0.1 if isinstance(law, CloughDuncan) else law / stiffness.normal)
+        ratio[bolted] = of_bolts
+        at: Floats = Bed(model, Drive(model.load.ravel()), bond, ratio).elastic_displacement
+    else:
+        at, ratio, bond = start.at, start.ratio, start.bond
     for taken in range(_ROUNDS):
-        bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-        start = at
-        step = bed.step(start, start, 1.0, 0.0)
-        forces, at = step.forces, step.at
-        if not step.settled:
-            flow = relaxed(bed, np.zeros(bed.size), 1.0, 1.0)
+        bed, before = Bed(model, Drive(model.load.ravel()), bond, ratio), at
+        step = bed.step(at, at, 1.0 / factor, 0.0)
+        if step.settled:
+            forces, at = step.forces, step.at
+        else:
+            origin, viscosity = (np.zeros(bed.size), 1.0) if start is None else (at, _THICK)
+            flow = relaxed(bed, origin, 1.0 / factor, viscosity)
             if flow.ended != "rest":
                 return None
             forces, at = flow.forces, flow.at
@@ -65,23 +82,18 @@ def settlement(model: AssemblyModel, stiffness: JointStiffness) -> Settlement | 
         parted[model.joint_pairs.stop :] = False
         bond = np.where(parted, 0.0, bond)
         if isinstance(law, CloughDuncan):
-            traction = model.by_group(forces.normal) * model.force_scale / group_area
-            traction = np.maximum(traction, law.floor_kpa)
-            stiff = law.modulus_number * law.water_unit_weight * (traction / law.atmospheric_kpa) ** law.exponent
+            stiff, bent, *_ = law.hyperbola(model.by_group(forces.normal) * model.force_scale / group_area)
             shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
-            ultimate = traction * math.tan(math.radians(law.friction_angle_deg))
-            ratio = np.sqrt(ratio) * np.sqrt(
-                stiff * np.maximum(1.0 - law.failure_ratio * shear / ultimate, _LEAST) / stiffness.normal
-            )
+            ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - bent * shear, _LEAST) / stiffness.normal)
             ratio[bolted] = of_bolts
-        moved = float(np.abs(at - start).max()) / float(np.abs(at).max())
+        moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < _STEADY
         if not parted.any() and (settled or not isinstance(law, CloughDuncan)):
             break
     unknowns = model.unknowns
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre
-    held = model.by_group(forces.normal) > 0.0
+    slips: Bools = (forces.slips | ~(model.by_group(forces.normal) > 0.0)) & ~bolted
     return Settlement(
-        frozen(at.reshape(model.load.shape) * to_metres), (~held | forces.slips) & ~bolted,
-        forces.residual / bed.load_size,
+        frozen(at.reshape(model.load.shape) * to_metres), slips, int(slips[model.group_of_pair].sum()),
+        forces.residual / bed.load_size, at, ratio, bond,
     )  # fmt: skip

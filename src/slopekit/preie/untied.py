@@ -1,169 +1,150 @@
-"""The paper's criterion for many blocks: a block has failed when no chain of sticking contacts ties it to bedrock.
+"""The paper's criterion: the smallest F at which a block has failed (§3.3), found by its search (§3.4).
 
-For one block it is the criterion of §3.3 (every node pair slips or debonds; `preie.reduction`). Like that one it
-depends on the stiffness of the contacts and is reported beside the limit, never instead of it. A block that topples
+A block has failed when no chain of sticking node pairs ties it to bedrock; one block alone, when every pair slips or
+debonds. A yielded pair still carries load: on a stiff bed all pairs yield well before the blocks move, so this factor
+depends on the stiffness (METHOD.md §3). It is reported beside the limit, never instead of it. A block that topples
 turns about a pair that sticks: nothing unties it, and the search ends where the blocks no longer stand.
 """
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
-from slopekit.arrays import Bools, Floats, frozen
-from slopekit.preie.assembly import AssemblyModel
+from slopekit.arrays import Bools
 from slopekit.preie.contact import JointStiffness
-from slopekit.preie.rest import AtRest, ElasticBed
+from slopekit.preie.equilibrium import Equilibrium, equilibrium
+from slopekit.preie.model import Model
 
-_APPROACH = (0.25, 0.5, 0.75, 0.9, 0.97, 0.99)  # parts of the limit: each is near enough to start the next from
-_DOWN = tuple(0.25**k for k in range(6))  # first trials where there is no limit
-_LEAST = 1e-6
+if TYPE_CHECKING:  # one block needs no sparse matrices
+    from slopekit.preie.assembly import AssemblyModel
+    from slopekit.preie.settlement import Settlement
+
+_FARTHEST = 1e6  # a factor beyond this, or below its inverse, is none
 
 
 @dataclass(frozen=True, slots=True)
-class UntiedSearch:
-    """The factors at which the first block and the last come untied, and the way there.
+class AllPairsFailed:
+    """The factor with its bracket and the way there.
 
     Attributes
     ----------
-    factor : smallest F found at which some block is untied or the blocks no longer stand; None where neither was
-        found, or where they stand at no factor tried (`lost_equilibrium`): a bed without stress may let columns
-        topple that their neighbours could hold
-    bracket : (F with every block tied, factor)
-    all_factor, all_bracket : the same for the F at which every block is untied
-    lost_equilibrium, all_lost_equilibrium : at that factor the blocks do not stand, or it is the limit
-    untied : (n,) the blocks untied at `factor`; none where that is where equilibrium is lost
-    untied_at : (n,) smallest F tried at which each block was untied, infinite for those that never were
-    history : (F, untied blocks, failed friction forces) of every trial in its order; -1 where the blocks do not stand
+    factor : the upper end of the bracket, None where the search found none
+    bracket : (F with every block tied, F with one that is not)
+    lost_equilibrium : the blocks do not stand at the upper end
+    history : (F, failed pairs) of every trial, in the order of the search; all pairs where the blocks do not stand
     """
 
     factor: float | None
     bracket: tuple[float, float]
     lost_equilibrium: bool
-    all_factor: float | None
-    all_bracket: tuple[float, float]
-    all_lost_equilibrium: bool
-    untied: Bools
-    untied_at: Floats
-    history: tuple[tuple[float, int, int], ...]
+    history: tuple[tuple[float, int], ...]
 
 
-def blocks_untied(model: AssemblyModel, at_rest: AtRest) -> Bools:
-    """The blocks that no chain of sticking contacts ties to bedrock, (n,).
+def all_pairs_failed(
+    model: "Model | AssemblyModel", stiffness: JointStiffness, limit: float | None = None, growth: float = 1.5,
+    relative: float = 1e-5,
+) -> AllPairsFailed:  # fmt: skip
+    """Bracket and bisect the factor at which the first block fails (Figure 9 of the paper; Dawson et al. 1999).
 
-    A contact ties its two blocks where at least one of its friction forces sticks.
+    Parameters
+    ----------
+    limit : the factor above which nothing stands; None: the search starts at 1
+    growth : its iteration coefficient m > 1
+    relative : width of the final bracket in parts of the factor
     """
+    trials: _Trials = _OfOneBlock(model, stiffness) if isinstance(model, Model) else _OfBlocks(model, stiffness)
+    history: list[tuple[float, int]] = []
+
+    def failed(factor: float) -> bool:
+        pairs, has_failed = trials.at(factor)
+        history.append((factor, pairs))
+        return has_failed
+
+    low = high = limit or 1.0
+    if limit or failed(1.0):
+        while failed(low := low / growth):
+            if low < 1.0 / _FARTHEST:
+                return AllPairsFailed(None, (0.0, high), False, tuple(history))
+            high = low
+    else:
+        while not failed(high := high * growth):
+            if high > _FARTHEST:
+                return AllPairsFailed(None, (low, math.inf), False, tuple(history))
+            low = high
+    while high - low > relative * low:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if failed(middle) else (middle, high)
+    return AllPairsFailed(high, (low, high), high == limit or not trials.stand(high), tuple(history))
+
+
+class _Trials(Protocol):
+    """Blocks at rest at one factor after the other."""
+
+    def at(self, factor: float) -> tuple[int, bool]:
+        """Failed pairs, and whether a block has failed."""
+
+    def stand(self, factor: float) -> bool:
+        """Whether all blocks come to rest."""
+
+
+class _OfOneBlock:
+    """One block, from the largest factor at which some pair has been seen to stick."""
+
+    def __init__(self, model: Model, stiffness: JointStiffness) -> None:
+        self.model, self.stiffness = model, stiffness
+        self.standing: Equilibrium | None = None
+
+    def at(self, factor: float) -> tuple[int, bool]:
+        """On the way there no pair may stick: that ends it."""
+        count = len(self.model.control_area)
+        state = equilibrium(self.model, factor, self.stiffness, self.standing, until_all_failed=True)
+        if not state.stands or state.failed_pairs == count:
+            return count, True
+        self.standing = state
+        return state.failed_pairs, False
+
+    def stand(self, factor: float) -> bool:
+        return equilibrium(self.model, factor, self.stiffness, self.standing).stands
+
+
+class _OfBlocks:
+    """Many blocks, from the largest factor at which all have been seen tied."""
+
+    def __init__(self, model: "AssemblyModel", stiffness: JointStiffness) -> None:
+        self.model, self.stiffness = model, stiffness
+        self.tied: Settlement | None = None
+        self.stood: dict[float, bool] = {}
+
+    def at(self, factor: float) -> tuple[int, bool]:
+        from slopekit.preie.settlement import settlement
+
+        found = settlement(self.model, self.stiffness, factor, self.tied)
+        self.stood[factor] = found is not None
+        if found is None:
+            return len(self.model.control_area), True
+        if blocks_untied(self.model, ~found.slips & ~self.model.bolted).any():
+            return found.failed_pairs, True
+        self.tied = found
+        return found.failed_pairs, False
+
+    def stand(self, factor: float) -> bool:
+        return self.stood[factor]
+
+
+def blocks_untied(model: "AssemblyModel", sticks: Bools) -> Bools:
+    """The blocks (n,) that no chain of sticking contacts ties to bedrock.
+
+    A contact ties its two blocks where at least one of its friction forces (g,) sticks.
+    """
+    from scipy import sparse
+    from scipy.sparse.csgraph import connected_components
+
     blocks = len(model.load)
-    contact = model.group_contact[at_rest.sticks]
+    contact = model.group_contact[sticks]
     minus = np.where(model.minus[contact] < 0, blocks, model.minus[contact])  # bedrock is the last
     graph = sparse.coo_matrix((np.ones(len(contact)), (model.plus[contact], minus)), shape=(blocks + 1, blocks + 1))
     _, part = connected_components(graph, directed=False)
     untied: Bools = part[:blocks] != part[blocks]
     return untied
-
-
-def all_blocks_untied(
-    model: AssemblyModel, stiffness: JointStiffness, limit: float | None = None, relative: float = 1e-4,
-    growth: float = 1.5,
-) -> UntiedSearch:  # fmt: skip
-    """Bracket and bisect the factors at which the first block and the last come untied.
-
-    Parameters
-    ----------
-    limit : the limit factor of safety, above which nothing stands; None: found by walking up from 1
-    relative : width of the final brackets in parts of the factor
-    growth : of the trial factors where there is no limit
-
-    Raises
-    ------
-    SolverError
-        E504 the model is too large for memory.
-    """
-    search = _Search(model, ElasticBed(model, stiffness), relative)
-    blocks = len(model.load)
-    for part in _APPROACH if limit is not None else _DOWN:
-        if (limit is None and search.found) or part * (limit or 1.0) >= search.lost:
-            break
-        search.walk(part * (limit or 1.0))
-    lowest = min(search.found, default=0.0)
-    while search.lowest_untied(1) == lowest > _LEAST:  # also where nothing stands: 0 is no untied factor
-        search.walk(_DOWN[1] * lowest)
-        if min(search.found) == lowest:
-            break
-        lowest = min(search.found)
-    if limit is not None:
-        if search.found and search.lost > limit:
-            search.walk(limit * (1.0 - 0.5 * relative))
-        search.lost = min(search.lost, limit)
-    high = max(search.found, default=math.inf)
-    while min(search.lost, search.lowest_untied(blocks)) == math.inf and high < 1.0 / _LEAST:
-        high *= growth
-        search.walk(high)
-    if not search.found:
-        none = np.zeros(blocks, dtype=bool)
-        bracket = (0.0, min(factor for factor, *_ in search.history))
-        return UntiedSearch(
-            None, bracket, True, None, bracket, True, none, frozen(search.untied_at), tuple(search.history)
-        )
-    first = search.bisected(1)
-    last = search.bisected(blocks)
-    factor, everywhere = first[1], last[1]
-    there = search.found.get(factor)
-    return UntiedSearch(
-        factor if math.isfinite(factor) else None, first, factor >= search.lost,
-        everywhere if math.isfinite(everywhere) else None, last, everywhere >= search.lost,
-        there.untied if there is not None else np.zeros(blocks, dtype=bool),
-        frozen(search.untied_at), tuple(search.history),
-    )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class _Trial:
-    state: AtRest
-    untied: Bools
-    count: int
-
-
-class _Search:
-    """Trials by their factor, all of which stand; `lost` is the smallest factor above one of them that did not."""
-
-    def __init__(self, model: AssemblyModel, bed: ElasticBed, relative: float) -> None:
-        self.model, self.bed, self.relative = model, bed, relative
-        self.found: dict[float, _Trial] = {}
-        self.lost = math.inf
-        self.untied_at = np.full(len(model.load), np.inf)
-        self.history: list[tuple[float, int, int]] = []
-
-    def walk(self, factor: float) -> None:
-        """Go to the factor from the nearest one below."""
-        below = [known for known in self.found if known < factor]
-        start = self.found[max(below)].state if below else None
-        for state in self.bed.path(factor, start, 0.5 * self.relative):
-            if not state.stands:
-                if self.found and state.factor > min(self.found):
-                    self.lost = min(self.lost, state.factor)
-                self.history.append((state.factor, -1, -1))
-                return
-            untied = blocks_untied(self.model, state)
-            count = int(untied.sum())
-            self.found[state.factor] = _Trial(state, untied, count)
-            self.untied_at = np.where(untied, np.minimum(self.untied_at, state.factor), self.untied_at)
-            self.history.append((state.factor, count, state.failed - len(self.model.bolts)))  # bolts never stick
-
-    def lowest_untied(self, blocks: int) -> float:
-        """Smallest factor with so many blocks untied."""
-        return min((factor for factor, trial in self.found.items() if trial.count >= blocks), default=math.inf)
-
-    def bisected(self, blocks: int) -> tuple[float, float]:
-        """The bracket of the factor at which so many blocks are untied or equilibrium is lost."""
-        last = (-1.0, -1.0)
-        while True:
-            high = min(self.lowest_untied(blocks), self.lost)
-            low = max((factor for factor in self.found if factor < high), default=0.0)
-            narrow = high - low <= self.relative * low or high < _LEAST
-            if not math.isfinite(high) or narrow or (low, high) == last:  # below which nothing stands
-                return low, high
-            last = (low, high)
-            self.walk(0.5 * (low + high))
