@@ -16,18 +16,19 @@ measures how far forces are from it at one λ; Newton with the dual finds the en
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.program import BlockProgram, Strengths
+from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 
 _CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it, and of a bracket
 _BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
-_STEPS = 60  # in which the interior-point method settles if it does
+_STEPS = 150  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _MOST_TRIALS = 60  # of λ
 _SOLVED_ROUGHLY, _SOLVED, _ROUGHLY = 1e-4, 1e-9, 2e-2  # tolerances of a cone program, and changes of λ above the first
@@ -64,24 +65,33 @@ class StaticBound:
 
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
+    say("static bound")
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
         found = _by_programs(model, 0)
-        if found is not None and not found.lifted:
+        if found is not None:
             return found
     program = BlockProgram(model)
     program.elastic *= _HARDLY
     at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
     at, steps = at_once.at, at_once.steps
-    if at.shed > _SHED and at_once.unbalanced < _BALANCED:
+    if _is_lifted(at_once):
         return StaticBound(None, True, False, program.release(), steps)
     if at_once.settled and at_once.unbalanced < _BALANCES:
         locked = at.load_factor < _NOTHING
         return StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, steps)
     found = _by_programs(model, steps) if size <= _MOST_PROGRAMS else None
-    if found is None:
-        return StaticBound(None, False, False, at.velocity, steps)
-    return replace(found, velocity=program.release()) if found.lifted else found
+    if found is not None:
+        return found
+    summed = model.by_group(program.start.normal)
+    dilating = Strengths(model.tan_friction, program.cohesion + model.tan_friction * summed, summed)
+    lifted = _is_lifted(program.solve(dilating, program.start, _CLOSE, _STEPS))
+    return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, steps)
+
+
+def _is_lifted(found: ProgramResult) -> bool:
+    """Whether no strength however high balances the loads."""
+    return found.at.shed > _SHED and found.unbalanced < _BALANCED
 
 
 def _by_programs(model: AssemblyModel, steps: int) -> StaticBound | None:
@@ -111,7 +121,7 @@ def _by_programs(model: AssemblyModel, steps: int) -> StaticBound | None:
         if reduction < _NOTHING:
             return StaticBound(None, False, True, still, steps)
         if low > 1.0 / _NOTHING:
-            return StaticBound(None, True, False, still, steps)
+            break
         if not low < trial < high:
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
         reduction = trial
@@ -134,6 +144,7 @@ def mechanism_range(
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
+    say("range of the mechanism")
     away = _distance(model, _cleaned(model, velocity, forces, factor), bond)
     if away(1.0 / factor)[0] > 1e3 * _REACHES:
         return None
