@@ -1,8 +1,6 @@
 """The sheet and the picture of a check, and the command as a user runs it."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 
@@ -11,12 +9,7 @@ from slopekit.design.templates import path_of
 from slopekit.studies import ladders
 from slopekit.studies.check import check
 from slopekit.views.check_sheet import check_line, check_sheet
-
-
-def slopekit(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120
-    )
+from tests.commands import slopekit
 
 
 @pytest.mark.parametrize("name", ["wedge", "goodman-bray", "wall"])
