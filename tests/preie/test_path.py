@@ -241,6 +241,17 @@ def test_the_limit_found_at_once_is_that_of_the_path(seed) -> None:
     assert at_once is None or at_once.parameter == pytest.approx(path.parameter, rel=1e-6)
 
 
+def test_the_limit_found_at_once_lies_where_the_path_ends_in_a_bracket() -> None:
+    """Bench 25: the path creeps; from the last state at rest to the first that runs it is 3e-4 of λ."""
+    scene, phi = random_bench(25)
+    model = scene.model(phi)
+    at_once = proposed(Bed(model, Drive(model.load.ravel())), np.ones(len(model.control_area)), SHEAR_TO_NORMAL)
+    path = follow(Bed(model, Drive(model.load.ravel())), 2.0 / static_bound(model).factor)
+    assert path.outcome is PathOutcome.BRACKET
+    rests, runs = path.peak
+    assert runs < at_once.parameter < rests < runs * (1.0 + 3e-4)
+
+
 SPACE = {
     "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0),
     "bench": lambda: bench(BENCH, scatter=3.0, seed=4).model(30.0),
