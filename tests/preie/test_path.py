@@ -328,11 +328,12 @@ def test_published_walls_by_their_load(name, path) -> None:
 
 
 def test_what_is_carried_of_a_load_that_is_too_much() -> None:
-    """W4 at its published multiplier, 0.264: the path's limit of 0.26374 is a part of that."""
-    wall = populations.WALLS["W4"]
-    found = limit_of_blocks(model_of(wall.design()), ranged=False)
+    """W4 at its published multiplier, 0.264: the path's limit of 0.26374 is a part of that. Its bound by programs."""
+    model = model_of(populations.WALLS["W4"].design())
+    found = limit_of_blocks(model, ranged=False)
     assert found.loads_last
     assert found.carried == pytest.approx(0.26374 / 0.264, rel=1e-4)
+    assert found.static_bound == pytest.approx(path_oracle.static_bound(model), rel=1e-4)
 
 
 @pytest.mark.parametrize("strength", [0.5, 1.0])

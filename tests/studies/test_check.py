@@ -233,8 +233,8 @@ def test_acceptance_is_judged() -> None:
 
 def test_a_surface_without_finer_pairs_is_not_judged_by_its_own(monkeypatch) -> None:
     """Beyond so many pairs no finer mesh is tried: nothing is said of convergence."""
-    monkeypatch.setattr(ladders, "_MOST_PAIRS", 1000)
-    found = checked("sphere", **{"slip.edge": 3})
+    monkeypatch.setattr(ladders, "_MOST_PAIRS", 250)
+    found = checked("sphere", **{"slip.edge": 6})
     assert finding(found, "node pairs").met is None
     assert "finer" in finding(found, "node pairs").words
 
