@@ -161,7 +161,7 @@ def _brute(given: dict, directions: np.ndarray, forces: np.ndarray) -> np.ndarra
     ("dips", "strength", "target"),
     [
         ((("45/125"), ("50/235")), (5, 25), 1.6),  # on both
-        ((("40/160"), ("80/220")), (20, 30), 1.8),  # on J1 alone
+        ((("40/160"), ("80/220")), (0, 45), 1.8),  # on J1 alone
         ((("55/100"), ("42/200")), (0, 30), 1.3),  # lopsided, no cohesion
         ((("45/125"), ("50/235")), (5, 25), 6.0),  # so much that the mode changes on the way
     ],
