@@ -46,7 +46,6 @@ NOT_RUN = (
 LESS = {
     "slopekit prob templates/wedge-scatter.yaml -n 20000": "-n 200 --confirm 3 --near 0.1%",
     "slopekit check my-cut.yaml -o checked": "",  # the how-to of check runs one
-    "slopekit report my-cut/result.json -o cut.html": "--no-pictures",  # the how-to of report draws them
     "slopekit run templates/bench.yaml": "",  # tests/test_templates.py, which runs doctor too
     "slopekit doctor": "",
 }
