@@ -2,14 +2,21 @@
 
 Hypothesis mixes the constants of all loaded modules of the project into its examples: which ones it tries would then
 depend on which tests ran before on the same worker. Here it does not see them.
+
+Compiled modules are kept even where the environment asks for none, as containers do: else every worker compiles three
+hundred files and rewrites the assertions of a hundred anew, 7 s each, and every command that is started the rest.
 """
 
 import os
+import sys
 
 from hypothesis.internal.conjecture import providers
 
 for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
+
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # workers and commands inherit it
 
 if hasattr(providers, "_get_local_constants"):
     none_yet = providers._local_constants

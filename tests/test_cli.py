@@ -7,17 +7,20 @@ import sys
 
 import pytest
 
+from tests.commands import slopekit
+
 PAPER = ["wedge", "--dips", "45/115", "45/245"]
 
 
-def slopekit(*arguments: str) -> subprocess.CompletedProcess:
+def started(*arguments: str, **more) -> subprocess.CompletedProcess:
+    """A process of its own, as a shell starts it."""
     return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120
+        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120, **more
     )
 
 
 def test_the_sheet_of_the_papers_wedge() -> None:
-    run = slopekit(*PAPER)
+    run = started(*PAPER)
     assert run.returncode == 0
     assert run.stderr == ""
     lines = run.stdout.splitlines()
@@ -91,7 +94,7 @@ def test_lifted_has_no_number() -> None:
 
 
 def test_faults_go_to_stderr_and_into_the_json() -> None:
-    run = slopekit(*PAPER, "--phi", "0.35", "--height", "-3", "--json")
+    run = started(*PAPER, "--phi", "0.35", "--height", "-3", "--json")
     assert run.returncode == 2
     assert [fault["code"] for fault in json.loads(run.stdout)["errors"]] == ["E116", "E113"]
     assert "E113 phi of J1 is 0.35°, that looks like radians\n     --phi 0.35\n" in run.stderr
@@ -137,10 +140,7 @@ def test_picture(tmp_path) -> None:
     pytest.importorskip("pyvista")
     target = tmp_path / "wedge.png"
     environment = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
-    run = subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *PAPER, "--picture", str(target), "--quiet"],
-        capture_output=True, text=True, timeout=120, env=environment,
-    )  # fmt: skip
+    run = started(*PAPER, "--picture", str(target), "--quiet", env=environment)
     assert run.returncode == 0, run.stderr
     assert target.read_bytes().startswith(b"\x89PNG")
     assert target.stat().st_size > 10_000

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,6 +20,7 @@ from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, build_model
+from tests.commands import slopekit
 
 DIPS = ("45/115", "45/245")
 #: cases.json, 9_single-plane: slides on J1 alone, where moments govern
@@ -143,10 +142,7 @@ def test_bugs_of_ours_have_codes() -> None:
     ],
 )
 def test_faults_of_the_command_line(arguments, starts, tmp_path) -> None:
-    run = subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments, "--json"], capture_output=True, text=True, timeout=60,
-        cwd=tmp_path,
-    )  # fmt: skip
+    run = slopekit(*arguments, "--json", cwd=tmp_path)
     assert run.returncode == 2
     assert run.stderr.startswith(starts)
     fault = json.loads(run.stdout)["errors"][0]

@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from functools import cache
 
 import pytest
@@ -12,6 +10,7 @@ import slopekit as sk
 from slopekit.design.templates import names, path_of, summary
 from slopekit.result import Result
 from slopekit.views.sheet import sheet
+from tests.commands import slopekit
 
 # template: status, limit, tolerance, source
 ANSWERS = {
@@ -55,12 +54,6 @@ def test_there_is_a_template_for_every_kind_and_every_example_of_the_paper() -> 
     kinds = {sk.load(path_of(name)).kind for name in names()}
     assert kinds == {"wedge", "plane", "footing", "surface", "bench", "blocks", "topple"}
     assert {"paper-wedge", "paper-footing", "paper-ellipsoid"} <= set(names())
-
-
-def slopekit(*arguments: str, cwd=None) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=120, cwd=cwd
-    )
 
 
 def test_a_wedge_from_a_file_is_the_wedge_of_the_command_line(tmp_path) -> None:

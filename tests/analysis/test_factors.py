@@ -1,19 +1,18 @@
 """The quick evaluation against the whole analysis: the same numbers and words, whatever governs."""
 
-import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.analysis.factors import factors_of
 from slopekit.design.files import load, with_values
 from slopekit.design.reading import wedge_design
-from tests.support import random_wedge
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
 
 
-def same(design) -> None:
-    quick, whole = factors_of(design), sk.analyse(design)
+def same(design, whole=None) -> None:
+    """Of one design; its whole analysis may be there already."""
+    quick, whole = factors_of(design), whole or sk.analyse(design)
     assert (quick.status, quick.limit, quick.closed_form) == (whole.status, whole.fos.limit, whole.fos.closed_form)
     assert (quick.agree, quick.difference) == (whole.agree, whole.difference)
     assert quick.moments_govern == whole.moments_govern
@@ -25,14 +24,6 @@ def same(design) -> None:
 @pytest.mark.parametrize("file", FILES)
 def test_templates(file: str) -> None:
     same(load(file))
-
-
-def test_random_wedges_moments_and_lost_contact_among_them() -> None:
-    rng = np.random.default_rng(11)
-    designs = [wedge_design(random_wedge(rng)) for _ in range(10)]
-    for design in designs:
-        same(design)
-    assert sum(factors_of(design).moments_govern for design in designs) >= 1
 
 
 def test_dilating_joints_are_not_compared() -> None:

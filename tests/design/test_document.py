@@ -341,7 +341,7 @@ def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
     pieces = ["{", "}", "[", "]", ":", ": ", "- ", "\t", "\n", "'", '"', "&a ", "*a", "!", "!!x ", "|", ">", "%", "@",
               "<<: ", "? ", "---\n", "...\n", "#", "\\", "\x00", "\x07", "\x85", " ", "ÿ", "~", ",", "\r"]  # fmt: skip
     faults, loaded = [], 0
-    for _ in range(1500):
+    for _ in range(500):
         text = WALL
         for _ in range(rng.randint(1, 4)):
             k, n = rng.randrange(len(text)), rng.randint(0, 6)
@@ -352,4 +352,4 @@ def test_mutated_files_give_faults_and_no_traceback(tmp_path) -> None:
         except DesignError as error:
             faults += error.faults
     assert all(fault.code.startswith("E1") and fault.where for fault in faults)
-    assert 100 < loaded < 1400
+    assert 35 < loaded < 465

@@ -23,7 +23,7 @@ _NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS))
 
 @pytest.fixture(scope="module")
 def found() -> list:
-    return outcomes(_COUNT, _SEED, jobs=2, names=_NAMES)
+    return outcomes(_COUNT, _SEED, names=_NAMES)
 
 
 def test_nothing_escapes(found) -> None:

@@ -15,6 +15,7 @@ from slopekit.exchange.reading import read_blocks
 from slopekit.exchange.source import source_of
 from slopekit.exchange.split import _slab
 from slopekit.exchange.strengths import joints_of, pairs_of
+from tests.commands import slopekit
 from tests.exchange.conftest import TEMPLATES
 
 
@@ -307,8 +308,7 @@ def test_a_folder_stands_for_the_result_in_it(result, tmp_path) -> None:
     assert refused(tmp_path, tmp_path / "x.stl").code == "E148"
     (tmp_path / "result.json").write_text(json.dumps(result("wedge")))
     assert sk.export(tmp_path, tmp_path / "x.stl").written[0].blocks == 1
-    command = [sys.executable, "-m", "slopekit.cli", "export", ".", "-o", "y.stl", "--quiet"]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=tmp_path)
+    run = slopekit("export", ".", "-o", "y.stl", "--quiet", cwd=tmp_path)
     assert (run.returncode, run.stdout) == (0, "y.stl\n")
 
 
@@ -333,12 +333,8 @@ def test_split_of_some_blocks_says_so(result, tmp_path) -> None:
 
 
 def test_the_command(tmp_path) -> None:
-    def slopekit(*arguments: str) -> "subprocess.CompletedProcess[str]":
-        command = [sys.executable, "-m", "slopekit.cli", *arguments]
-        return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=tmp_path)
-
     (tmp_path / "result.json").write_text(json.dumps(sk.wedge(dips=("45/115", "45/245")).to_dict()))
-    run = slopekit("export", "result.json", "-o", "wedge.stl", "--split", "parts")
+    run = slopekit("export", "result.json", "-o", "wedge.stl", "--split", "parts", cwd=tmp_path)
     assert run.returncode == 0, run.stderr
     assert run.stdout.splitlines() == [
         "WROTE     wedge.stl",
@@ -349,7 +345,7 @@ def test_the_command(tmp_path) -> None:
         "PRECISION text, every digit of a double",
         "try: slopekit run parts/blocks.yaml",
     ]
-    wrong = slopekit("export", "result.json", "-o", "wedge.stp", "--json")
+    wrong = slopekit("export", "result.json", "-o", "wedge.stp", "--json", cwd=tmp_path)
     assert wrong.returncode == 2
     assert json.loads(wrong.stdout)["errors"][0]["code"] == "E360"
 

@@ -60,29 +60,30 @@ class Block:
         turn[:, 1, 2], turn[:, 2, 0], turn[:, 2, 1] = arm[:, 0], arm[:, 1], -arm[:, 0]
         self.move = np.concatenate([eye, turn], axis=2)  # (n, 3, 6)
         self.open = np.einsum("nx,nxu->nu", springs.normal, self.move)
-        self.slide = self.move - springs.normal[:, :, None] * self.open[:, None, :]
-        self.flat = self.slide.reshape(-1, 6)
+        first = np.cross(springs.normal, np.eye(3)[np.abs(springs.normal).argmin(axis=1)])
+        first /= np.linalg.norm(first, axis=1)[:, None]  # two directions along the joint
+        self.slide = [np.einsum("nx,nxu->nu", way, self.move) for way in (first, np.cross(springs.normal, first))]
+        self.flat = np.concatenate(self.slide)
         whole = (self.open * self.share[:, None]).T @ self.open
-        self.bonded = whole + SHEAR * (self.flat * np.repeat(self.share, 3)[:, None]).T @ self.flat
+        self.bonded = whole + SHEAR * (self.flat * np.tile(self.share, 2)[:, None]).T @ self.flat
 
     def forces(self, u, strength):
         """Unbalanced forces and their slope at a strength (1 / F)."""
         pressure = -self.open @ u
         pressed = pressure > 0
-        slip = self.slide @ u
-        size = np.maximum(np.linalg.norm(slip, axis=1), 1e-300)
+        one, other = (way @ u for way in self.slide)
+        size = np.maximum(np.hypot(one, other), 1e-300)
         on = np.clip(pressure / RAMP, 0.0, 1.0)
         c = self.s.cohesion / self.stress
         cap = strength * (c * on + self.s.tan_friction * np.maximum(pressure, 0.0))
         cap_slope = strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
         slides = (SHEAR * size > cap) | ~pressed
         shear = np.where(slides, cap, SHEAR * size)
-        way = slip / size[:, None]
-        along = (way[:, None, :] @ self.slide)[:, 0]
+        along = (one / size)[:, None] * self.slide[0] + (other / size)[:, None] * self.slide[1]
         out = self.load + (self.share * np.where(pressed, pressure, 0.0)) @ self.open - (self.share * shear) @ along
         slope = -(self.open * (self.share * pressed)[:, None]).T @ self.open
         per = self.share * np.where(slides, shear / size, SHEAR)
-        slope -= (self.flat * np.repeat(per, 3)[:, None]).T @ self.flat
+        slope -= (self.flat * np.tile(per, 2)[:, None]).T @ self.flat
         slope += (along * np.where(slides, per, 0.0)[:, None]).T @ along
         slope += (along * (self.share * slides * cap_slope)[:, None]).T @ self.open
         return out, slope

@@ -12,7 +12,6 @@ from slopekit.preie.balance import balance, of_blocks, of_one_block
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
 from tests.preie.block_scenes import wall
-from tests.support import random_wedge
 
 TURNING = {"dips": ("40/160", "80/220"), "face": "65/180", "upper": "0/180", "height": 10, "c": 20, "phi": 30}
 SCENES = {
@@ -30,21 +29,6 @@ def test_forces_balance_and_are_admissible(name) -> None:
     balance = sk.wedge(**SCENES[name]).balance
     assert max(balance.force, balance.moment) < 1e-8
     assert balance.admissible_within(1e-7)
-
-
-def test_forces_of_random_wedges_balance() -> None:
-    """All that have a factor; 2e-5 where many passes ended still in motion (W317 and `residual` say so)."""
-    rng, seen = np.random.default_rng(3), 0
-    for _ in range(30):
-        result = sk.wedge(**random_wedge(rng))
-        if result.balance is None:
-            assert result.fos.limit is None or result.model.residual > 0.0
-            continue
-        seen += 1
-        allowed = max(1e-6, 10.0 * result.model.residual)
-        assert max(result.balance.force, result.balance.moment) < allowed
-        assert result.balance.admissible_within(max(1e-4, allowed))
-    assert seen > 12
 
 
 @pytest.fixture

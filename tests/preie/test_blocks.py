@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -253,23 +254,11 @@ def same(found: BlocksLimit, known: BlocksLimit, parts: float = 1e-8) -> None:
     assert found.static_bound == pytest.approx(known.static_bound, rel=3e-6)
 
 
-def test_units_do_not_matter(known) -> None:
+def test_neither_units_nor_a_mirror_matter(known) -> None:
     """m and kN to km and MN: kPa become GPa."""
     scene, phi, c, reference = known
-    in_km = scene.mapped(length=1e-3, force=1e-3)
+    in_km = scene.mapped(np.diag([-1.0, 1.0, 1.0]), length=1e-3, force=1e-3)
     same(limit_of_blocks(in_km.model(phi, c * 1e-3 / 1e-6), ranged=False), reference)
-
-
-def test_a_mirror_image_is_as_safe(known) -> None:
-    scene, phi, c, reference = known
-    same(limit_of_blocks(scene.mapped(np.diag([-1.0, 1.0, 1.0])).model(phi, c), ranged=False), reference)
-
-
-@pytest.mark.parametrize("angle", [31.0, 180.0])
-def test_the_compass_does_not_matter(known, angle) -> None:
-    scene, phi, c, reference = known
-    if not scene.in_section or angle == 180.0:
-        same(limit_of_blocks(scene.mapped(turned_about_vertical(angle)).model(phi, c), ranged=False), reference)
 
 
 def test_the_place_does_not_matter(known) -> None:
@@ -279,8 +268,9 @@ def test_the_place_does_not_matter(known) -> None:
     same(limit_of_blocks(moved.model(phi, c), ranged=False), reference, 1e-6)
 
 
-def test_the_numbering_of_blocks_and_contacts_does_not_matter(known) -> None:
+def test_neither_the_compass_nor_the_numbering_of_blocks_matters(known) -> None:
     scene, phi, c, reference = known
+    scene = scene.mapped(turned_about_vertical(180.0 if scene.in_section else 31.0))
     rng = np.random.default_rng(3)
     name = rng.permutation(len(scene))
     inverse, patches = np.argsort(name), scene.patches
@@ -330,7 +320,7 @@ def test_the_answer_is_a_limit_state(name) -> None:
     """
     scene, phi, c = LIMITS[name]
     model = scene.model(phi, c)
-    found = limit_of_blocks(model, ranged=False)
+    found = light_block(BENCH) if name == "bench of even joints" else limit_of_blocks(model, ranged=False)
     assert found.outcome is Outcome.SLIDES
     assert found.basis in (Basis.LIMIT, Basis.SETTLED)
     assert found.factor <= (found.static_bound or 0.0)
@@ -369,12 +359,24 @@ def test_the_limit_against_a_conic_sequence(name) -> None:
 # -- benches ----------------------------------------------------------------------------------------------------------
 
 
+@cache
+def random_limit(seed: int, ranged: bool = False) -> BlocksLimit:
+    """Of a random bench."""
+    scene, phi = random_bench(seed)
+    return limit_of_blocks(scene.model(phi), ranged=ranged)
+
+
+@cache
+def light_block(sets: tuple[tuple[str, float], ...]) -> BlocksLimit:
+    """Of a bench with a small light block."""
+    return limit_of_blocks(bench(sets).model(30.0), ranged=sets is BENCH)
+
+
 @pytest.mark.parametrize("seed", [3, 6, 8, 12, 17, 22])
 def test_random_benches(seed) -> None:
     """Three random sets, 20 to 200 blocks: an answer, no higher than its bound; strength reduced by F leaves 1."""
     scene, phi = random_bench(seed)
-    model = scene.model(phi)
-    found = limit_of_blocks(model)
+    found = random_limit(seed, True)
     assert found.outcome is Outcome.SLIDES
     assert found.static_bound is not None
     # the range of bench 3 is not found: its motion turns a little, and only an exact one has forces of its own
@@ -429,13 +431,13 @@ def test_a_block_that_can_slide_alone_does(seed) -> None:
     """
     scene, phi = random_bench(seed)
     alone = slides_alone(scene, phi)
-    assert limit_of_blocks(scene.model(phi), ranged=False).factor == pytest.approx(alone, rel=2e-6)
+    assert random_limit(seed).factor == pytest.approx(alone, rel=2e-6)
 
 
 @pytest.mark.parametrize("sets", [BENCH, CLOSER])
 def test_a_light_block_slides_alone_on_a_bench(sets) -> None:
     """On the plane at 45°: tan 30° / tan 45°, to 1e-6, and a limit state, not the end of a bracket."""
-    holds(limit_of_blocks(bench(sets).model(30.0)), tangent(30) / tangent(45), 2e-6)
+    holds(light_block(sets), tangent(30) / tangent(45), 2e-6)
 
 
 HARD = {seed: random_bench(seed) for seed in (5, 7, 19)} | {"closer": (bench(CLOSER), 30.0)}
@@ -443,13 +445,14 @@ HARD = {seed: random_bench(seed) for seed in (5, 7, 19)} | {"closer": (bench(CLO
 
 @pytest.mark.parametrize("name", HARD)
 def test_benches_whose_bound_is_hard(name) -> None:
-    """Joints that nearly lock: the bound is Clarabel's to 2e-4, and what is no higher is a factor or none is given.
+    """Joints that nearly lock: the bound is Clarabel's, and what is no higher is a factor or none is given.
 
-    Clarabel balances a block of 3e-7 of the heaviest to a part of the whole here, `static_bound` to a part of its own.
+    To 2e-5, the bracket of its bisection and twice ours. Of bench 5 to 2e-4: Clarabel balances a block of 3e-7 of the
+    heaviest to a part of the whole there, `static_bound` to a part of its own.
     """
     scene, phi = HARD[name]
     model = scene.model(phi)
-    found = limit_of_blocks(model, ranged=False)
+    found = light_block(CLOSER) if name == "closer" else random_limit(name)
     bound = assembly_oracle.static_bound(model, 0.5, 50.0, 1e-5)
     assert found.factor is None or found.factor <= bound * (1.0 + 1e-4)
-    assert found.static_bound == pytest.approx(bound, rel=2e-4)
+    assert found.static_bound == pytest.approx(bound, rel=2e-4 if name == 5 else 2e-5)

@@ -1,6 +1,7 @@
 """Each way to solve with the stiffness of an assembly against SciPy's sparse LU of Σ Jᵀ S J, contact by contact."""
 
 import gc
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ SCENES = {
 WAYS = (Dense, Band, Fronts)
 
 
+@cache
 def model_of(name: str, untouched: bool = False) -> AssemblyModel:
     """A model, one of whose blocks perhaps touches nothing."""
     scene: Scene = SCENES[name]()
@@ -35,14 +37,17 @@ def model_of(name: str, untouched: bool = False) -> AssemblyModel:
 def assembled(model: AssemblyModel, stiffness: np.ndarray) -> sparse.csc_matrix:
     """Σ Jᵀ S J."""
     n, u = model.load.shape
-    total = sparse.lil_matrix((n * u, n * u))
+    blocks, rows, columns = [], [], []
     for k, local in enumerate(stiffness):
         sides = [(model.plus[k], model.plus_motion[k]), (model.minus[k], model.minus_motion[k])]
         for row, left in sides:
             for column, right in sides:
                 if row >= 0 and column >= 0:
-                    total[row * u : row * u + u, column * u : column * u + u] += left.T @ local @ right
-    return total.tocsc()
+                    blocks.append(left.T @ local @ right)
+                    rows.append(np.repeat(row * u + np.arange(u), u))
+                    columns.append(np.tile(column * u + np.arange(u), u))
+    at = np.concatenate(rows), np.concatenate(columns)
+    return sparse.coo_matrix((np.concatenate(blocks, axis=None), at), (n * u, n * u)).tocsc()
 
 
 def stiffness_of(model: AssemblyModel, symmetric: bool, seed: int) -> np.ndarray:

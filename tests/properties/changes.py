@@ -5,7 +5,7 @@ import json
 import math
 import tempfile
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +69,16 @@ def thicker(design: Design, by: float = 4.0) -> Design:
         return out
     _forced(out, 1.0, by)
     return out
+
+
+def in_turn(*changes: Callable[[Design], Design]) -> Callable[[Design], Design]:
+    """One change after the other."""
+    return lambda design: reduce(lambda found, change: change(found), changes, design)
+
+
+def in_rows(design: Design, rows: int = 3) -> Design:
+    """So many rows of columns side by side."""
+    return design | {"columns": design["columns"] | {"rows": rows}}
 
 
 def with_rests(design: Design) -> Design:

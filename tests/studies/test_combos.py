@@ -4,8 +4,6 @@ import csv
 import io
 import json
 import math
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +21,7 @@ from slopekit.studies.combos import Combos, combos
 from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.running import Crew
 from slopekit.views.combos_sheet import combos_line, combos_sheet, pairs_csv
+from tests.commands import slopekit
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")
 #: Moments govern: the limit is 1.489, the closed form 1.538 (cases.json, 9_single-plane).
@@ -424,12 +423,6 @@ def test_three_hundred_joints() -> None:
     assert sum(found.counts.values()) == 44850
     assert found.removable > 3000
     assert found.timing_s["closed_form"] < 3.0  # loaded machines
-
-
-def slopekit(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=60
-    )
 
 
 def test_the_command(tmp_path) -> None:

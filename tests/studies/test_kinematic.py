@@ -2,8 +2,6 @@
 
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +28,7 @@ from slopekit.studies.kinematic_criteria import (
     SLIDING_BASE,
 )
 from slopekit.views.kinematic_sheet import intersections_csv, joints_csv, kinematic_line, kinematic_sheet
+from tests.commands import slopekit
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")
 FACE = Plane(65, 180)
@@ -345,12 +344,6 @@ def test_json_sheet_and_tables() -> None:
     alone = sk.kinematic(["45/115"], face="65/180")
     assert alone.to_dict()["percent"]["wedge"] is None
     assert "not possible: there are no edges" in kinematic_sheet(alone)
-
-
-def slopekit(*arguments: str) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "slopekit.cli", *arguments], capture_output=True, text=True, timeout=60
-    )
 
 
 def test_the_command(tmp_path) -> None:

@@ -3,8 +3,6 @@
 import csv
 import json
 import math
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -22,6 +20,7 @@ from slopekit.studies.estimates import clopper_pearson, share_of, summary_of
 from slopekit.studies.points import point_of
 from slopekit.studies.probability import probability
 from slopekit.studies.running import Interrupted, checked_crew
+from tests.commands import slopekit
 
 PHI = {"dist": "normal", "mean": 20, "sd": 2}
 
@@ -177,21 +176,24 @@ def test_pre_ie_confirms_at_random_and_near_the_target() -> None:
 
 
 def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
-    """A wedge whose tall block turns: PRE-IE's probability lies above, and each way of asking finds it."""
+    """A wedge that turns (cases.json, 9_single-plane): PRE-IE's probability lies above, each way of asking finds it.
+
+    Its two joints are bonded, and the one that opens scatters.
+    """
     turning = {
         "slopekit": 1, "kind": "wedge",
-        "joints": {"J1": {"plane": "82/030", "strength": "a"}, "J2": {"plane": "74/012.5", "strength": "b"}},
-        "slope": {"face": "86/20.7", "upper": "5/20.7", "height": 8},
-        "strength": {"a": {"c": 11, "phi": 7.6},
-                     "b": {"c": {"dist": "normal", "mean": 36, "sd": 5}, "phi": PHI | {"mean": 31}}},
-        "rock": {"unit_weight": 21.7},
+        "joints": {"J1": {"plane": "40/160", "strength": "a"}, "J2": {"plane": "80/220", "strength": "b"}},
+        "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+        "strength": {"a": {"c": 20, "phi": PHI | {"mean": 30, "sd": 0.6}},
+                     "b": {"c": {"dist": "normal", "mean": 20, "sd": 2}, "phi": 30}},
+        "rock": {"unit_weight": 26},
     }  # fmt: skip
     design = load(turning)
     means = sk.analyse(design)
     assert means.moments_govern
     target = 0.5 * (means.fos.limit + means.fos.closed_form)
-    study = probability(design, 60, target=target, confirm_count=15, near=0.0)
-    every = probability(design, 60, target=target, by="pre-ie")
+    study = probability(design, 30, target=target, confirm_count=15, near=0.0)
+    every = probability(design, 30, target=target, by="pre-ie")
     assert study.confirmation.governed == 15
     assert study.confirmation.unsafe > 5
     assert {"W353", "W354"} <= {notice.code for notice in study.warnings}
@@ -344,9 +346,10 @@ def test_limits_of_shares() -> None:
 def test_the_command(tmp_path) -> None:
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(default_wedge(0.8)))
-    command = [sys.executable, "-m", "slopekit.cli", "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5"]
-    run = subprocess.run([*command, "--near", "0.1%", "--accept", "10%", "--json", "-o", str(tmp_path / "out")],
-                         capture_output=True, text=True, timeout=60)  # fmt: skip
+    run = slopekit(
+        "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5", "--near", "0.1%", "--accept", "10%", "--json",
+        "-o", str(tmp_path / "out"),
+    )  # fmt: skip
     assert run.returncode == 1, run.stderr
     found = json.loads(run.stdout)
     assert found["accepted"] is False
@@ -361,6 +364,6 @@ def test_the_command(tmp_path) -> None:
     assert all(len(line) <= 100 for line in sheet.splitlines())
     assert "P(F < 1.5)" in sheet
     assert "of 500" in sheet
-    wrong = subprocess.run([*command[:4], str(file), "-n", "many"], capture_output=True, text=True, timeout=60)
+    wrong = slopekit("prob", str(file), "-n", "many")
     assert wrong.returncode == 2
     assert wrong.stderr.startswith("E106")
