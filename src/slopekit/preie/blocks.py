@@ -238,12 +238,11 @@ def _on_path(
     start = _START / min(bound.factor or strongest, strongest)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    found = proposed(bed, bond, ratio) if bed.tangents == 1 and bed.size > _PROPOSED else None
+    found = proposed(bed, bond, ratio) if bed.tangents > 1 or bed.size > _PROPOSED else None
     if found is not None and float(np.abs(model.unbalanced(found.normal, found.friction)).max()) > _BALANCED:
         found = None
     found = found or follow(bed, start, brief=live and bed.tangents == 1)
-    in_space = bed.tangents > 1 and found.outcome is PathOutcome.BRACKET
-    if in_space or (found.outcome is PathOutcome.GAVE_UP and not live):
+    if found.outcome is PathOutcome.GAVE_UP and not live:
         found = proposed(bed, bond, ratio) or found
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations

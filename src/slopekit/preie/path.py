@@ -45,8 +45,9 @@ _TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of a proposed factor at which
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 _STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
-_ROUNDINGS = (1e-2, 3e-3, 1e-1)  # of the joints in space, one after the other (`preie.rounded`)
+_ROUNDINGS = (1e-5, 1e-4, 1e-2, 3e-3)  # of the joints in space, one after the other (`preie.rounded`)
 _MARKS = (1e3, 1e4, 1e5, 1e6)  # work in parts of the elastic at which they are made sharp
+_SURE = 1e-4  # rounding up to which the path is that of the sharp joints: histories agree
 _TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and farther, and to come to rest
 _TIMES, _NEARLY = 3.0, 3e-6  # so much farther, and what λ may change by
 _GOES = 5  # shorter steps before Newton's method is said not to go on
@@ -155,15 +156,12 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
-    at, begun = flow.at, parameter
-    if strength and bed.tangents > 1 and not bed.dilates:
-        limit = _traced(bed, at, parameter)
-        if limit is not None:
-            return replace(limit, started=begun)
+    at, begun, first = flow.at, parameter, flow.at
     runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
     nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
     near = next(nearest)
+    traces = strength and bed.tangents > 1 and not bed.dilates
     while True:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
@@ -171,6 +169,8 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
                 flow = relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
+                if ended is None and traces:
+                    ended, traces = _traced(bed, (first, begun), (at, parameter), bad), False
                 if ended is not None:
                     return replace(ended, peak=(parameter, bad), started=begun)
                 runs.append((bad, flow))
@@ -196,14 +196,17 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     return replace(peak, started=begun)
 
 
-def _traced(bed: Bed, at: Floats, parameter: float) -> PathLimit | None:
-    """The limit by way of rounded joints, from a state at rest; None where their path is not found or nothing settles.
+def _traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], runs: float) -> PathLimit | None:
+    """The limit by way of rounded joints, from states at rest; None where their path is not found or nothing settles.
 
     Far along it the joints are made sharp, and Newton's method goes on; where it does not, sharp states at ever more
-    work have to agree. The blocks have to be at rest, in sharp joints, at a little more strength.
+    work have to agree. The blocks have to be at rest, in sharp joints, at a little more strength. Much rounding, from
+    the first state at rest, may lead to another motion than little, from the last: a limit found with it is none where
+    it is above the factor at which the blocks have run.
     """
     for rounding in _ROUNDINGS:
         curve = RoundedPath(bed, rounding)
+        at, parameter = last if rounding <= _SURE else first
         if not curve.begin(at, parameter):
             continue
         for mark in _MARKS:
@@ -217,7 +220,11 @@ def _traced(bed: Bed, at: Floats, parameter: float) -> PathLimit | None:
             limit = _far(bed, step) if step.settled else None
             if limit is None:
                 limit = _farther(bed, sharp)
-            if limit is not None and _rests_on(bed, limit, curve.passed, there):
+            if limit is None:
+                continue
+            if rounding > _SURE and (limit.parameter or 0.0) < runs:
+                break
+            if _rests_on(bed, limit, curve.passed, there):
                 return limit
     return None
 
