@@ -233,7 +233,7 @@ class Bed:
         normal = np.where(touching, pressing + pushes * beyond[of_pair], 0.0)
         return normal, touching, np.where(beyond != 0.0, size - beyond, carried)
 
-    def _local(self, touching: Bools, tangent: Floats) -> Floats:
+    def _local(self, touching: Bools | Floats, tangent: Floats) -> Floats:
         """Stiffness (k, u, u) of the contacts: pairs that touch, and tangent stiffnesses (g, t, t)."""
         return self._pattern.stiffness(self.area * touching, tangent)
 
@@ -278,6 +278,20 @@ class Bed:
                 local += self._by_contact(slipping[:, :, None] * carries[:, None, :])
                 local -= self._by_contact((dilation[:, None] * pressing)[:, :, None] * beyond[:, None, :])
         return local + viscosity * self.elastic if viscosity else local
+
+    def mixed(self, springs: Floats, tangent: Floats, by_strength: Floats, follows: Floats) -> Floats:
+        """Stiffness (k, u, u) of contacts with given springs.
+
+        Parameters
+        ----------
+        springs : (m,) of the pairs; tangent : (g, t, t) how friction changes with slip
+        by_strength : (g, t) how it changes with what it may carry; follows : (g,) how that follows the normal forces
+        """
+        touching = springs / self.area
+        pressing = np.add.reduceat(self._pressing * touching[:, None], self.model.group_first)
+        dragged = np.matmul(self._transposed, by_strength[:, :, None])[:, :, 0]
+        coupled = self._by_contact(dragged[:, :, None] * (follows[:, None] * pressing)[:, None, :])
+        return self._local(touching, -tangent) + coupled
 
     def by_parameter(self, there: Forces, parameter: float) -> Floats:
         """How the unbalanced force changes with the parameter, (N,)."""

@@ -23,6 +23,7 @@ from slopekit.arrays import Floats
 from slopekit.onlooker import say
 from slopekit.preie.bed import Bed, Forces, Step
 from slopekit.preie.program import BlockProgram, Strengths
+from slopekit.preie.rounded import RoundedPath
 
 _STRIDE = 0.85  # of the strength, a step of stage A
 _RUNS = 30.0  # work in parts of the elastic: the blocks run
@@ -48,6 +49,13 @@ _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need ju
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 _STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
+_ROUNDINGS = (1e-5, 1e-4, 1e-2, 3e-3)  # of the joints in space, one after the other (`preie.rounded`)
+_MARKS = (1e3, 1e4, 1e5, 1e6)  # work in parts of the elastic at which they are made sharp
+_SURE = 1e-4  # rounding up to which the path is that of the sharp joints: histories agree
+_TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and farther, and to come to rest
+_TIMES, _NEARLY = 3.0, 3e-6  # so much farther, and what λ may change by
+_GOES = 5  # shorter steps before Newton's method is said not to go on
+_JUMP = 0.1  # of the strength, in a step far along a motion: another motion
 _TURNS = 12  # how often directions of slip in space follow the motion
 _OFF = 1e-9  # its residual, in parts of the largest force
 _KINEMATIC = 1e-6  # its motion: what should not open or slip, in parts of the fastest
@@ -158,11 +166,12 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
-    at, begun = flow.at, parameter
+    at, begun, first = flow.at, parameter, flow.at
     runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
     nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
     near = next(nearest)
+    traces = strength and bed.tangents > 1 and not bed.dilates
     while True:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
@@ -170,6 +179,8 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
                 flow = relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
+                if ended is None and traces:
+                    ended, traces = _traced(bed, (first, begun), (at, parameter), bad), False
                 if ended is not None:
                     return replace(ended, peak=(parameter, bad), started=begun)
                 runs.append((bad, flow))
@@ -194,6 +205,100 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     forces = bed.forces(at, parameter)
     peak = _result(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
     return replace(peak, started=begun)
+
+
+def _traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], runs: float) -> PathLimit | None:
+    """The limit by way of rounded joints, from states at rest; None where their path is not found or nothing settles.
+
+    Far along it the joints are made sharp, and Newton's method goes on; where it does not, sharp states at ever more
+    work have to agree. The blocks have to be at rest, in sharp joints, at a little more strength. Much rounding, from
+    the first state at rest, may lead to another motion than little, from the last: a limit found with it is none where
+    it is above the factor at which the blocks have run.
+    """
+    for rounding in _ROUNDINGS:
+        curve = RoundedPath(bed, rounding)
+        at, parameter = last if rounding <= _SURE else first
+        if not curve.begin(at, parameter):
+            continue
+        for mark in _MARKS:
+            if not curve.onto(mark, _TRACED) or curve.reduction < _LEAST * parameter:
+                break
+            sharp = curve.sharpened(_TRACED)
+            if sharp is None:
+                break
+            there = sharp.displacement
+            step = bed.step(there, there, sharp.reduction, 0.0, float(bed.working @ there))
+            limit = _far(bed, step) if step.settled else None
+            if limit is None:
+                limit = _farther(bed, sharp)
+            if limit is None:
+                continue
+            if rounding > _SURE and (limit.parameter or 0.0) < runs:
+                break
+            if _rests_on(bed, limit, curve.passed, there):
+                return limit
+    return None
+
+
+def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
+    """The limit of a path of sharp joints whose λ has settled: at three times the work it is the same."""
+    work, reduction, before = sharp.work, sharp.reduction, sharp.displacement
+    if not sharp.onto(_TIMES * work, _FARTHER):
+        return None
+    limit = sharp.reduction + (sharp.reduction - reduction) / (sharp.work / work - 1.0)
+    if not abs(sharp.reduction / reduction - 1.0) < _NEARLY:
+        return None
+    # where several blocks slide at one strength their speeds are anyone's, and Newton's method has no state to go to
+    at, (normal, friction) = sharp.displacement, sharp.forces
+    unbalanced = bed.columns @ np.concatenate([normal, friction.ravel()]) + bed.drive.load
+    forces = replace(bed.forces(at, sharp.reduction), normal=normal, friction=friction, unbalanced=unbalanced)
+    return _result(bed, PathOutcome.SETTLED, limit, None, at, at - before, forces)
+
+
+def _far(bed: Bed, step: Step) -> PathLimit | None:
+    """From a state of the sharp joints to so much work that λ stays; None where Newton's method does not get there.
+
+    λ goes like the limit plus a part of 1 / work, as long as the same joints touch.
+    """
+    working = bed.working
+    work, ratio, fails, last = float(working @ step.at), 3.0, 0, math.nan
+    motion = bed.onward(step)
+    while True:
+        more = work * (ratio - 1.0)
+        ahead = None
+        if motion is not None:
+            ahead = bed.step(step.at + more * motion, step.at, step.parameter, 0.0, work + more)
+        if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > _JUMP:
+            ratio, fails = math.sqrt(ratio), fails + 1
+            if fails > _GOES:
+                return None
+            continue
+        limit = ahead.parameter + (ahead.parameter - step.parameter) / (ratio - 1.0)
+        before, step, work = step, ahead, work + more
+        if work > _FARTHEST * bed.elastic_work:
+            if abs(limit / last - 1.0) < _STEADY:
+                return _result(bed, PathOutcome.SETTLED, limit, None, step.at, step.at - before.at, step.forces)
+            if work > _FARTHEST**2 * bed.elastic_work:
+                return None
+        ratio, last, motion = min(ratio * math.sqrt(ratio), 10.0), limit, bed.onward(step)
+
+
+def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sharp: Floats) -> bool:
+    """Whether all blocks come to rest at a little more strength than that of a limit.
+
+    Looked for near where the path `passed` it (λ and displacement), and near states on the way to the limit.
+    """
+    assert limit.parameter is not None
+    strength = limit.parameter / _TOWARDS[-1]
+    after = next((k for k, (reduction, _) in enumerate(passed) if reduction < strength), len(passed))
+    near = passed[min(after, len(passed) - 1)][1]
+    if 0 < after < len(passed):
+        (more, one), (less, other) = passed[after - 1], passed[after]
+        near = one + (other - one) * ((more - strength) / (more - less))
+    if any(bed.step(at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
+        return True
+    flow = relaxed(bed, near, strength, 0.0, far=_FARTHEST, patience=_RESTS)
+    return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter).ended == "rest"
 
 
 def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:

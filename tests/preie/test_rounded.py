@@ -1,0 +1,121 @@
+"""The path of rounded joints: its linearised equations, and limits against histories and closed forms."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks import populations
+from benchmarks.benches import bench
+from slopekit.analysis.assembly_scene import assembly_scene
+from slopekit.analysis.stages import Clock, joint_strength
+from slopekit.loads import assembly_loads
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.blocks import Basis
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.path import PathOutcome, follow
+from slopekit.preie.ravelling import Part, ravel
+from slopekit.preie.rounded import RoundedPath
+from tests.preie import path_oracle
+from tests.preie.block_scenes import boxes_in_space
+
+
+def bed_of(model: AssemblyModel) -> Bed:
+    return Bed(model, Drive(model.load.ravel()))
+
+
+def limit_of(model: AssemblyModel) -> float:
+    """F of the path, which has to have settled."""
+    found = follow(bed_of(model), 2.0 / static_bound(model).factor)
+    assert found.outcome is PathOutcome.SETTLED
+    return 1.0 / found.parameter
+
+
+def first_part(design: Mapping[str, Any]) -> Part:
+    """The component of a bench that fails first, its contacts as fine as its twist asks for, with its limit."""
+    scene = assembly_scene(sk.load(dict(design)), Clock())
+    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    return ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=False).failures[0].parts[0]
+
+
+def test_the_equations_are_solved_by_newtons_method() -> None:
+    """What is off after a step in a small part of what Newton's equations say falls by that part: first order."""
+    model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0)
+    bed = bed_of(model)
+    path = RoundedPath(bed, 1e-2)
+    strength = 2.0 / static_bound(model).factor
+    step = bed.step(bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
+    assert path.begin(step.at, strength)
+    work, product = path._work + 0.3, path._product(path._work, path._rounding)
+    off, solve = path._linear(path._at, work, product)
+    change = solve(off)
+    for part in (1e-3, 1e-4):
+        left, _ = path._linear(path._at.plus(change, part), work, product)
+        for name in ("balance", "opening", "shear", "pressing", "sliding", "across", "work"):
+            before, after = np.asarray(getattr(off, name)), np.asarray(getattr(left, name))
+            slope = (after - before) / part
+            scale = max(float(np.abs(before).max()), product)
+            assert slope == pytest.approx(-before, abs=200.0 * part * scale), name
+
+
+def test_sharpened_states_are_those_of_the_joints() -> None:
+    """Newton's method on the joints of `preie.bed` changes λ by no more than what the rounding has left."""
+    model = boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0)
+    bed = bed_of(model)
+    path = RoundedPath(bed, 1e-2)
+    strength = 2.0 / static_bound(model).factor
+    step = bed.step(bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
+    assert path.begin(step.at, strength)
+    assert path.onto(1e3, 400)
+    sharp = path.sharpened(400)
+    assert sharp is not None
+    at = sharp.displacement
+    exact = bed.step(at, at, sharp.reduction, 0.0, float(bed.working @ at))
+    assert exact.settled
+    assert exact.parameter == pytest.approx(sharp.reduction, rel=1e-7)
+
+
+@pytest.mark.parametrize("number", [33, 79, 85])
+def test_limits_are_those_of_histories(number) -> None:
+    """Benches that run at a peak and come to rest again farther on, each with what is left of its cohesion.
+
+    A history has incremental slip and slowly lowered strength; both are settled to 1e-6 of λ.
+    """
+    part = first_part(populations.bench(number))
+    model, found = part.model, part.limit
+    assert found.basis in (Basis.LIMIT, Basis.SETTLED)
+    history = path_oracle.history(model, 2.0 / found.static_bound, cohesion=model.cohesion * found.bond)
+    assert history.end == "settled"
+    assert found.factor == pytest.approx(history.factor, rel=3e-6)
+
+
+@pytest.mark.parametrize("number", [27, 85])
+def test_the_order_of_blocks_does_not_matter(number) -> None:
+    part = first_part(populations.bench(number))
+    model = replace(part.model, cohesion=part.model.cohesion * part.limit.bond)
+    assert len(model.load) > 1
+    assert limit_of(reordered(model)) == pytest.approx(limit_of(model), rel=1e-8)
+
+
+def test_blocks_that_all_slide_at_one_strength() -> None:
+    """41 blocks of which several slide on one set: tan 35° / tan 45°, by hand, however fast each of them is."""
+    found = first_part(bench(1.9)).limit
+    assert found.basis is Basis.SETTLED
+    assert found.factor == pytest.approx(math.tan(math.radians(35.0)) / math.tan(math.radians(45.0)), rel=1e-8)
+
+
+def reordered(model: AssemblyModel) -> AssemblyModel:
+    """The same blocks in another order."""
+    order = np.random.default_rng(3).permutation(len(model.load))
+    place = np.append(np.argsort(order), -1)
+    columns = (order[:, None] * model.unknowns + np.arange(model.unknowns)).ravel()
+    return replace(
+        model, plus=place[model.plus], minus=place[model.minus], load=model.load[order], moving=model.moving[order],
+        live=model.live[order], kinematics=model.kinematics[:, columns].tocsr(),
+        statics=model.statics[columns].tocsr(),
+    )  # fmt: skip
