@@ -7,6 +7,9 @@ Scenes: a stack of 100 blocks a column on a 30° incline, in as many columns tha
 Bray's 16 columns (φ = 38.15°) in rows behind each other that do not touch, all in one model; a wall in running bond,
 10 courses on a base of 20° (φ = 35°); the same wall 32 x 32, which slides and turns and has no closed form.
 
+`bound s` is the static bound's program alone, `both s` the static bound, the path to its limit and the range of the
+mechanism; steps: those of the bound and factorisations of the path; basis: a limit state, settled, a peak, or none.
+
 The other side is METHOD.md §4 done plainly, on the same model in the same process: Clarabel (qdldl, 1e-8), friction
 frozen at the normal forces of the last pass, until three factors agree to 1e-4, at most 40 passes. At 10,000 blocks one
 pass is timed and multiplied by the passes of the same scene at 1,000.
@@ -79,7 +82,7 @@ def case(name: str, blocks: int, passes: int | None) -> dict:
     ours = {
         "name": name, "blocks": len(scene), "pairs": len(model.control_area), "built": built, "bound_s": bound,
         "limit_s": max(both - bound, 0.0), "both_s": both, "factor": found.factor, "bound": found.static_bound,
-        "outcome": found.outcome.name, "change": found.change, "passes": found.passes, "steps": found.steps,
+        "outcome": found.outcome.name, "change": found.change, "basis": found.basis.name.lower(), "steps": found.steps,
         "bound_steps": found.bound_steps, "exact": exact, "before_mb": before,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0,
     }  # fmt: skip
@@ -114,14 +117,14 @@ def printed(x: dict) -> str:
     other = f"{x['conic_factor']:.5f}" if x["conic_factor"] else "-"
     passes = f"{x['conic_passes']}{'e' if x['estimated'] else '' if x['conic_settled'] else '!'}"
     return (f"{x['name']:12s}{x['blocks']:7d}{x['pairs']:8d}{x['bound_s']:8.2f}{x['both_s']:8.2f}"
-            f"{x['bound_steps']:5d}+{x['steps']:<5d}{x['passes']:4d}{factor:>11s}{bound:>9s}{error:>8s}"
+            f"{x['bound_steps']:5d}+{x['steps']:<5d}{x['basis']:>8s}{factor:>11s}{bound:>9s}{error:>8s}"
             f"{x['memory_mb']:7.0f}{x['conic_s']:9.2f}{passes:>5s}{other:>10s}{x['conic_pass_s']:8.2f}"
             f"{x['conic_mb']:7.0f}{x['conic_s'] / x['both_s']:7.1f}")  # fmt: skip
 
 
 def table(quick: bool) -> None:
     """All scenes and sizes."""
-    print(f"{'scene':12s}{'blocks':>7s}{'pairs':>8s}{'bound s':>8s}{'both s':>8s}{'steps':>10s} {'pass':>4s}{'F':>11s}"
+    print(f"{'scene':12s}{'blocks':>7s}{'pairs':>8s}{'bound s':>8s}{'both s':>8s}{'steps':>10s} {'basis':>8s}{'F':>11s}"
           f"{'bound':>9s}{'error':>8s}{'MB':>7s}{'conic s':>9s}{'pass':>5s}{'F':>10s}{'s/pass':>8s}{'MB':>7s}"
           f"{'times':>7s}")  # fmt: skip
     for name in ("stack", "columns", "wall", "square wall"):

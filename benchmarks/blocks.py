@@ -1,7 +1,7 @@
 """What the limit of many blocks is worth: published and random assemblies through the public reader.
 
     python -m benchmarks.blocks                          the table of named cases, METHOD-3 §13 (about a minute)
-    python -m benchmarks.blocks multipliers [W1 ...]     walls: the horizontal load at which F is 1
+    python -m benchmarks.blocks multipliers [W1 ...]     walls: the horizontal load at which F is 1, against published
     python -m benchmarks.blocks populations [sections | walls | benches ...] [-n N] [-j 2] [--plain] [-o file]
     python -m benchmarks.blocks speed [quick]            times and memory beside a generic conic solver
 
@@ -20,6 +20,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import FrameType
@@ -32,6 +33,7 @@ from benchmarks.populations import Design
 
 _SECONDS = 120.0  # of CPU time, after which an analysis is given up
 _JUDGED = 0.3  # static bounds from which a number is asked for
+_NEAR = 5e-3  # of a published multiplier, which is rounded in its third digit
 _ABOVE = 1e-4  # by how much a factor may be above a static bound, both being known to that
 _SAME = {"strength": 1e-6, "other": 1e-8}  # what the same slope in another writing may change
 
@@ -57,22 +59,30 @@ def answer(design: Design, seconds: float = _SECONDS) -> Answer:
     from tests.properties import changes
 
     changes._run.cache_clear()
-    signal.signal(signal.SIGPROF, _late)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
     began = time.process_time()
     try:
-        found = changes.run(design)
+        with _within(seconds):
+            found = changes.run(design)
     except TimeoutError:
         return Answer("time", time.process_time() - began)
     except SlopekitError as error:
         return Answer("error", time.process_time() - began, fault=str(error))
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
     fos = found.fos
     return Answer(
         found.status, time.process_time() - began, fos.limit, fos.static_bound, getattr(fos, "lowest", None),
         getattr(fos, "highest", None), found.model.moving_blocks, tuple(notice.code for notice in found.warnings),
     )  # fmt: skip
+
+
+@contextmanager
+def _within(seconds: float) -> Iterator[None]:
+    """TimeoutError after so many CPU seconds."""
+    signal.signal(signal.SIGPROF, _late)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
 def _late(number: int, frame: FrameType | None) -> None:
@@ -166,34 +176,32 @@ def _figure(value: float | None, digits: int) -> str:
 
 
 def show_multipliers(names: Iterable[str]) -> None:
-    """The multipliers of published walls at which F is 1, by the secant through runs."""
-    print("wall  blocks  published  associated  found     error    runs  CPU s")
-    for name in names:
+    """The loads at which F of published walls is 1, straight from the elastic path in the load."""
+    print("wall  blocks  published  associated    found  difference  CPU s  status")
+    near = 0
+    for name in (names := list(names)):
         wall = populations.WALLS[name]
-        found, runs, seconds = multiplier(wall.design, wall.multiplier)
-        error = f"{found / wall.multiplier - 1.0:+.2%}" if found else "-"
-        print(f"{name}  {wall.blocks:8d}  {wall.multiplier:9.3f}  {wall.associated:10.5f}  {_figure(found, 5):8s}"
-              f"  {error:7s}  {runs:4d}  {seconds:5.1f}", flush=True)  # fmt: skip
+        found, status, seconds = multiplier(wall.design(0.0), wall.design(1.0))
+        off = None if found is None else found / wall.multiplier - 1.0
+        near += off is not None and abs(off) <= _NEAR
+        print(f"{name}  {wall.blocks:8d}  {wall.multiplier:9.3f}  {wall.associated:10.5f}  {_figure(found, 5):>7s}"
+              f"  {'-' if off is None else f'{off:+.2%}':>10s}  {seconds:5.1f}  {status}", flush=True)  # fmt: skip
+    print(f"{near} of {len(names)} within {_NEAR:.1%}; without association the published have three digits")
 
 
-def multiplier(design: Callable[[float], Design], near: float, parts: float = 1e-5) -> tuple[float | None, int, float]:
-    """The k at which F(k) = 1 (None: a run had no number), how many runs it took and their CPU seconds."""
-    points: list[tuple[float, float]] = []
-    k, seconds = near, 0.0
-    for runs in range(1, 13):
-        got = answer(design(k))
-        seconds += got.seconds
-        if got.factor is None:
-            return None, runs, seconds
-        points.append((k, got.factor - 1.0))
-        if abs(got.factor - 1.0) < parts:
-            return k, runs, seconds
-        if len(points) == 1:
-            k *= min(max(got.factor, 0.95), 1.05)
-            continue
-        (k0, f0), (k1, f1) = points[-2:]
-        k = min(max(k1 - f1 * (k1 - k0) / (f1 - f0), 0.8 * k1), 1.25 * k1) if f1 != f0 else 1.001 * k1
-    return None, runs, seconds
+def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tuple[float | None, str, float]:
+    """The part of a load at which F is 1 as `slopekit solve` finds it, the status there, and CPU seconds."""
+    import slopekit as sk
+    from slopekit.analysis.assembly import load_multiplier
+
+    began = time.process_time()
+    try:
+        with _within(seconds):
+            found = load_multiplier(sk.load(without), sk.load(unit), 1.0)
+    except TimeoutError:
+        return None, "time", time.process_time() - began
+    value, status = (None, "none") if found is None else found
+    return value, status, time.process_time() - began
 
 
 # -- populations ------------------------------------------------------------------------------------------------------
@@ -354,12 +362,18 @@ def main(words: list[str]) -> None:
     elif given.what == "named":
         show_named()
     elif given.what == "multipliers":
+        _known("wall", given.of, populations.WALLS)
         show_multipliers(given.of or populations.WALLS)
     else:
+        _known("population", given.of, populations.POPULATIONS)
         for population in given.of or populations.POPULATIONS:
-            if population not in populations.POPULATIONS:
-                sys.exit(f"no such population: {population}; there are {', '.join(populations.POPULATIONS)}")
             _show_population(population, given)
+
+
+def _known(what: str, names: Iterable[str], there: Iterable[str]) -> None:
+    unknown = [name for name in names if name not in there]
+    if unknown:
+        sys.exit(f"no such {what}: {', '.join(unknown)}; there are {', '.join(there)}")
 
 
 def _show_population(population: str, given: Any) -> None:

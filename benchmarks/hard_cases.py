@@ -66,8 +66,6 @@ WORDS = {
 paper's criterion) does. That is the upper end of a bracket 1e-5 wide: distances to the limit below 1e-5 are not drawn.
 The plane's is never as far off.
 """,
-    "seismic": """From 0.75 (steep wedge) and 1.05 (plane) on the block topples before it slides, and there is no limit.
-""",
 }
 
 
@@ -223,7 +221,18 @@ def page(walks: Sequence[Walked], jumps: Sequence[tuple[Jump, Located]]) -> str:
         lines += [f"## {TITLES[picture]}", "", f"![{TITLES[picture]}](images/hard-{picture}.png)", ""]
         if picture in WORDS:
             lines += [WORDS[picture]]
+        if picture == "seismic":
+            lines += [_toppling([one for one in walks if one.sweep.picture == picture])]
     return "\n".join(lines)
+
+
+def _toppling(walks: Sequence[Walked]) -> str:
+    """From where on blocks topple before they slide."""
+    starts = [
+        f"{min(found.value for found in one.points if found.status == 'topples'):g} ({one.sweep.name})"
+        for one in walks if any(found.status == "topples" for found in one.points)
+    ]  # fmt: skip
+    return f"From {' and '.join(starts)} on the block topples before it slides, and there is no limit.\n"
 
 
 def _side(found: Point) -> str:

@@ -74,17 +74,18 @@ class OneBlock:
 Contacts = OneBlock | AssemblyModel
 
 
-def slopekit_limit(contacts: Contacts, curved: bool = False) -> Answer:
-    """slopekit's own answer; of many blocks with their static bound, which a section needs anyway."""
+def slopekit_limit(contacts: Contacts, curved: bool = False, ranged: bool = False) -> Answer:
+    """slopekit's own answer; of many blocks with their static bound, which the path starts from, or the range too."""
     if isinstance(contacts, OneBlock):
         found = (curved_limit_analysis if curved else limit_analysis)(contacts.one).governing
         return Answer(found.factor, note=f"{found.passes} passes" if found.passes else "exact, no pass")
-    limit = limit_of_blocks(contacts)
-    return Answer(limit.factor, note=f"{limit.outcome.name.lower()}, {limit.bound_steps} + {limit.steps} steps")
+    limit = limit_of_blocks(contacts, ranged)
+    steps = f"bound {limit.bound_steps} steps, path {limit.steps} factorisations"
+    return Answer(limit.factor, note=f"{limit.outcome.name.lower()}, {limit.basis.name.lower()}: {steps}")
 
 
 def frozen_passes(contacts: Contacts, most: int) -> Answer:
-    """slopekit's frozen-friction passes alone, stopped after so many, every bond whole."""
+    """Frozen-friction passes alone, stopped after so many, every bond whole: of many blocks slopekit has none left."""
     if isinstance(contacts, OneBlock):
         return Answer(passes_limit(contacts.one, most))
     program = BlockProgram(contacts)

@@ -42,7 +42,8 @@ from tests.support import PAPER
 CLOSED, SLOPEKIT, COMMAND, PASSES = "closed form", "slopekit limit", "slopekit command, cold", "plain passes"
 CONIC, SEQUENCE, SICONOS, PUBLISHED = "conic bisection", "conic sequence", "Siconos", "the paper"
 #: Every solver of the table, in its order.
-SOLVERS = (CLOSED, SLOPEKIT, PASSES, SEQUENCE, CONIC, SICONOS, COMMAND, PUBLISHED)
+RANGED = "slopekit with range"
+SOLVERS = (CLOSED, SLOPEKIT, RANGED, PASSES, SEQUENCE, CONIC, SICONOS, COMMAND, PUBLISHED)
 #: How often short work is repeated.
 TURNS = {"quick": 5, "full": 15}
 _ENOUGH = 2.0  # s: what has taken as long is not repeated again
@@ -194,9 +195,9 @@ def ellipsoid(quick: bool) -> list[Row]:
     return [*rows, reference]
 
 
-def steps_to_the_limit(contacts) -> Answer:
+def steps_to_the_limit(contacts, ranged: bool = False) -> Answer:
     """slopekit's own answer; noted with its steps, for "slides" only says that it ended at a limit, not how."""
-    answer = slopekit_limit(contacts)
+    answer = slopekit_limit(contacts, ranged=ranged)
     return replace(answer, note=answer.note.removeprefix("slides, "))
 
 
@@ -205,12 +206,13 @@ def many(name: str, blocks: int, quick: bool, passes_at_1000: int) -> list[Row]:
     scene, phi, _ = scene_of(name, blocks)
     contacts = scene.model(phi)
     closed = CLOSED_FORMS[name]
-    exact, bound = closed(), limit_of_blocks(contacts).static_bound
+    exact, bound = closed(), limit_of_blocks(contacts, ranged=False).static_bound
     large, small = len(scene) > 2000, len(scene) < 500
     budget = (15.0 if small else 20.0) if quick else (30.0 if small else 60.0)
     entrants = [
         (CLOSED, "", lambda: Answer(closed())),
         (SLOPEKIT, "", partial(steps_to_the_limit, contacts)),
+        *([] if large else [(RANGED, "", partial(steps_to_the_limit, contacts, ranged=True))]),
         *rivals_of(
             contacts, exact, passes=(1, 2, 3) if large else (1, 2, 3, 5, 8),
             parts=(1.0,) if large else (1.0, 1e-2, 1e-4), widths=(1e-2, 1e-4) if small else (1e-2,), checks=(1e-2,),

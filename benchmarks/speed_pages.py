@@ -78,9 +78,13 @@ estimated from a part of the work. In the charts of many blocks the labels are n
 the reference itself, is left out.
 
 - **closed form**: the book's formula.
-- **slopekit limit**: the largest factor with zero dilation, moments included; of many blocks with the static bound.
-- **plain passes**: slopekit's own passes alone, friction frozen at the normal forces of the last, stopped early.
-- **conic sequence**: the same passes put to Clarabel, a generic conic solver, until three factors agree.
+- **slopekit limit**: the factor with zero dilation, moments included; of many blocks the limit of the elastic path (a
+  limit state, settled, or the peak: the note says which) with the static bound.
+- **slopekit with range**: the same with the range of its mechanism under any locked-in forces, as `slopekit run` has;
+  nothing else in the tables answers that.
+- **plain passes**: friction frozen at the normal forces of the last pass, stopped early: of one block what slopekit
+  itself does where nothing quicker settles it, of many blocks what it did before it followed the path.
+- **conic sequence**: such passes put to Clarabel, a generic conic solver, until three factors agree.
 - **conic bisection**: generic conic limit analysis, bisection on F with Clarabel from a bracket of 0.5 to 1.9 times the
   answer. It answers another question, the static bound: joints dilate with their friction angle (normality). Where
   its error does not fall with effort, what is left is the price of normality, always on the unsafe side.

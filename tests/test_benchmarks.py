@@ -2,13 +2,14 @@
 
 import math
 
-from benchmarks import rivals, speed_error, speed_pages
+from benchmarks import block_speed, rivals, speed_error, speed_pages
 
 
 def test_the_wedge_names_every_solver_and_its_rows_make_sense(monkeypatch, tmp_path):
     monkeypatch.setattr(speed_error, "TURNS", {"quick": 0, "full": 0})
     rows = speed_error.wedge(quick=True)
-    assert {row.solver for row in rows} == set(speed_error.SOLVERS)
+    solvers = set(speed_error.SOLVERS) - {speed_error.RANGED}  # a range is that of many blocks
+    assert {row.solver for row in rows} == solvers
     for row in rows:
         assert row.blocks == 1
         assert row.node_pairs > 0
@@ -31,5 +32,17 @@ def test_the_wedge_names_every_solver_and_its_rows_make_sense(monkeypatch, tmp_p
     speed_pages.keep("wedge", rows, quick=True)
     speed_pages.write()
     page = (tmp_path / "speed.md").read_text()
-    assert all(f"| {solver} " in page for solver in speed_error.SOLVERS)
+    assert all(f"| {solver} " in page for solver in solvers)
     assert (tmp_path / "images" / "speed-wedge.png").stat().st_size > 10_000
+
+
+def test_many_blocks_with_and_without_their_range() -> None:
+    """The same limit, which the note says what it is; a case of `python -m benchmarks.blocks speed`."""
+    contacts = block_speed.scene_of("columns", 16)[0].model(38.15)
+    alone, ranged = (speed_error.steps_to_the_limit(contacts, ranged) for ranged in (False, True))
+    assert alone == ranged
+    assert "limit: bound" in alone.note
+    found = block_speed.case("columns", 16, 1)
+    assert found["basis"] == "limit"
+    assert math.isclose(found["factor"], found["exact"], rel_tol=1e-9)
+    assert "limit" in block_speed.printed(found)

@@ -63,6 +63,8 @@ class Mechanism:
     change : relative change of the factor in the last passes; 0 where Newton settled it
     blocks : those that move, the fastest first; interfaces : those that govern, the largest share first
     pairs_by_mode : node pairs that stick, slip and are open
+    basis : what the factor is: limit (a limit state, exact), settled (the limit of the path, its motion settled), peak
+        (where the path was last at rest; `change` then says how much stronger the blocks run), or none
     """
 
     status: str
@@ -72,6 +74,7 @@ class Mechanism:
     blocks: tuple[BlockMotion, ...]
     interfaces: tuple[GoverningInterface, ...]
     pairs_by_mode: Mapping[str, int]
+    basis: str = "none"
 
     def to_dict(self) -> dict[str, Any]:
         """The mechanism as JSON values."""
@@ -80,6 +83,7 @@ class Mechanism:
             "fos": self.fos,
             "static_bound": self.static_bound,
             "change": self.change,
+            "basis": self.basis,
             "blocks": [
                 {
                     "name": block.name, "how": block.how, "displacement": block.displacement.tolist(),
@@ -138,6 +142,7 @@ class Findings:
     blocks, fixed : numbers of blocks, and of those that are bedrock; components : groups that touch only through it
     checks : what was checked with its figure (volume error, area error, largest unbalanced force, ...)
     table : Goodman & Bray's columns, empty for other kinds
+    shear_to_normal : k_t / k_n of the elastic joints of the path; None where there was none
     """
 
     mechanisms: tuple[Mechanism, ...]
@@ -149,6 +154,7 @@ class Findings:
     components: int
     checks: Mapping[str, float]
     table: tuple[Column, ...] = ()
+    shear_to_normal: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The findings as JSON values."""
@@ -162,6 +168,7 @@ class Findings:
             "components": self.components,
             "checks": dict(self.checks),
             "table": [column.to_dict() for column in self.table],
+            "shear_to_normal": self.shear_to_normal,
         }
 
 

@@ -48,8 +48,8 @@ _OF_KIND: Mapping[tuple[str, str], str] = {
         "slides": "blocks slide",
         "topples": "blocks topple",
         "rotates": "blocks turn as they slide",
-        "falls": "blocks fall: nothing holds them, whatever the strength",
-        "lifted": "blocks are lifted off: no strength holds them",
+        "falls": "blocks fall: no strength that was tried holds them",
+        "lifted": "blocks are lifted off: no strength that was tried holds them",
         "no_driving_force": "stands: every block stands without any strength",
     }.items()
 }

@@ -301,10 +301,20 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert said(loads_last=True, carried=1.2).keys() == {"W361"}
     lost = said(loads_last=True, carried=0.4321, factor=None, outcome=Outcome.NO_REST, basis=Basis.NONE)
     assert "at 0.4321 of the loads beside weight and water" in lost["W362"]
+    assert "up to 10 times the strength of the static bound they did not carry all of them" in lost["W362"]
     assert "W361" not in lost
+    assert "W363" not in lost
+    without = {"factor": None, "outcome": Outcome.NO_REST, "basis": Basis.NONE}
+    assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
+    assert said(**without)["W363"].endswith("not that they arise")
+    assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
     assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
     assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
+    held = " ".join(room._left_out(design, scene, (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)))
+    assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
+    assert "come to rest at 0.9993 of it" in held
+    assert "others held" not in " ".join(room._left_out(design, scene, (part,)))
 
 
 def test_goodman_and_bray_and_the_bound_of_dilating_joints() -> None:

@@ -17,7 +17,7 @@ from tests.hard_cases.cases import (
 )
 from tests.hard_cases.exact import line_vector, plane_normal
 from tests.hard_cases.exact import wedge as exact_wedge
-from tests.hard_cases.sweeps import LAST_DIGITS, MESH, PASSES, PROGRAM, ROUNDING, Sweep
+from tests.hard_cases.sweeps import LAST_DIGITS, MESH, PASSES, ROUNDING, SECTION, SPACE, Sweep
 
 FLOATS = tuple[float, ...]
 
@@ -82,11 +82,11 @@ SIZE = [
     Sweep("footing", TIMES, lambda s: footing(2000 * s * s, 40, 8 * s, 120 * s), SIZES, ROUNDING, "size",
           tested=5),
     Sweep("sphere, φ = 0", TIMES, lambda s: sphere(10 * s, 20 * s), SIZES[::4], MESH, "size", tested=2),
-    Sweep("block", TIMES, lambda s: stack(c=3 * s, size=s), SIZES, PROGRAM, "size-blocks", tested=5),
-    Sweep("stack of six", TIMES, lambda s: stack(30, 1, 30, many=6, size=s), SIZES, PROGRAM, "size-blocks", tested=4),
-    Sweep("toppling columns", TIMES, lambda s: columns(size=s), SIZES[::2], PROGRAM, "size-blocks",
+    Sweep("block", TIMES, lambda s: stack(c=3 * s, size=s), SIZES, SECTION, "size-blocks", tested=5),
+    Sweep("stack of six", TIMES, lambda s: stack(30, 1, 30, many=6, size=s), SIZES, SECTION, "size-blocks", tested=4),
+    Sweep("toppling columns", TIMES, lambda s: columns(size=s), SIZES[::2], SECTION, "size-blocks",
           statuses=("slides",), tested=2),
-    Sweep("bench", TIMES, bench, SIZES[::4], PROGRAM, "size-blocks", tested=2),
+    Sweep("bench", TIMES, bench, SIZES[::4], SPACE, "size-blocks", tested=2),
 ]  # fmt: skip
 
 # -- offset -----------------------------------------------------------------------------------------------
@@ -97,11 +97,11 @@ OFFSET = [
     Sweep("wedge", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, ROUNDING, "offset", tested=5),
     Sweep("wedge: volume", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, ROUNDING, "offset", "volume", tested=5),
     Sweep("wedge: coordinates", FAR, lambda x: wedge(WYLLIE, x), OFFSETS, LAST_DIGITS, "offset", "coordinates"),
-    Sweep("stack of six", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS, PROGRAM, "offset", tested=4),
+    Sweep("stack of six", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS, SECTION, "offset", tested=4),
     Sweep("stack: volume", FAR, lambda x: stack(30, 1, 30, many=6, shift=x), OFFSETS,
           (1e-8, "corners of 1 m given as floats at 1e7 m: 2e-9 of a side"), "offset", "volume", tested=4),
     Sweep("sphere, φ = 0", FAR, lambda x: sphere(shift=x), OFFSETS[1::4], MESH, "offset", tested=2),
-    Sweep("bench", FAR, lambda x: bench(shift=x), OFFSETS[1::7], PROGRAM, "offset", tested=2),
+    Sweep("bench", FAR, lambda x: bench(shift=x), OFFSETS[1::7], SPACE, "offset", tested=2),
 ]  # fmt: skip
 
 # -- aspect -----------------------------------------------------------------------------------------------
@@ -138,12 +138,12 @@ ASPECT = [
     Sweep("thin wedge", SLENDER, thin_wedge, ASPECTS, ROUNDING, "aspect", tested=6),
     Sweep("long plane", SLENDER, lambda a: plane(upper=35 - 20 / a), ASPECTS, ROUNDING, "aspect", tested=6),
     Sweep("thin plane", SLENDER, lambda a: plane(dip=60 - 25 / a), ASPECTS, ROUNDING, "aspect", tested=6),
-    Sweep("long plate", SLENDER, lambda a: stack(a, 1, c=3), ASPECTS, PROGRAM, "aspect", tested=5),
-    Sweep("slender column", SLENDER, leaning, ASPECTS, PROGRAM, "aspect", statuses=("topples",), tested=5),
-    Sweep("stack of six plates", SLENDER, lambda a: stack(30 * a, 1, 30, many=6), geometric(1.0, 1e4, 21), PROGRAM,
+    Sweep("long plate", SLENDER, lambda a: stack(a, 1, c=3), ASPECTS, SECTION, "aspect", tested=5),
+    Sweep("slender column", SLENDER, leaning, ASPECTS, SECTION, "aspect", statuses=("topples",), tested=5),
+    Sweep("stack of six plates", SLENDER, lambda a: stack(30 * a, 1, 30, many=6), geometric(1.0, 1e4, 21), SECTION,
           "aspect", tested=4),
     Sweep("bench: length", SLENDER, lambda a: bench(length=30 * a, spacings=(9, 12, 14 * a)),
-          geometric(1.0, 5.0, 5), PROGRAM, "aspect", statuses=("topples", "rotates"), tested=2),
+          geometric(1.0, 5.0, 5), SPACE, "aspect", statuses=("topples", "rotates"), tested=2),
 ]  # fmt: skip
 
 # -- stiffness --------------------------------------------------------------------------------------------
@@ -181,7 +181,7 @@ WATER = [
           logarithmic=False, statuses=TURNS),
     Sweep("plane", WATER_LABEL, lambda u: plane(pressure=u), even(0.0, 80.0, 41), PASSES, "water", logarithmic=False,
           statuses=TURNS),
-    Sweep("block", WATER_LABEL, lambda u: stack(c=3, pressure=u), even(0.0, 30.0, 31), PROGRAM, "water",
+    Sweep("block", WATER_LABEL, lambda u: stack(c=3, pressure=u), even(0.0, 30.0, 31), SECTION, "water",
           logarithmic=False, statuses=("topples", "falls")),
 ]  # fmt: skip
 
@@ -244,7 +244,7 @@ DIPS = [
           "flat", tested=5),
     Sweep("flat footing", "dip of the joints, degrees", lambda d: footing(dip=d), geometric(0.05, 55.0, 41), ROUNDING,
           "flat", tested=5),
-    Sweep("flat block", "dip of the joints, degrees", lambda d: stack(dip=d), geometric(1e-4, 14.0, 31), PROGRAM,
+    Sweep("flat block", "dip of the joints, degrees", lambda d: stack(dip=d), geometric(1e-4, 14.0, 31), SECTION,
           "flat", tested=5),
     Sweep("steep wedge", "dip short of 90 degrees", upright, geometric(40.0, 0.05, 41), ROUNDING, "steep"),
     Sweep("steep plane", "dip short of 90 degrees", lambda x: plane(face=90 - x / 2, dip=90 - x),
@@ -262,12 +262,12 @@ STRENGTH = [
     Sweep("wedge, c = 0", "φ, degrees", lambda f: wedge(PAPER, c=0, phi=f), FRICTIONS, ROUNDING, "friction",
           logarithmic=False),
     Sweep("plane", "φ, degrees", lambda f: plane(phi=f), FRICTIONS, ROUNDING, "friction", logarithmic=False, tested=5),
-    Sweep("block", "φ, degrees", lambda f: stack(phi=f), FRICTIONS, PROGRAM, "friction", logarithmic=False, tested=6,
+    Sweep("block", "φ, degrees", lambda f: stack(phi=f), FRICTIONS, SECTION, "friction", logarithmic=False, tested=6,
           statuses=("falls",)),
     Sweep("wedge", "c, kPa", lambda c: wedge(WYLLIE, c=c), COHESIONS, ROUNDING, "cohesion"),
     Sweep("wedge, φ = 0", "c, kPa", lambda c: wedge(WYLLIE, c=c, phi=0), COHESIONS, ROUNDING, "cohesion"),
     Sweep("plane, φ = 0", "c, kPa", lambda c: plane(c=c, phi=0), COHESIONS, ROUNDING, "cohesion", tested=5),
-    Sweep("block", "c, kPa", lambda c: stack(c=c), COHESIONS, PROGRAM, "cohesion", tested=5),
+    Sweep("block", "c, kPa", lambda c: stack(c=c), COHESIONS, SECTION, "cohesion", tested=5),
 ]  # fmt: skip
 
 SWEEPS = [*ANGLE, *SIZE, *OFFSET, *ASPECT, *STIFFNESS, *WATER, *LOADS, *DIPS, *STRENGTH]

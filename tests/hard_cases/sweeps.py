@@ -12,7 +12,8 @@ from tests.hard_cases.exact import Exact
 #: Relative errors that a cause explains.
 ROUNDING = 1e-9, "double precision; the condition of thin and near-parallel wedges costs up to seven of sixteen digits"
 PASSES = 2e-6, "one block: a settled sequence of passes stops at a change of 1e-6 (analysis.stop_when)"
-PROGRAM = 1e-5, "many blocks: the limit ends where its program is feasible to 1e-6"
+SECTION = 1e-9, "sections of many blocks: limit states exact for their contact modes; slender blocks cost digits"
+SPACE = 1e-5, "benches: in space the path ends where a step changes the limit by less than 1e-6"
 MESH = 1e-5, "curved surface: triangles with an edge of a twentieth of its size"
 LAST_DIGITS = 2e-15, "coordinates are floats: rounding of the corners, and of the sum with the offset"
 #: A load that needs less than a millionth of the strength counts as none (`no_driving_force`).

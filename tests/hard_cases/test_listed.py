@@ -8,7 +8,7 @@ import slopekit as sk
 from tests.hard_cases import exact
 from tests.hard_cases.cases import PAPER, STEEP, WYLLIE, Case, bench, columns, footing, plane, stack, wedge
 from tests.hard_cases.catalogue import apart, beneath_the_face, pulled
-from tests.hard_cases.sweeps import PASSES, PROGRAM, ROUNDING, Sweep, point, verdict
+from tests.hard_cases.sweeps import PASSES, ROUNDING, SECTION, SPACE, Sweep, point, verdict
 
 FAR = {"origin": (5e5, 4e6, 1e3)}
 
@@ -159,7 +159,7 @@ def test_planes_and_footings(case) -> None:
 ])  # fmt: skip
 def test_blocks_on_inclines(case, statuses) -> None:
     """A block on a horizontal plane, one without strength, and its centre of gravity on either side of its edge."""
-    assert_sound(case, PROGRAM, statuses)
+    assert_sound(case, SECTION, statuses)
 
 
 def test_centre_of_gravity_exactly_above_an_edge_is_a_status_either_way() -> None:
@@ -168,7 +168,7 @@ def test_centre_of_gravity_exactly_above_an_edge_is_a_status_either_way() -> Non
     assert found.status in ("slides", "topples", "not_converged")
     if found.limit is not None:
         sliding = exact.tangent(50) / exact.tangent(math.degrees(math.atan(0.5)))
-        assert found.limit == pytest.approx(float(sliding), rel=PROGRAM[0])
+        assert found.limit == pytest.approx(float(sliding), rel=SECTION[0])
 
 
 def test_a_block_on_ground_that_hardly_dips_has_no_driving_force() -> None:
@@ -183,7 +183,7 @@ def test_duplicate_planes_are_one_and_said(offset) -> None:
     """A fourth set a hair from the first: merged, W337, the same factor."""
     double = bench(more={"S4": {"plane": [45, 170], "spacing": 9.0, "offset": offset, "strength": "joint"}})
     found = point(double)
-    assert found.limit == pytest.approx(found.exact, rel=PROGRAM[0])
+    assert found.limit == pytest.approx(found.exact, rel=SPACE[0])
     assert "W337" in found.flags
 
 
@@ -196,7 +196,7 @@ def test_the_same_set_twice_is_refused() -> None:
 def test_planes_through_one_vertex(shift) -> None:
     """All three sets pass through the toe, mid-length: eight blocks share that point."""
     found = point(bench(spacings=(7.0, 10.0, 10.0), offsets=(0.0, 0.0, 0.0), shift=shift))
-    assert found.limit == pytest.approx(found.exact, rel=PROGRAM[0])
+    assert found.limit == pytest.approx(found.exact, rel=SPACE[0])
     assert found.status == "slides"
 
 

@@ -13,6 +13,7 @@ from slopekit.studies import check as module
 from slopekit.studies import ladders
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.ladders import Rung, timed
+from slopekit.views.check_sheet import check_line
 from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
 
 ONE_PLANE = {
@@ -155,6 +156,45 @@ def test_the_shear_stiffness_of_the_elastic_joints_has_its_rungs(design, stiff, 
     assert by_ratio.keys() == {0.1, 1.0}
     for ratio, wanted in ((1.0, stiff), (0.1, soft)):
         assert by_ratio[ratio] == pytest.approx(wanted, abs=10.0 ** -len(str(wanted).partition(".")[2]))
+
+
+def test_a_limit_that_hangs_on_the_stiffness_of_the_joints_is_not_consistent() -> None:
+    """Rough columns: 0.905 with k_t/k_n 1 and 0.670 with 0.1, the limit 0.8175 (METHOD-3.md §13)."""
+    found = check(sk.load(ROUGH_COLUMNS))
+    one = finding(found, "stiffness ratio")
+    assert one.value == pytest.approx(1.0 - 0.670 / 0.8175, abs=2e-3)
+    assert (one.met, one.code, one.to_dict()["code"]) == (False, "W364", "W364")
+    assert "0.6698 with k_t/k_n 0.1, 0.9048 with k_t/k_n 1" in one.words
+    assert "judge by the range of its mechanism, 0.6689 .. 0.9715" in one.words
+    assert [other.name for other in found.findings if other.met is False] == ["stiffness ratio"]
+    assert found.consistent is False
+    assert found.exit_code == 4
+    assert "hangs on the stiffness of the joints" in check_line(found)
+
+
+def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
+    found = check(sk.load(BONDED_ROW))
+    one = finding(found, "stiffness ratio")
+    assert one.value < 1e-6
+    assert (one.met, one.to_dict()["code"]) == (True, None)
+    assert found.consistent
+
+
+def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> None:
+    """And what the other ratio says counts still."""
+    lost = {"factor": 1.0}
+
+    def ladder(solved):
+        limit = solved.result.fos.limit
+        return (Rung("stiffness", "", 1, 0.1, None, 0.0), Rung("stiffness", "", 1, 1.0, limit * lost["factor"], 0.0))
+
+    monkeypatch.setattr(module, "assembly_ladder", ladder)
+    one = finding(check(sk.load(BONDED_ROW)), "stiffness ratio")
+    assert (one.met, one.value) == (None, None)
+    assert "none with k_t/k_n 0.1" in one.words
+    lost["factor"] = 1.02
+    one = finding(check(sk.load(BONDED_ROW)), "stiffness ratio")
+    assert (one.met, one.value) == (False, pytest.approx(0.02))
 
 
 @pytest.mark.parametrize(("by", "seen"), [(1.015, {"holds at limit"}), (0.95, set()), (1.02, {"holds at limit"})])

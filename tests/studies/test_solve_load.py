@@ -3,6 +3,7 @@
 import pytest
 
 import slopekit as sk
+from benchmarks.blocks import multiplier
 from slopekit.views.solve_sheet import solve_sheet
 
 COLUMN = {
@@ -21,5 +22,17 @@ def test_a_column_tips_at_its_slenderness_and_nothing_is_said_to_be_put_back() -
     assert found.answer.value == pytest.approx(0.5, rel=1e-9)
     root = found.to_dict()["pre_ie"]["roots"][0]
     assert (root["fos"], root["misses_by"], root["put_back"]) == (None, None, None)
-    assert "not put back" in solve_sheet(found)
-    assert "misses by" not in solve_sheet(found)
+    sheet = solve_sheet(found)
+    assert "not put back" in sheet
+    for claim in ("misses by", "BRACKET", "REACH", "the methods at"):  # there was no search, and no second method
+        assert claim not in sheet
+
+
+def test_the_benchmark_takes_the_way_of_solve() -> None:
+    """`python -m benchmarks.blocks multipliers`: the column's 1/2, and no number where no load moves it."""
+    assert multiplier(_column(0.0), _column(1.0))[:2] == (pytest.approx(0.5, rel=1e-9), "topples")
+    assert multiplier(_column(0.0), _column(0.0))[:2] == (None, "none")
+
+
+def _column(k: float) -> dict:
+    return COLUMN | {"loads": {"seismic": {"k": k, "toward": "090"}}}

@@ -91,8 +91,9 @@ def test_goodman_and_brays_columns() -> None:
     assert "c 0 kPa φ 38.15°" in columns
     assert part(text, "STATUS") == "blocks topple: 10 topple (C4 to C13), 2 slide (C2, C3), 4 stay"
     fos = part(text, "FoS")
-    assert fos.startswith("1.0006 limit, PRE-IE difference 0.06")
-    assert "AGREE (limit 1 %) 1.0000 Goodman & Bray closed form 1.1904 static bound" in fos
+    assert fos.startswith("1.0006 limit of the elastic path 1.0000 Goodman & Bray closed form difference 0.06")
+    assert "AGREE (limit 1 %) none same mechanism" in fos
+    assert "no range was found 1.1904 static bound" in fos
     assert "upper bound), 19.0 % above the limit" in fos
     moves = part(text, "MOVES")
     assert "fastest C4, which topples toward 270/26.6 (x is 090)" in moves
@@ -125,24 +126,43 @@ def test_a_long_table_says_what_it_leaves_out(count, left_out) -> None:
 def test_no_factor_is_a_reason_and_never_a_number(status) -> None:
     found = two_blocks(status)
     fos = part(sheet(found), "FoS")
-    assert fos.startswith(f"none limit, PRE-IE ({found.status_text})")
+    assert fos.startswith(f"none limit of the elastic path: {found.status_text}")
+    assert "same mechanism" not in fos
+    assert ("largest unbalanced force" in part(sheet(found), "CHECKS")) == (status == "no_driving_force")
     assert not re.search(r"\d\.\d|∞|inf", fos)
     assert part(sheet(found), "STATUS").startswith(found.status_text)
 
 
 @pytest.mark.parametrize(("lowest", "highest", "said"), [
-    (1.1, 1.4, "1.1000 .. 1.4000 same mechanism"), (None, 1.4, "none .. 1.4000 same mechanism"), (None, None, None),
+    (1.1, 1.4, "1.1000 .. 1.4000 same mechanism"), (None, 1.4, "none .. 1.4000 same mechanism"),
+    (None, None, "none same mechanism"),
 ])  # fmt: skip
 def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said) -> None:
-    """Where neither end was found there is no line."""
+    """Where neither end was found the line says that."""
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
     found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
     fos = FactorsOfSafety(limit=1.25, static_bound=1.5, lowest=lowest, highest=highest)
     text = part(sheet(replace(found, fos=fos, static_bound_proved=True)), "FoS")
-    assert text.startswith("1.2500 limit, PRE-IE")
-    assert ("same mechanism" in text) == (said is not None)
-    if said:
-        assert f"{said}, whatever forces are locked in 1.5000 static bound" in text
+    assert text.startswith("1.2500 limit of the elastic path")
+    none = "" if lowest or highest else ": no range was found"
+    assert f"{said}, whatever forces are locked in{none} 1.5000 static bound" in text
+
+
+@pytest.mark.parametrize(("basis", "change", "said"), [
+    ("limit", 0.0, "1.2500 limit of the elastic path (k_t/k_n 0.4) none closed form"),
+    ("settled", 0.0, "1.2500 limit of the elastic path (k_t/k_n 0.4), settled none closed form"),
+    ("peak", 0.004, "1.2500 peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.2550, 0.4"),
+    ("peak", 0.0, "1.2500 peak of the elastic path (k_t/k_n 0.4): last state at rest none closed form"),
+])  # fmt: skip
+def test_the_headline_says_what_it_rests_on(basis, change, said) -> None:
+    one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"), change=change, basis=basis)
+    found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
+    assert found.findings is not None
+    found = replace(found, findings=replace(found.findings, shear_to_normal=0.4))
+    assert part(sheet(found), "FoS").startswith(said)
+    first = found.to_dict()["assembly"]["mechanisms"][0]
+    assert (first["basis"], first["change"]) == (basis, change)
+    assert found.to_dict()["assembly"]["shear_to_normal"] == 0.4
 
 
 @pytest.mark.parametrize(("rule", "lowest", "said"), [
@@ -162,7 +182,7 @@ def test_a_rule_says_whether_it_is_met_for_every_locked_in_force(rule, lowest, s
 
 def test_what_stays_is_counted() -> None:
     text = part(sheet(two_blocks()), "STATUS")
-    assert text == "blocks fall: nothing holds them, whatever the strength; 1 falls (B1), 1 stays"
+    assert text == "blocks fall: no strength that was tried holds them; 1 falls (B1), 1 stays"
 
 
 def test_all_pairs_stand_beside_the_limit_where_asked_for() -> None:
@@ -219,7 +239,7 @@ def test_successive_mechanisms() -> None:
     text = part(sheet(found), "NEXT")
     assert "1 0.9000 0.9500 slide 49 slide (B2, B4, B6, B8, ... and 45 more)" in text
     assert "2 0.8500 1.4000 turn at once: 4 slide (B207 to B210), 2 turn (B211, B212)" in text
-    assert "3 none none fall at once: blocks fall: nothing holds them, whatever the strength; 6 fall" in text
+    assert "3 none none fall at once: blocks fall: no strength that was tried holds them; 6 fall" in text
     assert "4 0.9300 1.4000 turn 4 slide (B221" in text  # needs weaker joints than the first: not at once
     assert "... 30 more: 180 blocks, FoS 0.9800 to 1.2700 ..." in text
     assert "40 1.2900" in text
@@ -293,9 +313,11 @@ def test_columns_in_rows_with_two_strengths() -> None:
 
 
 def test_checks_have_their_units() -> None:
-    found = part(sheet(two_blocks(checks={"contact_tolerance_m": 1e-3, "joint_area_m2": 512.345, "new_figure": 0.0,
-                                          "plane_error_m": 2e-15, "gap": 3.0,
-                                          "largest_unbalanced_force": 9.1e-9})), "CHECKS")  # fmt: skip
+    checks = {
+        "contact_tolerance_m": 1e-3, "joint_area_m2": 512.345, "new_figure": 0.0, "plane_error_m": 2e-15, "gap": 3.0,
+        "largest_unbalanced_force": 9.1e-9,
+    }  # fmt: skip
+    found = part(sheet(two_blocks("no_driving_force", checks=checks)), "CHECKS")
     assert found == (
         "contact tolerance 0.001 m; joint area 512.3 m²; new figure 0; corners at most 2e-15 m off their planes; "
         "gap 3; largest unbalanced force 9.1e-09 of the load"

@@ -17,7 +17,7 @@ from slopekit.views.report import report_of
 from slopekit.views.report_blocks import block_table
 from slopekit.views.report_inputs import input_tables
 from slopekit.views.report_tables import force_tables
-from slopekit.views.report_words import meaning
+from slopekit.views.report_words import limit_of, meaning
 from slopekit.views.sheet import document_of
 from slopekit.views.stage import Stage
 from slopekit.views.viewer_data import viewer_data
@@ -56,7 +56,20 @@ def test_the_range_of_the_mechanism_is_in_the_table() -> None:
     found = found | {"inputs": found["inputs"] | {"criterion": "all-pairs"}}
     found["fos"] = found["fos"] | {"all_pairs_failed": 0.5}
     seen = words(report_of(found, with_pictures=False).html)
-    assert "limit, PRE-IE; all pairs failed 0.5000 governs acceptance" in seen
+    assert "limit of the elastic path (k_t/k_n 0.4); all pairs failed 0.5000 governs acceptance" in seen
+
+
+def test_what_a_limit_of_many_blocks_is() -> None:
+    """Files written before the path, or before its basis was kept, do not get one."""
+    found = document("goodman-bray")
+    seen = words(report_of(found, with_pictures=False).html)
+    assert "slip does not dilate unless given; limit of the elastic path (k_t/k_n 0.4)" in seen
+    first = found["assembly"]["mechanisms"][0] | {"basis": "peak", "change": 0.01, "fos": 1.0}
+    peak = found["assembly"] | {"mechanisms": [first]}
+    assert limit_of(found | {"assembly": peak}).endswith("last state at rest; the blocks run at 1.0100, 1 % higher")
+    old = {name: value for name, value in found["assembly"].items() if name != "shear_to_normal"}
+    assert limit_of(found | {"assembly": old}) == "limit, PRE-IE"
+    assert limit_of(document("wet")) == "limit, PRE-IE"
 
 
 def test_without_a_limit_no_number_is_praised() -> None:
@@ -104,7 +117,7 @@ def test_why_a_block_has_no_factor() -> None:
     names = [f"B{k}" for k in range(1, 7)]
     found = scenes_of_none(names)
     table = {row[0]: row[2] for row in block_table(found["assembly"]).rows}
-    assert table == {"1.2500": "B1, B2", "none: fails whatever the strength": "B3", "not settled": "B4"}
+    assert table == {"1.2500": "B1, B2", "none: held by no strength that was tried": "B3", "not settled": "B4"}
     seen = words(report_of(found, with_pictures=False).html)
     assert "was not asked for" not in seen
     assert "not settled: its factor is no answer" in seen

@@ -223,7 +223,7 @@ FALLING = {
 def test_what_falls_is_not_shown_as_standing() -> None:
     picture = compose(sk.run(FALLING).to_dict(), "factors")
     words = [text for text, _, _ in picture.legend]
-    assert "fails whatever the strength (1)" in words
+    assert "held by no strength that was tried (1)" in words
     assert any(text.startswith("no factor: it stands") and text.endswith("(1)") for text in words)
 
 

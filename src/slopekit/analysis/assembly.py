@@ -20,7 +20,8 @@ from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.blocks import Basis
+from slopekit.preie.bed import SHEAR_TO_NORMAL
+from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
@@ -114,6 +115,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     findings = Findings(
         found, _factors(ravelling, scene, found), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
+        SHEAR_TO_NORMAL,
     )  # fmt: skip
     parts = ravelling.parts
     balanced = _balance(parts)
@@ -206,6 +208,12 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     said = ["bedrock and fixed blocks (they do not move), contacts between them, free faces", *scene.left_out]
     if len(parts) > 1:
         said.append(f"{len(parts)} groups of blocks touch only through bedrock: each is solved for itself (exact)")
+    for part in parts:
+        if part.limit.group:
+            said.append(
+                f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
+                f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it and run beyond it"
+            )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
@@ -291,23 +299,25 @@ def _notices(
         yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")
     if limit.basis is Basis.PEAK and first.fos:
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
-                     "rest, the peak of the elastic path; limits of such slopes were up to 4 % lower")  # fmt: skip
+                     "rest, the peak of the elastic path; where limits of random sections were found they lay up to 4 "
+                     "% below their peaks, which is no bound on this one")  # fmt: skip
     if limit.loads_last and first.fos:
-        yield Notice("W361", "with all loads on at once the blocks find no limit state: weight and water came first, "
-                     "the other loads after them, and F is where they just all fit on")  # fmt: skip
-    if limit.loads_last and first.fos is None and limit.carried is not None and limit.carried < 1.0:
-        yield Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
-                     "water, and no friction lets them carry all: there is no factor of safety")  # fmt: skip
+        yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
+                     "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
+    if limit.outcome is Outcome.NO_REST:
+        yield _without_rest(limit)
     if first.fos and first.static_bound is None:
-        yield Notice("W309", "the static bound was not found: joints free to dilate would wedge these blocks fast")
+        yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
+                     "joints free to dilate would lock them; nothing stands above the limit")  # fmt: skip
     if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if (limit.bond == 0.0).any():
         share = float(1.0 - limit.bond.mean())
-        yield Notice("W307", f"the mechanism opens contacts, which lose their cohesion ({share * 100:.2g} % of the "
-                     "node pairs): the factor of safety jumps where that happens")  # fmt: skip
+        yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened twice, have "
+                     f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
+                     "that happens")  # fmt: skip
     if isinstance(design, BenchDesign):
         patches, fixed = scene.assembly.patches, np.append(scene.assembly.fixed, True)
         moves = np.zeros(len(fixed), dtype=bool)
@@ -317,3 +327,19 @@ def _notices(
                          "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
     if isinstance(design, ToppleDesign) and closed.why_not:
         yield Notice("W340", closed.why_not)
+
+
+def _without_rest(limit: BlocksLimit) -> Notice:
+    """Why blocks that forces could balance have no factor, with what was tried."""
+    most = f"{STRONGER[-1]:g} times the strength of the static bound"
+    if limit.loads_last and limit.carried is not None and limit.carried < 1.0:
+        tried = f"up to {most}" if limit.static_bound else "at any strength that was tried"
+        return Notice("W362", f"at full strength the blocks fail at {limit.carried:.4g} of the loads beside weight and "
+                      f"water, and {tried} they did not carry all of them: no factor of safety is given")  # fmt: skip
+    exist = (
+        ""
+        if limit.static_bound is None
+        else "; the static bound says that forces in balance exist, not that they arise"
+    )
+    return Notice("W363", "on elastic joints the blocks came to rest at none of the strengths that were tried: no "
+                  f"factor of safety is given{exist}")  # fmt: skip

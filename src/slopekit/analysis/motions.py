@@ -6,6 +6,7 @@ from slopekit.analysis.assembly_scene import AssemblyScene
 from slopekit.analysis.assembly_states import states_of_part
 from slopekit.arrays import Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes
 
@@ -58,9 +59,11 @@ def mechanism(failure: Failure, scene: AssemblyScene) -> Mechanism:
         tuple(blocks),
         governing,
         counts,
+        max((part.limit.basis for part in failure.parts), key=_SUREST.index).name.lower(),
     )
 
 
+_SUREST = (Basis.LIMIT, Basis.SETTLED, Basis.PEAK, Basis.NONE)  # the surest first
 _WITHOUT = (("topples", "topples"), ("rotates", "topples"), ("lifts", "lifted"), ("falls", "falls"))
 
 

@@ -18,6 +18,7 @@ from slopekit.errors import Notice
 from slopekit.extents import Geometry
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
+from slopekit.onlooker import say
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
 from slopekit.preie.contact import CloughDuncan, JointStiffness
@@ -55,6 +56,7 @@ class Clock:
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:
+        say(stage.replace("_", " "), head=True)
         began = time.perf_counter()
         yield
         self.times[stage] = self.times.get(stage, 0.0) + time.perf_counter() - began

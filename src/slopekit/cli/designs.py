@@ -20,6 +20,7 @@ from slopekit.cli.common import (
     load_design,
     write,
 )
+from slopekit.cli.progress import progress, watched
 from slopekit.errors import DesignError, Fault
 
 if TYPE_CHECKING:
@@ -83,7 +84,10 @@ def wedge(
         "shear_stiffness": shear_stiffness, "criterion": criterion, "accept": accept, "agree_within": agree_within,
         "gravity": gravity, "water_unit_weight": water_unit_weight, "refine": refine, "origin": origin,
     }  # fmt: skip
-    _finish(analyse_wedge(wedge_design(given, _option)), folder, image, no_pictures, as_json, quiet)
+    read = wedge_design(given, _option)
+    with watched():
+        result = analyse_wedge(read)
+    _finish(result, folder, image, no_pictures, as_json, quiet)
 
 
 def run(
@@ -100,7 +104,10 @@ def run(
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)
-    _finish(analyse(load_design(design, sets)), folder, image, no_pictures, as_json, quiet)
+    read = load_design(design, sets)
+    with watched():
+        result = analyse(read)
+    _finish(result, folder, image, no_pictures, as_json, quiet)
 
 
 def check(
@@ -132,7 +139,9 @@ def check(
     from slopekit.views.check_sheet import check_line, check_sheet
 
     image = checked_image(picture)
-    checked = check_design(load_design(design or "", sets))
+    read = load_design(design or "", sets)
+    with watched():
+        checked = check_design(read)
     record = checked.to_dict()
     document = json_text(record)
     sheet = check_sheet(checked)
@@ -147,10 +156,12 @@ def check(
 
 
 def _check_suite(folder: Path | None, as_json: bool, quiet: bool) -> None:
+    from slopekit.studies.references import chosen
     from slopekit.studies.suite import verify
     from slopekit.views.verification import summary, table, write
 
-    verification = verify()
+    with progress("cases", len(chosen(None))) as advance:
+        verification = verify(progress=lambda _done, _of: advance(1))
     if folder is not None:
         write(verification, folder)
     document = json_text(verification.to_dict()) if as_json else ""

@@ -35,7 +35,7 @@ _ABOVE = 1e-4  # a factor this far above the static bound is none
 _BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
-_STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
 _BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
@@ -68,6 +68,7 @@ class BlocksLimit:
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water
     steps : factorisations of the path; bound_steps : of the bound
+    group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
 
     outcome: Outcome
@@ -85,15 +86,24 @@ class BlocksLimit:
     loads_last: bool
     steps: int
     bound_steps: int
+    group: int = 0
+    width: float = 0.0
 
 
-def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL) -> BlocksLimit:
+Proposal = Callable[[Floats], PathLimit | None]
+"""The limit of all blocks with some bonds (m,), found in another way than the path; None where that leads nowhere."""
+
+
+def limit_of_blocks(
+    model: AssemblyModel, ranged: bool = True, ratio: float = SHEAR_TO_NORMAL, proposal: Proposal | None = None
+) -> BlocksLimit:
     """The limit factor of an assembly with its static bound.
 
     Parameters
     ----------
     ranged : whether the range of the mechanism is wanted
     ratio : k_t / k_n of the elastic joints
+    proposal : what is tried before the path
     """
     strong = model.tan_friction.any() or model.cohesion.any()
     bound = static_bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
@@ -105,6 +115,11 @@ def limit_of_blocks(model: AssemblyModel, ranged: bool = True, ratio: float = SH
 
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
+        loads_last, carried = False, None
+        settled = None if proposal is None else proposal(bond)
+        if settled is not None:
+            steps += settled.factorisations
+            return settled
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
         steps += work
         return found
@@ -148,7 +163,7 @@ def _limit(
     velocity = frozen(found.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(found.friction), frozen(bond), top,
-        None, None, carried, loads_last, steps, bound.steps,
+        None, None, carried, loads_last, steps, bound.steps, found.group, found.width,
     )  # fmt: skip
 
 
@@ -227,6 +242,15 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     )  # fmt: skip
 
 
+def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
+    """The limit of some blocks with bonds (m,) as they are; None where there is none."""
+    bound = static_bound(model)
+    if bound.lifted:
+        return None
+    found, *_ = _on_path(model, bond, bound, SHEAR_TO_NORMAL)
+    return found if found.parameter else None
+
+
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
 
 
@@ -289,7 +313,7 @@ def _loads_last(
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     found: PathLimit | None = None
-    for times in _STRONGER:
+    for times in STRONGER:
         last = carried(times * least)
         if fits_on(last):
             fits = times * least

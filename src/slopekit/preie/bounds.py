@@ -14,18 +14,18 @@ T = -λ r in the direction of its slip (METHOD-3.md §13, M): where how far forc
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.distance import NEAR, NOTHING, Distance, StaticBound, bound_by_programs
-from slopekit.preie.program import BlockProgram, Strengths
+from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 
 _CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
 _BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
-_STEPS = 60  # in which the interior-point method settles if it does
+_STEPS = 150  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _SHED = 1e-3  # of the load: nothing balances it
@@ -37,24 +37,33 @@ _WIDEST = 50.0  # times the factor: a range that goes on is cut there
 
 def static_bound(model: AssemblyModel) -> StaticBound:
     """The static bound of all blocks of a model."""
+    say("static bound")
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
         found = bound_by_programs(model)
-        if found is not None and not found.lifted:
+        if found is not None:
             return found
     program = BlockProgram(model)
     program.elastic *= _HARDLY
     at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
     at, steps = at_once.at, at_once.steps
-    if at.shed > _SHED and at_once.unbalanced < _BALANCED:
+    if _is_lifted(at_once):
         return StaticBound(None, True, False, program.release(), at.normal, steps)
     if at_once.settled and at_once.unbalanced < _BALANCES:
         locked = at.load_factor < NOTHING
         return StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
     found = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
-    if found is None:
-        return StaticBound(None, False, False, at.velocity, at.normal, steps)
-    return replace(found, velocity=program.release()) if found.lifted else found
+    if found is not None:
+        return found
+    summed = model.by_group(program.start.normal)
+    dilating = Strengths(model.tan_friction, program.cohesion + model.tan_friction * summed, summed)
+    lifted = _is_lifted(program.solve(dilating, program.start, _CLOSE, _STEPS))
+    return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
+
+
+def _is_lifted(found: ProgramResult) -> bool:
+    """Whether no strength however high balances the loads."""
+    return found.at.shed > _SHED and found.unbalanced < _BALANCED
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------
@@ -73,6 +82,7 @@ def mechanism_range(
     -------
     (lowest, highest); an end is None where it lies beyond fifty times (a fiftieth of) the factor.
     """
+    say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
     if away.at(1.0 / factor).distance > 1e3 * _REACHES:
         return None

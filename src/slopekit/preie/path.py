@@ -20,6 +20,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.arrays import Floats
+from slopekit.onlooker import say
 from slopekit.preie.bed import Bed, Forces, Step
 from slopekit.preie.program import BlockProgram, Strengths
 
@@ -31,7 +32,7 @@ _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 _ROUGHER = 7  # doublings of the strength to start from
 _LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
 _FARTHEST = 1e6  # load multiplier, or work of C in parts of the elastic
-_EASES, _THICKENS = 0.2, 5.0  # viscosity after a step that went well, and one that did not
+_EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not
 _THIN, _THICK = 1e-8, 1e-2  # viscosity in parts of the elastic stiffness: least, and to begin with
 _EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
 _FAILS = 5
@@ -40,7 +41,10 @@ _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
-_TOWARDS = (0.6, 0.85, 0.95, 0.99, 0.999)  # parts of a proposed factor at which all have to come to rest
+_FIRST, _CLOSER, _JUST = 0.4, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
+_NEAR_ENOUGH, _TO_REST = 1e-2, 400  # the widest that may do where slivers do not settle, in so many factorisations
+_MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 _STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
@@ -73,6 +77,8 @@ class PathLimit:
     reduction : λ of the joints there
     residual : largest unbalanced force in parts of the largest load
     started : the parameter at which gravity, or the first load, was at rest
+    group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
+        parts of it, all blocks were not seen at rest
     factorisations : work done
     """
 
@@ -87,6 +93,8 @@ class PathLimit:
     residual: float
     factorisations: int
     started: float = math.nan
+    group: int = 0
+    width: float = 0.0
 
     @property
     def found(self) -> bool:
@@ -115,14 +123,15 @@ def relaxed(
     far : work in parts of the elastic at which they run
     patience : factorisations after which it is left for later
     """
-    before, last, fails = at, viscosity, 0
+    before, last, fails, least = at, viscosity, 0, _THIN
     patience += bed.factorisations
     for _ in range(most):
         if bed.factorisations > patience:
             break
         step = bed.step(at, at, parameter, viscosity)
         if not step.settled:
-            viscosity, fails = max(_THICKENS * viscosity, _THICK), fails + 1
+            least = viscosity = max(_THICKENS * viscosity, _THICK)
+            fails += 1
             if fails > 6:
                 return _Flow(at, bed.forces(at, parameter), "lost", before, last)
             continue
@@ -131,7 +140,8 @@ def relaxed(
             return _Flow(at, step.forces, "rest", before, last)
         if abs(float(bed.working @ at)) > far * bed.elastic_work:
             return _Flow(at, step.forces, "runs", before, last)
-        viscosity = max(_EASES * viscosity, _THIN)
+        least = max(_GENTLY * least, _THIN)  # where a step has failed viscosity goes slowly
+        viscosity = max(_EASES * viscosity, least)
     return _Flow(at, bed.forces(at, parameter), "slow", before, last)
 
 
@@ -171,6 +181,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs:
             ratio = math.sqrt(bed.drive.gap(runs[-1][0], parameter))
         trial = bed.drive.harder(parameter, ratio)
+        say("path, strength divided by" if strength else "path, load times", 1.0 / trial if strength else trial)
         tried = _tried(bed, at, trial)
         if tried.ended != "rest":
             runs.append((trial, tried))
@@ -274,6 +285,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     displacement again and again: λ goes like the limit plus a part of 1/t. And the path has to get there: the blocks
     rest at a little more strength.
     """
+    say("limit far down the path")
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = program.carried(model.cohesion * bond)
@@ -293,19 +305,50 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
             limit = _result(bed, PathOutcome.SETTLED, step.parameter, None, step.at, step.at - last.at, step.forces)
         last = step
         if limit is not None and limit.parameter is not None:
-            return limit if rests_before(bed, 1.0 / limit.parameter).ended == "rest" else None
+            flow, _ = rests_before(bed, 1.0 / limit.parameter)
+            return limit if flow.ended == "rest" else None
     return None
 
 
-def rests_before(bed: Bed, factor: float) -> _Flow:
-    """All blocks towards a factor from the strong side: at rest just before it, or the flow that shows who moves."""
-    at = bed.elastic_displacement
-    for part in _TOWARDS:
-        flow = relaxed(bed, at, 1.0 / (factor * part), 0.0, far=_RUNS)
-        if flow.ended != "rest":
-            break
-        at = flow.at
-    return flow
+def rests_before(bed: Bed, factor: float) -> tuple[_Flow, float]:
+    """All blocks towards a factor from the strong side.
+
+    Returns
+    -------
+    their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
+    """
+    gap = _FIRST
+    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 0.0, far=_RUNS)
+    stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
+    while flow.ended == "rest" and gap > _JUST:
+        trial = gap * stride
+        parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
+        step = bed.step(ahead, ahead, parameter, 0.0)
+        if step.settled and abs(float(bed.working @ step.at)) < 5.0 * abs(float(bed.working @ flow.at)):
+            ahead_of_it = _Flow(step.at, step.forces, "rest", flow.at, 0.0)
+        elif stride < _CLOSE_BY:
+            stride = math.sqrt(stride)
+            continue
+        else:
+            ahead_of_it = relaxed(bed, flow.at, parameter, _THICK, far=_RUNS, patience=_TO_REST)
+        if ahead_of_it.ended in ("slow", "lost") and gap < _NEAR_ENOUGH:
+            return flow, gap
+        moved, width = ahead_of_it.at - flow.at, gap - trial
+        flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
+    return flow, gap
+
+
+def runs_beyond(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool:
+    """Whether blocks at rest just before a factor run beyond it.
+
+    They do where what the motion (N,) needs is the strength along it; between the two lie strength that is not used up
+    and normal forces where the motion opens. Else they are let go.
+    """
+    _, slip = bed.motion(motion, 1.0 / factor)
+    resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) / factor
+    if abs(float(bed.drive.load @ motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
+        return True
+    return relaxed(bed, flow.at, (1.0 - _NEAR_ENOUGH) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:

@@ -14,23 +14,21 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
-from slopekit.preie.bounds import static_bound
+from slopekit.preie.blocks import Basis, BlocksLimit, first_limit, limit_of_blocks, load_limit
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathOutcome, rests_before
+from slopekit.preie.path import PathLimit, PathOutcome, rests_before, runs_beyond
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
-_LARGE = 60  # blocks in space: fewer are one path
+_LARGE = 12  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
-_MOST_BOUNDED = 1500  # blocks up to which the static bound of all is found
 _FLOWING = 0.05  # of the fastest block: who flows
 _TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
 _MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
@@ -217,61 +215,70 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
         else:
             model, patch = found
             large = model.unknowns == 6 and len(blocks) > _LARGE
-            part = _screened(scene, there, blocks, model, patch) if large else None
-            yield part or Part(model, limit_of_blocks(model, scene.ranged), blocks, patch)
+            groups = _Groups(scene, there, blocks, model, patch) if large else None
+            limit = limit_of_blocks(model, scene.ranged, proposal=groups.limit if groups else None)
+            yield Part(model, limit, blocks, patch)
 
 
-def _screened(scene: _Scene, there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> Part | None:
-    """A large component: a group is proposed, its limit found with the others held, and all blocks have to be at rest.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Groups:
+    """A large component in space: the limit of a group, the others held, proposes that of all.
 
     The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
     held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
-    group. None where that leads nowhere.
+    group. Where they rest just before it, and run just beyond it, it is the limit of all.
     """
-    assembly = scene.assembly
-    gone = ~there & ~assembly.fixed
-    alone = slide_alone(assembly, scene.loads, scene.strength, gone, blocks)
-    if not alone:
-        return None
-    bound = static_bound(model) if len(blocks) <= _MOST_BOUNDED else None
-    bolts = scene.loads.bolts
-    bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
-    group = np.array(alone)[np.argsort(bolted, kind="stable")][:1]
-    for _ in range(_MOST_GROUPS):
-        group = _with_neighbours(assembly, group, blocks)
-        found = _model(scene, there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
-        if found is None:
+
+    scene: "_Scene"
+    there: Bools
+    blocks: Ints
+    model: AssemblyModel
+    patch: Ints
+
+    def limit(self, bond: Floats) -> PathLimit | None:
+        """The limit of all blocks with some bonds (m,); None where groups lead nowhere."""
+        scene, model, blocks = self.scene, self.model, self.blocks
+        gone = ~self.there & ~scene.assembly.fixed
+        alone = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
+        if not alone:
             return None
-        small, own = found
-        limit = limit_of_blocks(small, scene.ranged and len(group) <= _LARGE)
-        if limit.factor is None:
-            return None
-        broken = np.zeros(len(assembly.patches), dtype=bool)
-        broken[own[np.bincount(small.pair_contact, limit.bond == 0.0, len(small.plus))[: len(own)] > 0]] = True
-        lost = np.append(broken[patch], np.zeros(len(model.bolts), dtype=bool))
-        bond = np.where(lost[model.pair_contact], 0.0, 1.0)
+        broken = np.zeros(len(scene.assembly.patches), dtype=bool)
+        broken[self.patch[model.pair_contact[bond == 0.0]]] = True
         bed = Bed(model, Drive(model.load.ravel()), bond)
-        flow = rests_before(bed, limit.factor)
-        if flow.ended == "rest":
-            velocity = np.zeros_like(model.load)
-            velocity[np.searchsorted(model.moving, small.moving)] = limit.velocity
-            scaled = velocity * np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-            top = None if bound is None or bound.factor is None else max(bound.factor, limit.factor)
-            if bound is not None and bound.factor is not None and bound.factor < limit.factor * (1.0 - 1e-4):
+        bolts, work = scene.loads.bolts, 0
+        bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
+        group = np.array(alone)[np.argsort(bolted, kind="stable")][:1]
+        for _ in range(_MOST_GROUPS):
+            group = _with_neighbours(scene.assembly, group, blocks)
+            found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
+            if found is None:
                 return None
-            whole = replace(
-                limit, velocity=frozen(scaled), normal_force=frozen(flow.forces.normal),
-                friction=frozen(flow.forces.friction), bond=frozen(bond), static_bound=top,
-                steps=limit.steps + bed.factorisations, bound_steps=0 if bound is None else bound.steps,
-            )  # fmt: skip
-            return Part(model, whole, blocks, patch)
-        if flow.ended != "runs":
-            return None
-        moved = (flow.at - flow.before).reshape(model.load.shape)
-        speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
-        movers = model.moving[speed > _FLOWING * float(speed.max())]
-        group = _with_neighbours(assembly, group, blocks) if np.isin(movers, group).all() else movers
-    return None
+            small, own = found
+            lost = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
+            limit = first_limit(small, np.where(lost[small.pair_contact], 0.0, 1.0))
+            if limit is None or limit.parameter is None:
+                return None
+            work += limit.factorisations
+            factor = 1.0 / limit.parameter
+            flow, gap = rests_before(bed, factor)
+            if flow.ended == "rest":
+                motion = np.zeros_like(model.load)
+                motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
+                motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
+                if not runs_beyond(bed, flow, motion.ravel(), factor):
+                    return None
+                return replace(
+                    limit, outcome=PathOutcome.SETTLED, width=gap, group=len(group), displacement=flow.at,
+                    motion=motion.ravel(), normal=flow.forces.normal, friction=flow.forces.friction,
+                    residual=flow.forces.residual / bed.load_size, factorisations=bed.factorisations + work,
+                )  # fmt: skip
+            if flow.ended != "runs":
+                return None
+            moved = (flow.at - flow.before).reshape(model.load.shape)
+            speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
+            movers = model.moving[speed > _FLOWING * float(speed.max())]
+            group = _with_neighbours(scene.assembly, group, blocks) if np.isin(movers, group).all() else movers
+        return None
 
 
 def _with_neighbours(assembly: Assembly, group: Ints, among: Ints) -> Ints:

@@ -9,13 +9,14 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from slopekit._version import __version__
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design
+from slopekit.onlooker import say
 from slopekit.result import Result
 from slopekit.studies.ladders import (
     NormalsRung,
@@ -30,6 +31,7 @@ from slopekit.studies.ladders import (
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
+_STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
 _MOST_UNTIED = 100  # moving blocks for which the all-pairs factor is looked for: its search takes long
 _INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
@@ -43,6 +45,7 @@ class Finding:
     ----------
     name : what; value : the figure, None where there is none; wanted : the most it may be, None where it is not judged
     met : None where it is not judged; words : a sentence
+    code : of its explanation (`slopekit explain`), where it needs one
     """
 
     name: str
@@ -50,10 +53,14 @@ class Finding:
     wanted: float | None
     met: bool | None
     words: str
+    code: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """The finding as JSON values."""
-        return {"name": self.name, "value": self.value, "wanted": self.wanted, "met": self.met, "words": self.words}
+        return {
+            "name": self.name, "value": self.value, "wanted": self.wanted, "met": self.met, "words": self.words,
+            "code": self.code or None,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,6 +192,7 @@ def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[flo
     result = solved.result
     few = result.model.moving_blocks <= _MOST_UNTIED
     if few and result.fos.limit and result.all_pairs is None:
+        say("all pairs", head=True)
         search = untied_search(design, solved.scene, solved.loads, result.fos.limit)
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
@@ -219,11 +227,13 @@ def _orders(ladder: tuple[Rung, ...]) -> tuple[float, ...]:
 def _cheapest(
     ladder: tuple[Rung, ...], errors: tuple[float | None, ...], within: float, own: Rung | None, moments_govern: bool
 ) -> int | None:
-    """The quickest rung that is near enough: neither the reference itself, nor one that leaves out what governs."""
+    """The quickest rung that is near enough: not the reference, other joints, or what leaves out what governs."""
     fit, missed = list[int](), set[str]()
     for k in reversed(range(len(ladder))):  # from the most effort down: what passes only by the way does not count
         error, rung = errors[k], ladder[k]
-        if rung is own or rung.method == "closed form" or (moments_govern and rung.method == "forces alone"):
+        if rung is own or rung.method in ("closed form", "stiffness"):
+            continue
+        if moments_govern and rung.method == "forces alone":
             continue
         if error is None or error > within:
             missed.add(rung.method)
@@ -244,8 +254,10 @@ def _findings(
         return
     yield _convergence(result, ladder, orders, unrefined)
     settled = result.model.residual <= design.stop_when
-    yield Finding("last pass", result.model.residual, design.stop_when, settled,
-                  "what it changed of the factor (0: solved exactly)")  # fmt: skip
+    last = "what it changed of the factor (0: solved exactly)"
+    if result.findings is not None:
+        last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
+    yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
     yield from _balance(result, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
@@ -256,6 +268,7 @@ def _findings(
             words = "with its strength changed another limit state is found: the factor is not unique"
         yield Finding("other strengths", off if all(others) else None, design.agree_within,
                       bool(all(others)) and off <= design.agree_within, words)  # fmt: skip
+    yield from _stiffness(result, fos.limit, [rung for rung in ladder if rung.method == "stiffness"])
     if fos.static_bound is None:
         yield Finding("static bound", None, None, None, "not found: nothing is said of limit <= bound")
     else:
@@ -314,6 +327,27 @@ def _convergence(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, 
     else:
         words = f"limit and last two meshes; observed order {shown}"
     return Finding(name, off, within, off <= within, words)
+
+
+def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[Finding]:
+    """Whether the limit of many blocks hangs on the stiffness ratio of their joints, which nobody measures."""
+    if not rungs:
+        return
+    name, shown = "stiffness ratio", ", ".join(
+        f"{'none' if rung.factor is None else f'{rung.factor:.4g}'} with k_t/k_n {rung.effort:g}" for rung in rungs
+    )  # fmt: skip
+    off = max((abs(rung.factor / limit - 1.0) for rung in rungs if rung.factor), default=0.0)
+    if off > _STIFFNESS:
+        low, high = ("none" if end is None else f"{end:.4g}" for end in (result.fos.lowest, result.fos.highest))
+        ranged = "" if low == high == "none" else f", judge by the range of its mechanism, {low} .. {high}"
+        words = f"{shown}: the limit hangs on the stiffness of the joints{ranged} (W364)"
+        yield Finding(name, off, _STIFFNESS, False, words, "W364")
+    elif all(rung.factor for rung in rungs):
+        within = "the same limit" if off <= _ALIKE else "the limit moves by no more"
+        yield Finding(name, off, _STIFFNESS, True, f"{within} on joints of k_t/k_n "
+                      + " and ".join(f"{rung.effort:g}" for rung in rungs))  # fmt: skip
+    else:
+        yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
 
 
 def _balance(result: Result, limit: float) -> Iterator[Finding]:

@@ -20,6 +20,7 @@ from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, GeometryError
 from slopekit.extents import SurfaceGeometry
+from slopekit.onlooker import say
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages
@@ -183,6 +184,7 @@ def _meshes(
     prepare: Callable[[int], Scene], refine: int, most: int, analyse: Callable[[Model], LimitAnalysis]
 ) -> Iterator[Rung]:
     for level in range(refine, most + 1):
+        say(f"ladder, parts split {_often(level)}", head=True)
         yield _limit_rung(prepare(level), analyse, f"parts split {_often(level)}", level)
 
 
@@ -205,6 +207,7 @@ def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
         if result.model.node_pairs / times**2 > _MOST_PAIRS:
             break
         other = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
+        say(f"ladder, edges of {times * geometry.edge_m:.3g} m", head=True)
         try:
             scene, edge = surface.prepare_meshed(other)
         except (DesignError, GeometryError):  # too coarse to cut this mass
@@ -240,6 +243,7 @@ def normals_rungs(design: Design, result: Result, ladder: Sequence[Rung]) -> tup
         if result.model.node_pairs / times**2 > _MOST_PAIRS:
             break
         wanted = None if is_mesh else times * _ROOM * geometry.edge_m
+        say(f"facet normals, edges {times:g} times as long", head=True)
         try:
             scene, edge = surface.prepare_meshed(
                 replace(design, slip=replace(design.slip, edge_m=wanted, normals="facet"))
@@ -265,6 +269,7 @@ def block_at_other_strengths(design: Design, result: Result) -> tuple[float | No
     model = prepare(max(refine, result.model.refined)).model
     found = []
     for k in (_OTHER_STRENGTH, result.fos.limit or 1.0):
+        say("other strengths, divided by", k, head=True)
         other = replace(
             model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
             bolt_capacity=model.bolt_capacity / k,
@@ -282,6 +287,7 @@ def assembly_at_other_strengths(solved: SolvedAssembly) -> tuple[float | None, .
     model, found = failures[0].parts[0].model, []
     with threadpool_limits(1):
         for k in (_OTHER_STRENGTH, failures[0].limit.factor):
+            say("other strengths", head=True)
             other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
             limit = limit_of_blocks(other, ranged=False)
             found.append(k * limit.factor if limit.factor else None)
@@ -303,6 +309,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
         return
     part = failures[0].parts[0]
     for ratio in _RATIOS:
+        say(f"ladder, k_t/k_n {ratio:g}", head=True)
         limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
         yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
     for level in range(3 if refines(solved) else 1):
@@ -311,6 +318,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
             model = finer_model(scene.assembly, solved.loads, joint_strength(scene.strengths), part, level)
         if level and len(model.control_area) > _MOST_PAIRS:
             break
+        say(f"ladder, parts split {_often(level)}", head=True)
         limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
         setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)

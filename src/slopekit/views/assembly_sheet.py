@@ -16,6 +16,7 @@ from slopekit.views.assembly_words import (
     in_order,
     in_section,
     names_in_runs,
+    path_in_words,
     water_in_words,
 )
 from slopekit.views.entries import (
@@ -183,19 +184,22 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
 def _factors(result: Result) -> list[str]:
     fos, dilating = result.fos, dilates(result.design)
     compared = fos.closed_form is not None or result.agree is not None
-    limit = f"{factor_text(fos.limit)}  limit, PRE-IE{', joints dilate as given' if dilating else ''}"
+    limit = f"{factor_text(fos.limit)}  {limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
     if fos.limit is None:
-        limit += f" ({result.status_text})"
-    entries = [limit + (f"       {verdict(result)}" if compared else "")]
+        limit += f": {result.status_text}"
+    entries = [limit]
     if compared:
         zero = ", zero dilation" if dilating else ""
-        entries.append(f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}")
+        closed = f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}"
+        entries.append(f"{closed}       {verdict(result)}")
     else:
         instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
         entries.append(f"  none  closed form: {_NO_CLOSED_FORM[result.kind]}{instead}")
     if fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
         entries.append(f"{ends}  same mechanism, whatever forces are locked in")
+    elif fos.limit is not None:
+        entries.append("  none  same mechanism, whatever forces are locked in: no range was found")
     if fos.static_bound is not None:
         above = ""
         if fos.limit:
@@ -215,6 +219,18 @@ def _factors(result: Result) -> list[str]:
     elif result.design.criterion == "all-pairs":
         entries.append("  none  all pairs failed: asked for, and not found")
     return entries
+
+
+def limit_in_words(result: Result) -> str:
+    """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
+    findings = result.findings
+    if findings is None:
+        return "limit, PRE-IE"
+    ratio = findings.shear_to_normal
+    if not findings.mechanisms:
+        return path_in_words("none", ratio)
+    first = findings.mechanisms[0]
+    return path_in_words(first.basis, ratio, first.fos, first.change)
 
 
 def _moves(result: Result, first: Mechanism | None) -> list[str]:
@@ -352,7 +368,10 @@ def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list
             "settled" if first.change == 0.0 else f"lies {first.change * 100:.2g} % from a strength at which they run"
         )
         entries.append(f"the limit {settled} after {steps}")
-    entries += [_check(name, value) for name, value in findings.checks.items()]
+    forces = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
+    entries += [
+        _check(name, value) for name, value in findings.checks.items() if forces or name != "largest_unbalanced_force"
+    ]
     return ["; ".join(entries)] if entries else []
 
 

@@ -8,6 +8,7 @@ from typing import TypeVar
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, JointSetInput, ToppleDesign
 from slopekit.design.common import Design, Strength
 from slopekit.orientation import Plane, number
+from slopekit.views.entries import factor_text
 from slopekit.views.words import size_number
 
 MOST_RUNS = 4
@@ -233,3 +234,24 @@ def _own_weights(design: BlocksDesign) -> list[str]:
     shown, rest, last = first_and_last(listed, 3, 1)
     more = [f"... {rest} more ..."] if rest else []
     return ["own unit weights: " + "; ".join([*shown, *more, *last])]
+
+
+def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
+    """What a factor of many blocks is.
+
+    Parameters
+    ----------
+    basis, change : as of `findings.Mechanism`; ratio : k_t / k_n of the elastic joints, None where it is not known
+
+    >>> path_in_words("limit", 0.4)
+    'limit of the elastic path (k_t/k_n 0.4)'
+    >>> path_in_words("peak", 0.4, 1.6, 0.005)
+    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
+    """
+    path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
+    if basis != "peak":
+        return f"limit of {path}" + (", settled" if basis == "settled" else "")
+    runs = ""
+    if fos is not None and change > 0.0:
+        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
+    return f"peak of {path}: last state at rest{runs}"

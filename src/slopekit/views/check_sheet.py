@@ -4,6 +4,7 @@ import textwrap
 
 from slopekit._version import __version__
 from slopekit.studies.check import Check, Finding
+from slopekit.views.assembly_sheet import limit_in_words
 from slopekit.views.entries import LABEL, WIDTH, accept, block, factor_text, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
@@ -40,11 +41,14 @@ def check_line(checked: Check) -> str:
 def _factors(checked: Check) -> list[str]:
     fos = checked.result.fos
     named = [
-        (fos.limit, "limit, PRE-IE"),
+        (fos.limit, limit_in_words(checked.result)),
         (fos.closed_form, "closed form"),
         (fos.static_bound, "static bound (joints free to dilate; upper bound)"),
     ]
     lines = [f"{factor_text(value)}  {name}" for value, name in named]
+    if fos.lowest is not None or fos.highest is not None:
+        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
+        lines.insert(2, f"{ends}  same mechanism, whatever forces are locked in")
     if checked.result.moments_govern:
         lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
     if checked.result.kind == "surface" and fos.limit is not None:
@@ -109,6 +113,8 @@ def _verdict(checked: Check) -> str:
     left = f"; not judged: {', '.join(open_)}" if open_ else ""
     if failed:
         counted = f"{', '.join(failed)} ({len(failed)} of {len(judged)})"
+        if all(finding.code == "W364" for finding in judged if not finding.met):
+            return f"NOT CONSISTENT: {counted}{left}. The factor hangs on the stiffness of the joints (W364)"
         return f"NOT CONSISTENT: {counted}{left}. Do not use the factor before the reason is known"
     if checked.consistent is False:
         return f"NOT CONSISTENT: the methods disagree, or no convergence{left}"

@@ -8,7 +8,7 @@ from slopekit.views.assembly_words import names_in_runs
 from slopekit.views.entries import factor_text
 from slopekit.views.report_inputs import Table
 
-FALLS = "none: fails whatever the strength"
+FALLS = "none: held by no strength that was tried"
 UNSETTLED = "not settled"
 _STAYS = "none"
 _MOST_ROWS = 40

@@ -10,6 +10,7 @@ from slopekit.orientation import line_of
 from slopekit.result import STATUSES, status_text
 from slopekit.views.report_blocks import block_table, factor, happens, in_names
 from slopekit.views.report_inputs import Table
+from slopekit.views.report_words import limit_of
 from slopekit.views.words import line_in_words, size_number
 
 Document = Mapping[str, Any]
@@ -34,6 +35,8 @@ def factor_table(document: Document) -> Table:
     if fos["closed_form"] is None and kind in _CLOSED:
         closed = "none here" if document["agree"] is None else "none: see the status"
     answer = "the answer: forces and moments, slip does not dilate unless given"
+    if document.get("assembly"):
+        answer += f"; {limit_of(document)}"
     rows = [("limit (PRE-IE)", factor(fos["limit"]), "none: see the status" if fos["limit"] is None else answer)]
     if fos.get("lowest") is not None or fos.get("highest") is not None:
         ends = " .. ".join(factor(fos.get(end)) for end in ("lowest", "highest"))

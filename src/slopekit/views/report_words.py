@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from slopekit.views.assembly_words import path_in_words
 from slopekit.views.report_blocks import factor
 
 _KINDS = {
@@ -40,7 +41,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
         badges.append((f"{count} notice{'s' if count > 1 else ''}", "warn"))
     return {
         "status": " ".join(status) or document["status_text"], "factor": factor(value), "is_number": value is not None,
-        "what": f"limit, PRE-IE{_what_governs(document, fos)}", "badges": badges,
+        "what": f"{limit_of(document)}{_what_governs(document, fos)}", "badges": badges,
     }  # fmt: skip
 
 
@@ -56,6 +57,16 @@ def _check_badge(document: Mapping[str, Any]) -> tuple[str, str]:
     if document["moments_govern"]:  # what agrees is not the answer
         return "the methods AGREE on forces alone", "plain" if document["fos"]["limit"] is None else "good"
     return "the methods AGREE", "good"
+
+
+def limit_of(document: Mapping[str, Any]) -> str:
+    """What the limit is, in words; files of older versions do not say how sure that of many blocks is."""
+    assembly = document.get("assembly")
+    first = assembly["mechanisms"][0] if assembly and assembly["mechanisms"] else {}
+    if not assembly or "shear_to_normal" not in assembly:
+        return "limit, PRE-IE"
+    basis, change = first.get("basis", "none"), first.get("change", 0.0)
+    return path_in_words(basis, assembly["shear_to_normal"], first.get("fos"), change)
 
 
 def _what_governs(document: Mapping[str, Any], fos: Mapping[str, Any]) -> str:

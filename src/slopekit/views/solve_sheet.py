@@ -31,9 +31,13 @@ def solve_sheet(solution: Solution) -> str:
     lines += block("PUT BACK", _put_back(solution), hang=13)
     if found is not None:
         lines += block("BRACKET", [f"{_METHODS[one.method]:<12} {_bracket(key, one.roots[0])}" for one in _all(solution)
-                                   if one.roots], hang=13)  # fmt: skip
+                                   if one.roots and one.roots[0].put_back], hang=13)  # fmt: skip
     lines += block("OTHERS", _others(solution), hang=13)
-    reached = [one for one in _all(solution) if one.reason or one.method == "closed_form" or not solution.closed_form]
+    direct = [one for one in _all(solution) if not all(root.put_back for root in one.roots)]  # no search, no reach
+    reached = [
+        one for one in _all(solution)
+        if one not in direct and (one.reason or one.method == "closed_form" or not solution.closed_form)
+    ]  # fmt: skip
     lines += block("REACH", [f"{_METHODS[one.method]:<12} {_reach(key, one)}" for one in reached], hang=13)
     lines += block("REFUSED", _refused(solution))
     lines += block("ASKED", [_evaluations(solution)])
@@ -150,7 +154,7 @@ def _put_back(solution: Solution) -> list[str]:
                 f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
                 f"misses by {missed}, {root.status}{said}"
             )
-    if solution.answer is not None:
+    if solution.answer is not None and solution.answer.put_back:
         verdict = {True: "AGREE", False: "DISAGREE", None: "not compared"}[solution.agree]
         entries.append(
             f"the methods at PRE-IE's value: {verdict}" + (", moments govern" if solution.moments_govern else "")

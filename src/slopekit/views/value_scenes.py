@@ -56,7 +56,7 @@ def ravelling(stage: Stage) -> Picture:
 
 def _special(falls: Bools, open_: Bools) -> Legend:
     """Blocks without a number that do not stand either."""
-    legend: Legend = [(f"fails whatever the strength ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
+    legend: Legend = [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
     last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
     return [*legend, (last, UNSETTLED, 1.0)] if open_.any() else legend
 

@@ -1,0 +1,108 @@
+"""Progress: what an analysis says of its stages, and the line on a terminal."""
+
+import io
+import os
+import subprocess
+import sys
+import time
+from contextlib import redirect_stderr
+
+import pytest
+
+import slopekit as sk
+from slopekit.cli import progress as room
+from slopekit.cli.progress import progress, watched
+from slopekit.onlooker import onlooker, say
+from tests.properties.test_not_unique import TWO_BLOCKS
+
+
+class Terminal(io.StringIO):
+    """A terminal that keeps what is written to it."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.fixture
+def terminal(monkeypatch) -> Terminal:
+    found = Terminal()
+    monkeypatch.setattr(sys, "argv", ["slopekit", "run", "bench.yaml"])
+    monkeypatch.setattr(room, "_FIRST_S", 0.02)
+    monkeypatch.setattr(room, "_EVERY_S", 0.01)
+    return found
+
+
+def test_an_analysis_of_many_blocks_names_its_stages_in_their_order() -> None:
+    heard: list[tuple[str, bool]] = []
+    factors: list[float] = []
+
+    def hear(stage: str, value: float | None, head: bool) -> None:
+        heard.append((stage, head))
+        factors.extend([value] if value is not None else [])
+
+    with onlooker(hear):
+        found = sk.run(TWO_BLOCKS)
+    heads = [stage for stage, head in heard if head]
+    assert heads[0] == "cut"
+    assert heads.index("loads") < heads.index("solve") < heads.index("closed form")
+    inner = list(dict.fromkeys(stage for stage, head in heard if not head))
+    assert inner == ["static bound", "path, strength divided by", "range of the mechanism"]
+    assert min(factors) < found.fos.limit < max(factors)  # from a strong start to where the blocks run
+    say("nobody hears")
+    assert heard[-1][0] != "nobody hears"
+
+
+def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
+    with redirect_stderr(terminal), watched():
+        say("solve", head=True)
+        say("path, strength divided by", 1.23456)
+        time.sleep(0.2)
+    frames = terminal.getvalue().split("\r")
+    assert frames[1].strip() == "0 s  solve: path, strength divided by 1.235"
+    assert frames[-1] == ""
+    assert frames[-2].strip() == ""
+    assert len(frames[-2]) == len(frames[1])  # nothing is left of it
+
+
+def test_what_is_quick_shows_nothing(terminal) -> None:
+    with redirect_stderr(terminal), watched():
+        say("solve", head=True)
+    assert terminal.getvalue() == ""
+
+
+def test_an_error_wipes_the_line_too(terminal) -> None:
+    def fails() -> None:
+        with watched():
+            time.sleep(0.1)
+            raise ZeroDivisionError
+
+    with redirect_stderr(terminal), pytest.raises(ZeroDivisionError):
+        fails()
+    assert terminal.getvalue().endswith("\r")
+
+
+@pytest.mark.parametrize("option", ["--json", "--quiet"])
+def test_nothing_is_shown_with(option, terminal, monkeypatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["slopekit", "run", "bench.yaml", option])
+    with redirect_stderr(terminal), watched(), progress("samples", 10) as advance:
+        say("solve", head=True)
+        advance(5)
+        time.sleep(0.1)
+    assert terminal.getvalue() == ""
+
+
+def test_nothing_is_shown_where_stderr_is_no_terminal() -> None:
+    found = subprocess.run(
+        [sys.executable, "-m", "slopekit.cli", "run", "templates/topple.yaml", "--quiet"],
+        capture_output=True, text=True, timeout=120, check=False, cwd=os.path.dirname(os.path.dirname(__file__)),
+    )  # fmt: skip
+    assert found.stderr == ""
+
+
+def test_a_terminal_that_goes_away_does_not_stop_the_numbers(terminal, monkeypatch) -> None:
+    def gone(text: str) -> int:
+        raise OSError
+
+    monkeypatch.setattr(terminal, "write", gone)
+    with redirect_stderr(terminal), watched():
+        time.sleep(0.1)
