@@ -88,13 +88,13 @@ def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, floa
     return "alike" if abs(off) < 1e-6 else "DIFFER", off
 
 
-def main(count: int) -> None:
+def main(count: int, passive: bool) -> None:
     """The table."""
     rng = np.random.default_rng(20)
     seen: Counter[str] = Counter()
     worst: dict[str, list[float]] = {}
     for number in range(count):
-        word, off = compared(rng)
+        word, off = compared(rng, passive)
         seen[word] += 1
         worst.setdefault(word, []).append(off)
         if "DIFFER" in word:
@@ -104,4 +104,4 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500, "passive" in sys.argv)

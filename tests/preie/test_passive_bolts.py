@@ -19,6 +19,8 @@ from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
+from slopekit.geometry.patches import BEDROCK
+from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.distance import Distance
@@ -28,6 +30,7 @@ from slopekit.result import Result
 from slopekit.studies.check import check
 from slopekit.views.sheet import sheet
 from tests.preie import path_oracle
+from tests.preie.block_scenes import boxes_in_space, stack
 
 DIP, WEIGHT = 30.0, 200.0  # blocks 4 m by 2 m, 25 kN/m³
 ALONG, ACROSS = math.sin(math.radians(DIP)), math.cos(math.radians(DIP))
@@ -77,6 +80,35 @@ def by_hand(capacity: float, steeper: float, phi: float = 20.0) -> float:
     friction, a = math.tan(math.radians(phi)), math.radians(steeper)
     drives, b = WEIGHT * ALONG, WEIGHT * ACROSS * friction + capacity * math.cos(a)
     return (b + math.sqrt(b * b + 4.0 * drives * capacity * math.sin(a) * friction)) / (2.0 * drives)
+
+
+# -- as part of the model ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("in_section", [True, False])
+def test_a_bolt_shortens_by_the_motion_of_its_ends(in_section: bool) -> None:
+    """d · (v of the head's block - v of the toe's), both at a point of its line; either end may be bedrock."""
+    scene = stack(3, 25.0, 4.0) if in_section else boxes_in_space((2, 1, 1), (2.0, 3.0, 1.0), 25.0, 0.3)
+    rng, blocks = np.random.default_rng(3), np.flatnonzero(~scene.fixed)
+    head, toe = np.array([blocks[0], blocks[1], BEDROCK]), np.array([blocks[1], BEDROCK, blocks[0]])
+    flat = np.array([1.0, 0.0, 1.0]) if in_section else np.ones(3)
+    forces, points = rng.normal(size=(3, 3)) * flat, rng.normal(size=(3, 3)) * flat
+    model = replace(scene, bolts=PassiveBolts(head, toe, forces, points)).model(30.0)
+    velocity = rng.normal(size=model.load.shape)
+    motion = np.zeros((len(scene) + 1, 6))  # the last is bedrock
+    motion[np.ix_(model.moving, [0, 2, 4] if in_section else range(6))] = velocity
+    centroids = np.append(scene.centroids, [[0.0, 0.0, 0.0]], axis=0)
+
+    def of(ends: np.ndarray) -> np.ndarray:
+        arms = (points - centroids[ends]) / model.length_scale
+        return motion[ends, :3] + np.cross(motion[ends, 3:], arms)
+
+    along = forces / np.sqrt((forces * forces).sum(axis=1))[:, None]
+    _, slip = model.opening_and_slip(velocity)
+    assert slip[model.bolted, 0] == pytest.approx((along * (of(head) - of(toe))).sum(axis=1), abs=1e-12)
+    assert not slip[model.bolted, 1:].any()
+    capacity = model.cohesion[model.joint_pairs.stop :] * model.force_scale
+    assert capacity == pytest.approx(np.sqrt((forces * forces).sum(axis=1)))
 
 
 # -- one block --------------------------------------------------------------------------------------------------------

@@ -242,20 +242,20 @@ class _Groups:
         alone = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         if not alone:
             return None
-        broken = np.zeros(len(scene.assembly.patches), dtype=bool)
-        broken[self.patch[model.pair_contact[bond == 0.0]]] = True
+        broken, lost = np.zeros(len(scene.assembly.patches), dtype=bool), model.pair_contact[bond == 0.0]
+        broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
         bed = Bed(model, Drive(model.load.ravel()), bond)
-        bolts, work = scene.loads.bolts, 0
+        bolts = scene.loads.bolts
         bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
-        group = np.array(alone)[np.argsort(bolted, kind="stable")][:1]
+        group, work = np.array(alone)[np.argsort(bolted, kind="stable")][:1], 0
         for _ in range(_MOST_GROUPS):
             group = _with_neighbours(scene.assembly, group, blocks)
             found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
             if found is None:
                 return None
             small, own = found
-            lost = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
-            limit = first_limit(small, np.where(lost[small.pair_contact], 0.0, 1.0))
+            opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
+            limit = first_limit(small, np.where(opened[small.pair_contact], 0.0, 1.0))
             if limit is None or limit.parameter is None:
                 return None
             work += limit.factorisations
