@@ -41,7 +41,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
         found = bound_by_programs(model)
-        if found is not None and not found.lifted:
+        if found is not None:
             return found
     program = BlockProgram(model)
     program.elastic *= _HARDLY
@@ -53,7 +53,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         locked = at.load_factor < NOTHING
         return StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
     found = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
-    if found is not None and not found.lifted:
+    if found is not None:
         return found
     summed = model.by_group(program.start.normal)
     dilating = Strengths(model.tan_friction, program.cohesion + model.tan_friction * summed, summed)

@@ -173,9 +173,9 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     best: Far | None = None
     motion = np.zeros(model.load.size)
 
-    def bound(at: float | None, lifted: bool = False, locked: bool = False) -> StaticBound:
+    def bound(at: float | None, locked: bool = False) -> StaticBound:
         normal = np.zeros(len(model.control_area)) if best is None else best.normal_force
-        return StaticBound(None if at is None else 1.0 / at, lifted, locked, motion, normal, steps)
+        return StaticBound(None if at is None else 1.0 / at, False, locked, motion, normal, steps)
 
     for _ in range(_MOST_TRIALS):
         steps += 1
@@ -201,7 +201,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         if reduction < NOTHING:
             return bound(None, locked=True)
         if low > 1.0 / NOTHING:
-            return bound(None, lifted=True)
+            break
         if not low < trial < high:
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
         reduction = trial

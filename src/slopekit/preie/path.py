@@ -289,7 +289,7 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
     Looked for near where the path `passed` it (λ and displacement), and near states on the way to the limit.
     """
     assert limit.parameter is not None
-    strength = limit.parameter / _TOWARDS[-1]
+    strength = limit.parameter / (1.0 - _JUST)
     after = next((k for k, (reduction, _) in enumerate(passed) if reduction < strength), len(passed))
     near = passed[min(after, len(passed) - 1)][1]
     if 0 < after < len(passed):
@@ -298,7 +298,7 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
     if any(bed.step(at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
         return True
     flow = relaxed(bed, near, strength, 0.0, far=_FARTHEST, patience=_RESTS)
-    return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter).ended == "rest"
+    return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter)[0].ended == "rest"
 
 
 def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
