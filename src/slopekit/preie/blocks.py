@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Protocol
 
 import numpy as np
 
@@ -41,6 +42,10 @@ _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after 
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _PROPOSED = 600  # unknowns of a section from which a limit is proposed before the path is followed
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
+
+
+Span = tuple[float | None, float | None]
+"""The lowest and highest factor of a mechanism; an end is None where it lies far beyond."""
 
 
 class Basis(StrEnum):
@@ -90,8 +95,14 @@ class BlocksLimit:
     width: float = 0.0
 
 
-Proposal = Callable[[Floats], PathLimit | None]
-"""The limit of all blocks with some bonds (m,), found in another way than the path; None where that leads nowhere."""
+class Proposal(Protocol):
+    """Another way than the path to the limit of all blocks."""
+
+    def limit(self, bond: Floats) -> PathLimit | None:
+        """The limit with some bonds (m,); None where the way leads nowhere."""
+
+    def span(self) -> Span | None:
+        """The range of the mechanism that it found last."""
 
 
 def limit_of_blocks(
@@ -116,8 +127,8 @@ def limit_of_blocks(
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
-        settled = None if proposal is None else proposal(bond)
-        if settled is not None:
+        settled = None if proposal is None else proposal.limit(bond)
+        if settled is not None and _off(model, settled) < _BALANCED:
             steps += settled.factorisations
             return settled
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
@@ -126,9 +137,13 @@ def limit_of_blocks(
 
     found, bond = _with_bonds(model, once)
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
-    if limit.factor is None or not ranged or not (model.unknowns == 3 or len(model.load) <= _RANGED):
+    if limit.factor is None or not ranged:
         return limit
-    span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
+    span: Span | None = None
+    if limit.group and proposal is not None:
+        span = proposal.span()
+    elif model.unknowns == 3 or len(model.load) <= _RANGED:
+        span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
     if span is None:
         return limit
     low, high = span
@@ -153,7 +168,7 @@ def _limit(
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
         if found.peak is not None and basis is Basis.PEAK:
             change = abs(found.peak[1] / found.peak[0] - 1.0)
-        off = float(np.abs(model.unbalanced(normal, found.friction)).max())
+        off = _off(model, found)
         if top is not None and factor > top > factor * (1.0 - _ABOVE):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
         if found.outcome is PathOutcome.GAVE_UP or off > _BALANCED or (top is not None and factor > top):
@@ -165,6 +180,11 @@ def _limit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(found.friction), frozen(bond), top,
         None, None, carried, loads_last, steps, bound.steps, found.group, found.width,
     )  # fmt: skip
+
+
+def _off(model: AssemblyModel, found: PathLimit) -> float:
+    """Largest unbalanced force in parts of the load of the block it acts on."""
+    return float(np.abs(model.unbalanced(np.maximum(found.normal, 0.0), found.friction)).max())
 
 
 def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: StaticBound, steps: int = 0) -> BlocksLimit:
@@ -264,7 +284,7 @@ def _on_path(
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     found = proposed(bed, bond, ratio) if bed.tangents > 1 or bed.size > _PROPOSED else None
-    if found is not None and float(np.abs(model.unbalanced(found.normal, found.friction)).max()) > _BALANCED:
+    if found is not None and _off(model, found) > _BALANCED:
         found = None
     found = found or follow(bed, start, brief=live and bed.tangents == 1)
     if found.outcome is PathOutcome.GAVE_UP and not live:

@@ -19,7 +19,8 @@ from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
-from slopekit.preie.blocks import Basis, BlocksLimit, first_limit, limit_of_blocks, load_limit
+from slopekit.preie.blocks import Basis, BlocksLimit, Span, first_limit, limit_of_blocks, load_limit
+from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
@@ -216,11 +217,10 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
             model, patch = found
             large = model.unknowns == 6 and len(blocks) > _LARGE
             groups = _Groups(scene, there, blocks, model, patch) if large else None
-            limit = limit_of_blocks(model, scene.ranged, proposal=groups.limit if groups else None)
+            limit = limit_of_blocks(model, scene.ranged, proposal=groups)
             yield Part(model, limit, blocks, patch)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class _Groups:
     """A large component in space: the limit of a group, the others held, proposes that of all.
 
@@ -229,17 +229,24 @@ class _Groups:
     group. Where they rest just before it, and run just beyond it, it is the limit of all.
     """
 
-    scene: "_Scene"
-    there: Bools
-    blocks: Ints
-    model: AssemblyModel
-    patch: Ints
+    def __init__(self, scene: "_Scene", there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
+        self.scene, self.there, self.blocks, self.model, self.patch = scene, there, blocks, model, patch
+        gone = ~there & ~scene.assembly.fixed
+        self.alone = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
+        self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
+
+    def span(self) -> Span | None:
+        """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow."""
+        if self.found is None:
+            return None
+        model, limit, bond = self.found
+        assert limit.parameter is not None
+        return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
 
     def limit(self, bond: Floats) -> PathLimit | None:
         """The limit of all blocks with some bonds (m,); None where groups lead nowhere."""
-        scene, model, blocks = self.scene, self.model, self.blocks
-        gone = ~self.there & ~scene.assembly.fixed
-        alone = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
+        scene, model, blocks, alone = self.scene, self.model, self.blocks, self.alone
+        self.found = None
         if not alone:
             return None
         broken, lost = np.zeros(len(scene.assembly.patches), dtype=bool), model.pair_contact[bond == 0.0]
@@ -255,7 +262,8 @@ class _Groups:
                 return None
             small, own = found
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
-            limit = first_limit(small, np.where(opened[small.pair_contact], 0.0, 1.0))
+            own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
+            limit = first_limit(small, own_bond)
             if limit is None or limit.parameter is None:
                 return None
             work += limit.factorisations
@@ -267,8 +275,10 @@ class _Groups:
                 motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
                 if not runs_beyond(bed, flow, motion.ravel(), factor):
                     return None
+                self.found = small, limit, own_bond
+                settled = PathOutcome.SETTLED if limit.found else limit.outcome
                 return replace(
-                    limit, outcome=PathOutcome.SETTLED, width=gap, group=len(group), displacement=flow.at,
+                    limit, outcome=settled, width=gap, group=len(group), displacement=flow.at,
                     motion=motion.ravel(), normal=flow.forces.normal, friction=flow.forces.friction,
                     residual=flow.forces.residual / bed.load_size, factorisations=bed.factorisations + work,
                 )  # fmt: skip
