@@ -232,7 +232,7 @@ class _Groups:
     def __init__(self, scene: "_Scene", there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
         self.scene, self.there, self.blocks, self.model, self.patch = scene, there, blocks, model, patch
         gone = ~there & ~scene.assembly.fixed
-        self.alone = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
+        self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
 
     def span(self) -> Span | None:
@@ -247,14 +247,14 @@ class _Groups:
         """The limit of all blocks with some bonds (m,); None where groups lead nowhere."""
         scene, model, blocks, alone = self.scene, self.model, self.blocks, self.alone
         self.found = None
-        if not alone:
+        if not len(alone):
             return None
         broken, lost = np.zeros(len(scene.assembly.patches), dtype=bool), model.pair_contact[bond == 0.0]
         broken[self.patch[lost[lost < len(self.patch)]]] = True  # bolts are contacts beyond them
         bed = Bed(model, Drive(model.load.ravel()), bond)
         bolts = scene.loads.bolts
         bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
-        group, work = np.array(alone)[np.argsort(bolted, kind="stable")][:1], 0
+        group, work = alone[np.argsort(bolted, kind="stable")][:1], 0
         for _ in range(_MOST_GROUPS):
             group = _with_neighbours(scene.assembly, group, blocks)
             found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
