@@ -138,8 +138,8 @@ def relaxed(
             break
         step = bed.step(at, at, parameter, viscosity)
         if not step.settled:
-            least = viscosity = max(_THICKENS * viscosity, _THICK)
-            fails += 1
+            viscosity, fails = max(_THICKENS * viscosity, _THICK), fails + 1
+            least = viscosity if bed.tangents > 1 else _THIN  # of many blocks in space it goes slowly from there
             if fails > 6:
                 return _Flow(at, bed.forces(at, parameter), "lost", before, last)
             continue
@@ -148,7 +148,7 @@ def relaxed(
             return _Flow(at, step.forces, "rest", before, last)
         if abs(float(bed.working @ at)) > far * bed.elastic_work:
             return _Flow(at, step.forces, "runs", before, last)
-        least = max(_GENTLY * least, _THIN)  # where a step has failed viscosity goes slowly
+        least = max(_GENTLY * least, _THIN)
         viscosity = max(_EASES * viscosity, least)
     return _Flow(at, bed.forces(at, parameter), "slow", before, last)
 
