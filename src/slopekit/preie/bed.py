@@ -32,7 +32,9 @@ _SHIFT = 1e-13  # of the stiffness, on its diagonal: blocks that nothing holds h
 _ROUNDING = 2e-15  # of the springs' forces: what cannot be balanced any better
 _SETTLED, _SETTLED_ENOUGH = 1e-10, 1e-8  # unbalanced force in parts of the largest force
 _SHORTEST = 0.02  # step of a line search
+_EACH, _LIGHTEST = 1e-6, 1e-7  # and in parts of the load of each block, of blocks no lighter than that of the heaviest
 _TRIES = 12  # Newton steps
+_POLISHES = 3  # of a state that is at rest
 _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
 
 
@@ -138,6 +140,9 @@ class Bed:
         self.elastic = self._local(every, sticking)
         self.evaluations = self.factorisations = 0
         self.load_size = float(np.abs(drive.load).max())
+        own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
+        own = np.maximum(own, _LIGHTEST * float(own.max(initial=0.0)))
+        self._least_load = _EACH * np.repeat(own, model.unknowns)
         self.elastic_solver = self.factored(self.elastic)
         self.elastic_displacement: Floats = self.elastic_solver(drive.load)
         self.working = self._working()
@@ -368,6 +373,20 @@ class Bed:
             return found
         return self._by_passes(before, parameter, viscosity)
 
+    def polished(self, at: Floats, parameter: float) -> tuple[Floats, Forces]:
+        """A state at rest nearer to balance, so that slivers are too, and its forces."""
+        there = self.forces(at, parameter)
+        for _ in range(_POLISHES):
+            try:
+                trial = at + self.factored(self.tangent(there, parameter))(there.unbalanced)
+            except SolverError:
+                break
+            seen = self.forces(trial, parameter)
+            if not seen.residual < 0.5 * there.residual:
+                break
+            at, there = trial, seen
+        return at, there
+
     def onward(self, step: "Step") -> Floats | None:
         """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
         try:
@@ -377,6 +396,10 @@ class Bed:
         motion = solver(self.by_parameter(step.forces, step.parameter))
         gained = float(self.working @ motion)
         return motion / gained if np.isfinite(motion).all() and gained != 0.0 else None
+
+    def _each_balanced(self, off: Floats) -> bool:
+        """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""
+        return self.tangents == 1 or bool((np.abs(off) < self._least_load).all())
 
     def _off(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
@@ -398,7 +421,7 @@ class Bed:
             return work is None or abs(work - float(working @ at)) < part * abs(work)
 
         for taken in range(_TRIES + 1):
-            if there.balanced(size) and worked(at, 1e-9):
+            if there.balanced(size) and self._each_balanced(off) and worked(at, 1e-9):
                 return Step(at, parameter, there, True, taken)
             if taken == _TRIES or not np.isfinite(size):
                 break
@@ -436,7 +459,7 @@ class Bed:
             if not downhill and size > 1e4 * best:
                 break
             best = min(best, size)
-        good = there.balanced(size, _SETTLED_ENOUGH) and worked(at, 1e-6)
+        good = there.balanced(size, _SETTLED_ENOUGH) and self._each_balanced(off) and worked(at, 1e-6)
         return Step(at, parameter, there, good, _TRIES)
 
     def _by_passes(self, before: Floats, parameter: float, viscosity: float) -> "Step":

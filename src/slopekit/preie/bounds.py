@@ -51,7 +51,12 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         return StaticBound(None, True, False, program.release(), at.normal, steps)
     if at_once.settled and at_once.unbalanced < _BALANCES:
         locked = at.load_factor < NOTHING
-        return StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
+        known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
+        if model.unknowns == 3 or locked or size > _MOST_PROGRAMS:
+            return known
+        # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
+        exact = bound_by_programs(model, at.load_factor, steps)
+        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - _BALANCES) / at.load_factor else known
     found = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
     if found is not None:
         return found

@@ -277,10 +277,11 @@ class _Groups:
                     return None
                 self.found = small, limit, own_bond
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
+                at, forces = bed.polished(flow.at, 1.0 / (factor * (1.0 - gap)))
                 return replace(
-                    limit, outcome=settled, width=gap, group=len(group), displacement=flow.at,
-                    motion=motion.ravel(), normal=flow.forces.normal, friction=flow.forces.friction,
-                    residual=flow.forces.residual / bed.load_size, factorisations=bed.factorisations + work,
+                    limit, outcome=settled, width=gap, group=len(group), displacement=at,
+                    motion=motion.ravel(), normal=forces.normal, friction=forces.friction,
+                    residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
                 )  # fmt: skip
             if flow.ended != "runs":
                 return None
