@@ -8,12 +8,15 @@ from slopekit.loads import AssemblyLoads
 from slopekit.preie.model import JointStrength
 
 _PARALLEL = 1e-9
+_ALIKE = 1e-4  # factors so near are one: the heavier block comes first, slivers last
 
 
 def slide_alone(
     assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, gone: Bools, free: Ints
 ) -> tuple[Ints, Floats]:
     """Blocks among `free` that would slide out alone, the lowest factor first, and their factors.
+
+    Of factors that are alike that of the heavier block comes first.
 
     Parameters
     ----------
@@ -34,7 +37,9 @@ def slide_alone(
         strength.cohesion[joint] * patches.areas[patch], strength.tan_friction[joint],
     )  # fmt: skip
     slides = np.flatnonzero(np.isfinite(factors))
-    slides = slides[np.lexsort((blocks[slides], factors[slides]))]
+    heavier = -np.sqrt((loads.forces[blocks[slides]] ** 2).sum(axis=1))
+    alike = np.floor(np.log(np.maximum(factors[slides], 1e-300)) / _ALIKE)
+    slides = slides[np.lexsort((blocks[slides], heavier, alike))]
     return blocks[slides], factors[slides]
 
 

@@ -44,7 +44,7 @@ _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of 
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
 _FIRST, _CLOSER, _JUST = 0.4, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
-_NEAR_ENOUGH, _TO_REST = 1e-2, 400  # the widest that may do where slivers do not settle, in so many factorisations
+NEAR_ENOUGH, _TO_REST = 1e-2, 250  # the widest that may do where slivers do not settle, in so many factorisations
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
@@ -415,8 +415,12 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     return None
 
 
-def rests_before(bed: Bed, factor: float) -> tuple[_Flow, float]:
+def rests_before(bed: Bed, factor: float, near: float = NEAR_ENOUGH) -> tuple[_Flow, float]:
     """All blocks towards a factor from the strong side.
+
+    Parameters
+    ----------
+    near : how near in parts of the factor a rest has to be where slivers do not settle any nearer
 
     Returns
     -------
@@ -436,7 +440,7 @@ def rests_before(bed: Bed, factor: float) -> tuple[_Flow, float]:
             continue
         else:
             ahead_of_it = relaxed(bed, flow.at, parameter, _THICK, far=_RUNS, patience=_TO_REST)
-        if ahead_of_it.ended in ("slow", "lost") and gap < _NEAR_ENOUGH:
+        if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
@@ -453,7 +457,7 @@ def runs_beyond(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool:
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) / factor
     if abs(float(bed.drive.load @ motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
-    return relaxed(bed, flow.at, (1.0 - _NEAR_ENOUGH) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
+    return relaxed(bed, flow.at, (1.0 - NEAR_ENOUGH) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:

@@ -24,12 +24,13 @@ from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathLimit, PathOutcome, rests_before, runs_beyond
+from slopekit.preie.path import NEAR_ENOUGH, PathLimit, PathOutcome, rests_before, runs_beyond
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
 _LARGE = 12  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_ROUGHLY = 5e-2  # of a group's factor: where all blocks rest that near to it, the last state at rest is an answer
 _FLOWING = 0.05  # of the fastest block: who flows
 _TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
 _MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
@@ -268,7 +269,7 @@ class _Groups:
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
-            flow, gap = rests_before(bed, factor)
+            flow, gap = rests_before(bed, factor, _ROUGHLY)
             if flow.ended == "rest":
                 motion = np.zeros_like(model.load)
                 motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
@@ -276,8 +277,12 @@ class _Groups:
                 if not runs_beyond(bed, flow, motion.ravel(), factor):
                     return None
                 self.found = small, limit, own_bond
+                rested = 1.0 / (factor * (1.0 - gap))
+                at, forces = bed.polished(flow.at, rested)
+                if gap > NEAR_ENOUGH:  # what all blocks vouch for is the last state at rest
+                    limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
+                    gap = 0.0
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
-                at, forces = bed.polished(flow.at, 1.0 / (factor * (1.0 - gap)))
                 return replace(
                     limit, outcome=settled, width=gap, group=len(group), displacement=at,
                     motion=motion.ravel(), normal=forces.normal, friction=forces.friction,
