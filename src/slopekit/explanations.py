@@ -179,9 +179,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "water or a little more bolt force may close it again.",
     "W308": "Joints without cohesion and friction hold nothing. A factor of 0 says nothing: the status stands.",
     "W309": "The solver for the static bound gave up, there are too many node pairs or blocks for it (7500 pairs of "
-    "one block, 1500 blocks in space), or the bound is more than a thousand times the limit (what cannot dilate its "
-    "way out is locked). The limit is then held against no upper bound. The path of many blocks starts elsewhere "
-    "without it.",
+    "one block, 600 blocks in space as a rule), or the bound is more than a thousand times the limit (what cannot "
+    "dilate its way out is locked). The limit is then held against no upper bound. The path of many blocks starts "
+    "elsewhere without it.",
     "W310": "Hoek & Bray's wedge slides without dilating. With dilation its number is printed but not compared.",
     "W311": "Without a head a bolt's line of action is not known: it is taken through the centroid.",
     "W312": "Where moments open part of a joint, or a contact in space twists, the answer depends on the node pairs; "

@@ -315,9 +315,10 @@ def _notices(
                      "normality (limit analysis by linear or cone programs) are unsafe by as much")  # fmt: skip
     if (limit.bond == 0.0).any():
         share = float(1.0 - limit.bond.mean())
+        before = f"; with all of it the first motion begins at {limit.bonded:.4f}" if limit.bonded else ""
         yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened twice, have "
                      f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
-                     "that happens")  # fmt: skip
+                     f"that happens{before}")  # fmt: skip
     if isinstance(design, BenchDesign):
         patches, fixed = scene.assembly.patches, np.append(scene.assembly.fixed, True)
         moves = np.zeros(len(fixed), dtype=bool)

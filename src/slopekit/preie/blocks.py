@@ -73,6 +73,7 @@ class BlocksLimit:
     carried : part of the loads beside weight and water at which the blocks fail at full strength, where that was asked
     loads_last : whether those loads came on after weight and water
     steps : factorisations of the path; bound_steps : of the bound
+    bonded : the factor with all bonds, where some are lost
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
 
@@ -93,6 +94,7 @@ class BlocksLimit:
     bound_steps: int
     group: int = 0
     width: float = 0.0
+    bonded: float | None = None
 
 
 class Proposal(Protocol):
@@ -135,8 +137,10 @@ def limit_of_blocks(
         steps += work
         return found
 
-    found, bond = _with_bonds(model, once)
+    found, bond, whole = _with_bonds(model, once)
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
+    if whole and (bond == 0.0).any():
+        limit = replace(limit, bonded=1.0 / whole)
     if limit.factor is None or not ranged:
         return limit
     span: Span | None = None
@@ -206,8 +210,8 @@ def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 
 
-def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tuple[PathLimit, Floats]:
-    """The path with the bonds (m,) that its own motion leaves whole.
+def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tuple[PathLimit, Floats, float | None]:
+    """The path with the bonds (m,) that its own motion leaves whole, and its parameter with all of them.
 
     A contact that a settled motion opens loses its cohesion; once no more are lost, those that the last motion keeps
     closed get theirs back. One that opens twice has lost it.
@@ -215,11 +219,12 @@ def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tu
     contacts = len(model.plus)
     bonded = np.bincount(model.pair_contact, model.cohesion, contacts) > 0.0
     lost, times = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=np.int64)
-    bond = np.ones(len(model.control_area))
+    bond, whole = np.ones(len(model.control_area)), None
     for _ in range(_MOST_ROUNDS):
         found = once(bond)
+        whole = found.parameter if whole is None else whole
         if not found.found or not bonded.any():
-            return found, bond
+            return found, bond, whole
         opens = _opens(model, found)
         breaks = opens & bonded & ~lost
         back = lost & ~opens & (times < 2)
@@ -228,9 +233,9 @@ def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tu
         elif back.any():
             lost = lost & ~back
         else:
-            return found, bond
+            return found, bond, whole
         bond = np.where(lost[model.pair_contact], 0.0, 1.0)
-    return replace(found, outcome=PathOutcome.GAVE_UP), bond
+    return replace(found, outcome=PathOutcome.GAVE_UP), bond, whole
 
 
 def _opens(model: AssemblyModel, found: PathLimit) -> Bools:
@@ -253,7 +258,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
-    found, bond = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
+    found, bond, _ = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
     basis = Basis.LIMIT if found.outcome is PathOutcome.LIMIT else Basis.SETTLED
     return found, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(found.motion.reshape(model.load.shape)),
