@@ -189,6 +189,12 @@ def test_the_static_bound_of_a_frame_is_one_at_its_published_associated_multipli
     assert static_bound(model_of(populations.frame())).factor == pytest.approx(1.0, rel=1e-6)
 
 
+def test_the_static_bound_of_two_hundred_columns() -> None:
+    """Rough programs have the wrong sign there: the bound closed at 0.9577, with a twentieth of the load to spare."""
+    model = model_of(populations.goodman_bray(200))
+    assert static_bound(model).factor == pytest.approx(path_oracle.static_bound(model), rel=1e-5)
+
+
 def test_what_a_bound_is_not() -> None:
     """Lifted: no strength balances the load. Locked: any does. Else a factor, here of a stack: tan 35° / tan 30°."""
     scene = stack(2, width=9.0)

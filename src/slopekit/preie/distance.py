@@ -30,7 +30,7 @@ _MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is 
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
 _CLOSE = 3e-7  # width of a bracket of λ, in parts of it
-_MOST_TRIALS = 60  # of λ
+_MOST_TRIALS, _MOST_DOUBTS = 60, 4  # of λ, and of a λ below which a program gave up
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +171,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
     reduction, tolerance, low, high = start, _ROUGH, 0.0, math.inf
     best: Far | None = None
+    doubts = 0
     motion = np.zeros(model.load.size)
 
     def bound(at: float | None, locked: bool = False) -> StaticBound:
@@ -183,7 +184,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
         trial = reduction - far.distance / far.slope if newton else 10.0 * reduction
         if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < _ROUGHLY:
-            reduction, tolerance = trial, SOLVED
+            reduction, tolerance, low, high = trial, SOLVED, 0.0, math.inf  # rough distances may have the wrong sign
             continue
         if far.distance > 0.0:  # also where the program gave up: it did not find any
             low, motion = reduction, far.motion
@@ -197,7 +198,12 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             best, motion = far, far.motion
             return bound(trial)
         if high < low * (1.0 + _CLOSE):
-            return bound(high)
+            spare = best is not None and _LEFT * _SPARE < best.distance < -_ROUGH and best.slope < 0.0
+            if best is None or not spare or doubts == _MOST_DOUBTS:
+                return bound(high)
+            # so much to spare, and nothing just below: a program had given up there
+            reduction, low, doubts = high - best.distance / best.slope, 0.0, doubts + 1
+            continue
         if reduction < NOTHING:
             return bound(None, locked=True)
         if low > 1.0 / NOTHING:
