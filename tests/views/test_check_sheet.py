@@ -30,9 +30,8 @@ def test_the_sheet(name, monkeypatch) -> None:
     if checked.result.findings is None:
         assert sum("pass" in line for line in lines) >= 3
     else:  # two ratios of the joints' stiffness, and the node pairs
-        assert [sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ", "as analysed")] == [
-            1
-        ] * 3
+        assert [sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ")] == [1, 1]
+        assert any("as analysed" in line for line in lines)
     assert check_line(checked).startswith(checked.result.status)
 
 
