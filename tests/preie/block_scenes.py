@@ -2,20 +2,25 @@
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+import slopekit as sk
+from slopekit.analysis.assembly_scene import assembly_scene
+from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.columns import column_assembly
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.geometry.splitting import cut_bench
-from slopekit.loads import NO_BOLTS, PassiveBolts
+from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
 from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength
+from slopekit.preie.ravelling import Part, ravel
 
 UNIT_WEIGHT = 25.0
 GOODMAN_BRAY = np.array([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], dtype=float)
@@ -276,3 +281,10 @@ def random_bench(seed: int) -> tuple[Scene, float]:
             break
         spacing *= (len(scene) / wanted) ** (1 / 3)
     return scene, phi
+
+
+def first_part(design: Mapping[str, Any], ranged: bool = False) -> Part:
+    """The component of a bench that fails first, its contacts as fine as its twist asks for, with its limit."""
+    scene = assembly_scene(sk.load(dict(design)), Clock())
+    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
+    return ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=ranged).failures[0].parts[0]

@@ -1,28 +1,21 @@
 """The path of rounded joints: its linearised equations, and limits against histories and closed forms."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock, joint_strength
-from slopekit.loads import assembly_loads
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.path import PathOutcome, follow
-from slopekit.preie.ravelling import Part, ravel
 from slopekit.preie.rounded import RoundedPath
 from tests.preie import path_oracle
-from tests.preie.block_scenes import boxes_in_space
+from tests.preie.block_scenes import boxes_in_space, first_part
 
 
 def bed_of(model: AssemblyModel) -> Bed:
@@ -36,21 +29,20 @@ def limit_of(model: AssemblyModel) -> float:
     return 1.0 / found.parameter
 
 
-def first_part(design: Mapping[str, Any]) -> Part:
-    """The component of a bench that fails first, its contacts as fine as its twist asks for, with its limit."""
-    scene = assembly_scene(sk.load(dict(design)), Clock())
-    loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
-    return ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=False).failures[0].parts[0]
-
-
-def test_the_equations_are_solved_by_newtons_method() -> None:
-    """What is off after a step in a small part of what Newton's equations say falls by that part: first order."""
-    model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0)
+def begun(counts):
+    """The bed of boxes in space, and its rounded path from rest at twice the strength of the static bound."""
+    model = boxes_in_space(counts, (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0)
     bed = bed_of(model)
     path = RoundedPath(bed, 1e-2)
     strength = 2.0 / static_bound(model).factor
     step = bed.step(bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
     assert path.begin(step.at, strength)
+    return bed, path
+
+
+def test_the_equations_are_solved_by_newtons_method() -> None:
+    """What is off after a step in a small part of what Newton's equations say falls by that part: first order."""
+    _, path = begun((2, 1, 2))
     work, product = path._work + 0.3, path._product(path._work, path._rounding)
     off, solve = path._linear(path._at, work, product)
     change = solve(off)
@@ -65,12 +57,7 @@ def test_the_equations_are_solved_by_newtons_method() -> None:
 
 def test_sharpened_states_are_those_of_the_joints() -> None:
     """Newton's method on the joints of `preie.bed` changes λ by no more than what the rounding has left."""
-    model = boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0)
-    bed = bed_of(model)
-    path = RoundedPath(bed, 1e-2)
-    strength = 2.0 / static_bound(model).factor
-    step = bed.step(bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
-    assert path.begin(step.at, strength)
+    bed, path = begun((2, 2, 2))
     assert path.onto(1e3, 400)
     sharp = path.sharpened(400)
     assert sharp is not None

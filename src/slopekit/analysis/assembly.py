@@ -212,7 +212,8 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
         if part.limit.group:
             said.append(
                 f"the limit is that of {part.limit.group} of {len(part.blocks)} blocks that touch, the others held; "
-                f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it and run beyond it"
+                f"all of them, none held, come to rest at {1.0 - part.limit.width:.4f} of it, and there have used up "
+                "95 % of the strength along its motion, or run 1 % beyond it"
             )
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"

@@ -171,7 +171,7 @@ def _limit(
     else:
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
         if found.peak is not None and basis is Basis.PEAK:
-            change = abs(found.peak[1] / found.peak[0] - 1.0)
+            change = abs(found.peak[0] / found.peak[1] - 1.0)  # to the factor at which they run
         off = _off(model, found)
         if top is not None and factor > top > factor * (1.0 - _ABOVE):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search

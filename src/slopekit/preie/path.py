@@ -42,9 +42,9 @@ _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
-_FIRST, _CLOSER, _JUST = 0.4, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_FIRST, _CLOSER, JUST = 0.4, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
-NEAR_ENOUGH, _TO_REST = 1e-2, 250  # the widest that may do where slivers do not settle, in so many factorisations
+_TO_REST, _BEYOND = 250, 1e-2  # factorisations to come to rest; how far beyond a factor blocks are let go
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
@@ -289,7 +289,7 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
     Looked for near where the path `passed` it (λ and displacement), and near states on the way to the limit.
     """
     assert limit.parameter is not None
-    strength = limit.parameter / (1.0 - _JUST)
+    strength = limit.parameter / (1.0 - JUST)
     after = next((k for k, (reduction, _) in enumerate(passed) if reduction < strength), len(passed))
     near = passed[min(after, len(passed) - 1)][1]
     if 0 < after < len(passed):
@@ -415,12 +415,12 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     return None
 
 
-def rests_before(bed: Bed, factor: float, near: float = NEAR_ENOUGH) -> tuple[_Flow, float]:
+def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[_Flow, float]:
     """All blocks towards a factor from the strong side.
 
     Parameters
     ----------
-    near : how near in parts of the factor a rest has to be where slivers do not settle any nearer
+    near : a rest that is nearer in parts of the factor is an answer where slivers do not settle any nearer
 
     Returns
     -------
@@ -429,7 +429,7 @@ def rests_before(bed: Bed, factor: float, near: float = NEAR_ENOUGH) -> tuple[_F
     gap = _FIRST
     flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 0.0, far=_RUNS)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
-    while flow.ended == "rest" and gap > _JUST:
+    while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
         step = bed.step(ahead, ahead, parameter, 0.0)
@@ -447,17 +447,17 @@ def rests_before(bed: Bed, factor: float, near: float = NEAR_ENOUGH) -> tuple[_F
     return flow, gap
 
 
-def runs_beyond(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool:
-    """Whether blocks at rest just before a factor run beyond it.
+def at_their_limit(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool:
+    """Whether blocks at rest just before a factor are at their limit: it is not far above it.
 
-    They do where what the motion (N,) needs is the strength along it; between the two lie strength that is not used up
-    and normal forces where the motion opens. Else they are let go.
+    They are where the strength along the motion (N,) is used up to a twentieth: between what it needs and that strength
+    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and have to run.
     """
     _, slip = bed.motion(motion, 1.0 / factor)
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) / factor
     if abs(float(bed.drive.load @ motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
-    return relaxed(bed, flow.at, (1.0 - NEAR_ENOUGH) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
+    return relaxed(bed, flow.at, (1.0 - _BEYOND) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:

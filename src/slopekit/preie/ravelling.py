@@ -24,7 +24,7 @@ from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import NEAR_ENOUGH, PathLimit, PathOutcome, rests_before, runs_beyond
+from slopekit.preie.path import JUST, PathLimit, PathOutcome, at_their_limit, rests_before
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
@@ -227,7 +227,7 @@ class _Groups:
 
     The first group is the single block that slides out most easily, with its neighbours. All blocks together, none
     held, then come to rest at just a little more strength than the group's limit, or flow: who flows is the next
-    group. Where they rest just before it, and run just beyond it, it is the limit of all.
+    group. Where they rest just before it, their strength along its motion used up or running beyond, it is that of all.
     """
 
     def __init__(self, scene: "_Scene", there: Bools, blocks: Ints, model: AssemblyModel, patch: Ints) -> None:
@@ -274,12 +274,12 @@ class _Groups:
                 motion = np.zeros_like(model.load)
                 motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
                 motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-                if not runs_beyond(bed, flow, motion.ravel(), factor):
+                if not at_their_limit(bed, flow, motion.ravel(), factor):
                     return None
                 self.found = small, limit, own_bond
                 rested = 1.0 / (factor * (1.0 - gap))
                 at, forces = bed.polished(flow.at, rested)
-                if gap > NEAR_ENOUGH:  # what all blocks vouch for is the last state at rest
+                if gap > JUST:  # what all blocks vouch for is the last state at rest
                     limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
                     gap = 0.0
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
