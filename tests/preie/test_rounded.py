@@ -12,6 +12,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.flow import stepped
 from slopekit.preie.path import PathOutcome, follow
 from slopekit.preie.rounded import RoundedPath
 from tests.preie import path_oracle
@@ -35,7 +36,7 @@ def begun(counts):
     bed = bed_of(model)
     path = RoundedPath(bed, 1e-2)
     strength = 2.0 / static_bound(model).factor
-    step = bed.step(bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
+    step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
     assert path.begin(step.at, strength)
     return bed, path
 
@@ -62,7 +63,7 @@ def test_sharpened_states_are_those_of_the_joints() -> None:
     sharp = path.sharpened(400)
     assert sharp is not None
     at = sharp.displacement
-    exact = bed.step(at, at, sharp.reduction, 0.0, float(bed.working @ at))
+    exact = stepped(bed, at, at, sharp.reduction, 0.0, float(bed.working @ at))
     assert exact.settled
     assert exact.parameter == pytest.approx(sharp.reduction, rel=1e-7)
 

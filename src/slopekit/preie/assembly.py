@@ -111,6 +111,54 @@ class AssemblyModel:
         sums: Floats = np.add.reduceat(of_pairs, self.group_first)
         return sums
 
+    def touching(self, blocks: Bools) -> Bools:
+        """Some blocks (n,) with those that they touch."""
+        inside = np.append(blocks, False)
+        near = inside.copy()
+        near[self.plus[inside[self.minus]]] = True
+        near[self.minus[inside[self.plus]]] = True
+        found: Bools = near[:-1]
+        return found
+
+    def among(self, blocks: Ints) -> tuple["AssemblyModel", Ints, Ints, Ints]:
+        """The model of some blocks (b,), ascending, with all others held.
+
+        Returns
+        -------
+        model; which of the pairs (m,), friction forces (g,) and rows of the kinematics are its own
+        """
+        n, u = self.load.shape
+        inside = np.full(n + 1, BEDROCK)
+        inside[blocks] = np.arange(len(blocks))
+        plus, minus = inside[self.plus], inside[self.minus]
+        contacts = np.flatnonzero((plus >= 0) | (minus >= 0))
+        number = np.full(len(plus), -1)
+        number[contacts] = np.arange(len(contacts))
+        pairs, groups = np.flatnonzero(number[self.pair_contact] >= 0), np.flatnonzero(number[self.group_contact] >= 0)
+        plus, minus = plus[contacts], minus[contacts]
+        turned = (plus < 0)[:, None, None]  # the plus side always moves
+        plus, minus = np.where(plus < 0, minus, plus), np.where(plus < 0, BEDROCK, minus)
+        one, other = self.plus_motion[contacts], self.minus_motion[contacts]
+        tangents = self.slip_rows.shape[1]
+        rows = np.concatenate([
+            pairs, (len(self.control_area) + groups[:, None] * tangents + np.arange(tangents)).ravel()
+        ])  # fmt: skip
+        kinematics = self.kinematics[rows][:, (blocks[:, None] * u + np.arange(u)).ravel()]
+        bolts = self.bolts[groups[groups >= len(self.group_contact) - len(self.bolts)] - len(self.group_contact)]
+        model = replace(
+            self, plus=plus, minus=minus, plus_motion=np.where(turned, other, one),
+            minus_motion=np.where(turned, one, other) * (minus >= 0)[:, None, None],
+            pair_contact=number[self.pair_contact[pairs]], normal_rows=self.normal_rows[pairs],
+            group_contact=number[self.group_contact[groups]], slip_rows=self.slip_rows[groups],
+            group_first=np.searchsorted(pairs, self.group_first[groups]),
+            control_area=self.control_area[pairs], cohesion=self.cohesion[pairs],
+            tan_friction=self.tan_friction[groups], tan_dilation=self.tan_dilation[groups],
+            patch=self.patch[contacts[contacts < len(self.patch)]], points=self.points[pairs],
+            moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
+            kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=bolts,
+        )  # fmt: skip
+        return model, pairs, groups, rows
+
     def opening_and_slip(self, velocity: Floats) -> tuple[Floats, Floats]:
         """Opening (m,) of the node pairs and slip (g, t) of the friction forces for motions (n, u) of the blocks."""
         pairs = len(self.control_area)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.patterns import ContactPattern
@@ -116,6 +116,9 @@ class Bed:
         ratio: float | Floats = SHEAR_TO_NORMAL,
     ) -> None:
         self.model, self.drive = model, drive
+        self.ratio = ratio
+        self.bond = np.ones(len(model.control_area)) if bond is None else bond
+        self.given: Floats | None = None  # openings and slips of blocks that are held, where some are
         self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
         self.size = model.load.size
         dense = math.prod(model.kinematics.shape) <= _DENSE
@@ -124,7 +127,7 @@ class Bed:
         self.area = model.control_area
         self.group_of_pair = model.group_of_pair
         self.spring = ratio * self._summed(self.area)
-        self.cohesion = self._summed(model.cohesion * (1.0 if bond is None else bond))
+        self.cohesion = self._summed(model.cohesion * self.bond)
         self.friction = model.tan_friction
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
@@ -142,7 +145,7 @@ class Bed:
         self.load_size = float(np.abs(drive.load).max())
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
         own = np.maximum(own, _LIGHTEST * float(own.max(initial=0.0)))
-        self._least_load = _EACH * np.repeat(own, model.unknowns)
+        self.unbalanced_at_most = _EACH * np.repeat(own, model.unknowns)
         self.elastic_solver = self.factored(self.elastic)
         self.elastic_displacement: Floats = self.elastic_solver(drive.load)
         self.working = self._working()
@@ -180,7 +183,7 @@ class Bed:
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
-        relative = self.rows @ at
+        relative = self.rows @ at if self.given is None else self.rows @ at + self.given
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         pressing = -self.area * opening
         elastic = self.spring[:, None] * slip
@@ -356,22 +359,19 @@ class Bed:
 
     # -- Newton's method ----------------------------------------------------------------------------------------------
 
-    def step(self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None) -> "Step":
-        """Balance of the forces and of viscous flow away from `before`.
-
-        Newton downhill; where that stalls full steps, which may climb; without `work` then passes of frozen friction.
-
-        Parameters
-        ----------
-        work : of the driving load, to be met by changing the parameter as well; None: the parameter stays
-        """
-        found = self._newton(at, before, parameter, viscosity, work, downhill=True)
-        if found.settled or (viscosity == 0.0 and work is None):
-            return found
-        found = self._newton(at, before, parameter, viscosity, work, downhill=False)
-        if found.settled or work is not None:
-            return found
-        return self._by_passes(before, parameter, viscosity)
+    def among(self, blocks: Ints, at: Floats) -> "Bed":
+        """The elastic joints of some blocks (b,), ascending, with all others held at the displacement (N,)."""
+        u = self.model.unknowns
+        those = (blocks[:, None] * u + np.arange(u)).ravel()
+        model, pairs, groups, rows = self.model.among(blocks)
+        held = at.copy()
+        held[those] = 0.0
+        drive = replace(self.drive, load=self.drive.load[those])
+        ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
+        few = Bed(model, drive, self.bond[pairs], ratio)
+        few.given = (self.rows @ held)[rows]
+        few.unbalanced_at_most = self.unbalanced_at_most[those]
+        return few
 
     def polished(self, at: Floats, parameter: float) -> tuple[Floats, Forces]:
         """A state at rest nearer to balance, so that slivers are too, and its forces."""
@@ -399,9 +399,9 @@ class Bed:
 
     def _each_balanced(self, off: Floats) -> bool:
         """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""
-        return self.tangents == 1 or bool((np.abs(off) < self._least_load).all())
+        return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
 
-    def _off(
+    def off(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
     ) -> tuple[Forces, Floats]:
         there = self.forces(at, parameter, frozen)
@@ -409,11 +409,11 @@ class Bed:
             return there, there.unbalanced
         return there, there.unbalanced - viscosity * self.viscous(at - before)
 
-    def _newton(
+    def newton(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
     ) -> "Step":
         working = self.working
-        there, off = self._off(at, before, parameter, viscosity)
+        there, off = self.off(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
         stalled = 0
 
@@ -444,7 +444,7 @@ class Bed:
             nearest: tuple[float, Floats, float, Forces, Floats] | None = None
             while True:
                 trial, tried = at + length * way, parameter + length * change
-                seen, left = self._off(trial, before, tried, viscosity)
+                seen, left = self.off(trial, before, tried, viscosity)
                 now = float(np.abs(left).max())
                 if nearest is None or now < nearest[0]:
                     nearest = now, trial, tried, seen, left
@@ -461,40 +461,6 @@ class Bed:
             best = min(best, size)
         good = there.balanced(size, _SETTLED_ENOUGH) and self._each_balanced(off) and worked(at, 1e-6)
         return Step(at, parameter, there, good, _TRIES)
-
-    def _by_passes(self, before: Floats, parameter: float, viscosity: float) -> "Step":
-        """Friction frozen: a convex energy, Newton with a line search along its slope; then Newton on everything."""
-        at = before
-        reduction, _ = self.drive.at(parameter)
-        for _ in range(6):
-            allowed = reduction * self.forces(at, parameter).strength
-            if self.bolted is not None:
-                allowed = np.where(self.bolted, reduction * self.cohesion, allowed)
-            for _ in range(25):
-                there, off = self._off(at, before, parameter, viscosity, allowed)
-                if there.balanced(float(np.abs(off).max()), 1e-6):
-                    break
-                try:
-                    way = self.factored(self.tangent(there, parameter, viscosity, coupled=False), True)(off)
-                except SolverError:
-                    return Step(at, parameter, there, False, 0)
-                slope, low, high, length = float(off @ way), 0.0, None, 1.0
-                for _ in range(25):
-                    _, left = self._off(at + length * way, before, parameter, viscosity, allowed)
-                    now = float(left @ way)
-                    if abs(now) < 0.5 * abs(slope):
-                        break
-                    if now > 0.0:
-                        low = length
-                        length = 2.0 * length if high is None else 0.5 * (low + high)
-                    else:
-                        high = length
-                        length = 0.5 * (low + high)
-                at = at + length * way
-            found = self._newton(at, before, parameter, viscosity, None, downhill=True)
-            if found.settled:
-                return found
-        return Step(at, parameter, self.forces(at, parameter), False, 0)
 
 
 @dataclass(slots=True)

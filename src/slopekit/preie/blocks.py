@@ -25,8 +25,9 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.distance import StaticBound
+from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed, relaxed
+from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest

@@ -22,6 +22,7 @@ from scipy.linalg import lapack
 from slopekit.arrays import Floats
 from slopekit.onlooker import say
 from slopekit.preie.bed import Bed, Forces, Step
+from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.program import BlockProgram, Strengths
 from slopekit.preie.rounded import RoundedPath
 
@@ -33,8 +34,6 @@ _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 _ROUGHER = 7  # doublings of the strength to start from
 _LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
 _FARTHEST = 1e6  # load multiplier, or work of C in parts of the elastic
-_EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not
-_THIN, _THICK = 1e-8, 1e-2  # viscosity in parts of the elastic stiffness: least, and to begin with
 _EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
 _FAILS = 5
 _EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled too
@@ -42,7 +41,7 @@ _BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
 _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
-_FIRST, _CLOSER, JUST = 0.4, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _TO_REST, _BEYOND = 250, 1e-2  # factorisations to come to rest; how far beyond a factor blocks are let go
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
@@ -110,49 +109,6 @@ class PathLimit:
         return self.outcome in (PathOutcome.LIMIT, PathOutcome.SETTLED)
 
 
-@dataclass(slots=True)
-class _Flow:
-    """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended."""
-
-    at: Floats
-    forces: Forces
-    ended: str  # rest, runs, slow, lost
-    before: Floats
-    viscosity: float
-
-
-def relaxed(
-    bed: Bed, at: Floats, parameter: float, viscosity: float, most: int = 80, far: float = 1e2, patience: int = 10000
-) -> _Flow:
-    """Let the blocks flow until they rest or run; viscosity 0 tries Newton's method first.
-
-    Parameters
-    ----------
-    far : work in parts of the elastic at which they run
-    patience : factorisations after which it is left for later
-    """
-    before, last, fails, least = at, viscosity, 0, _THIN
-    patience += bed.factorisations
-    for _ in range(most):
-        if bed.factorisations > patience:
-            break
-        step = bed.step(at, at, parameter, viscosity)
-        if not step.settled:
-            viscosity, fails = max(_THICKENS * viscosity, _THICK), fails + 1
-            least = viscosity if bed.tangents > 1 else _THIN  # of many blocks in space it goes slowly from there
-            if fails > 6:
-                return _Flow(at, bed.forces(at, parameter), "lost", before, last)
-            continue
-        before, at, last, fails = at, step.at, viscosity, 0
-        if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
-            return _Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.working @ at)) > far * bed.elastic_work:
-            return _Flow(at, step.forces, "runs", before, last)
-        least = max(_GENTLY * least, _THIN)
-        viscosity = max(_EASES * viscosity, least)
-    return _Flow(at, bed.forces(at, parameter), "slow", before, last)
-
-
 def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     """The limit of one bed.
 
@@ -167,7 +123,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
     at, begun, first = flow.at, parameter, flow.at
-    runs: list[tuple[float, _Flow]] = []  # parameters at which nothing was found at rest, the worst first
+    runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
     nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
     near = next(nearest)
@@ -176,7 +132,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, _THICK), far=_RUNS)
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=_RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is None and traces:
@@ -227,7 +183,7 @@ def _traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], r
             if sharp is None:
                 break
             there = sharp.displacement
-            step = bed.step(there, there, sharp.reduction, 0.0, float(bed.working @ there))
+            step = stepped(bed, there, there, sharp.reduction, 0.0, float(bed.working @ there))
             limit = _far(bed, step) if step.settled else None
             if limit is None:
                 limit = _farther(bed, sharp)
@@ -267,7 +223,7 @@ def _far(bed: Bed, step: Step) -> PathLimit | None:
         more = work * (ratio - 1.0)
         ahead = None
         if motion is not None:
-            ahead = bed.step(step.at + more * motion, step.at, step.parameter, 0.0, work + more)
+            ahead = stepped(bed, step.at + more * motion, step.at, step.parameter, 0.0, work + more)
         if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > _JUMP:
             ratio, fails = math.sqrt(ratio), fails + 1
             if fails > _GOES:
@@ -295,25 +251,25 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
     if 0 < after < len(passed):
         (more, one), (less, other) = passed[after - 1], passed[after]
         near = one + (other - one) * ((more - strength) / (more - less))
-    if any(bed.step(at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
+    if any(stepped(bed, at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
         return True
     flow = relaxed(bed, near, strength, 0.0, far=_FARTHEST, patience=_RESTS)
     return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter)[0].ended == "rest"
 
 
-def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
+def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     """Gravity on at a strength that holds the blocks, or the load before it is raised."""
     none = np.zeros(bed.size)
     if bed.drive.ramp is not None:
-        step = bed.step(bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
-        flow = _Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
+        step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
+        flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
         return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, far=1e9)
     parameter = start
-    flow = _Flow(none, bed.forces(none, start), "lost", none, 0.0)
+    flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
-        step = bed.step(bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
+        step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
         if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
-            return parameter, _Flow(step.at, step.forces, "rest", step.at, 0.0)
+            return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
         flow = relaxed(bed, none, parameter, 1.0, far=3e2)
         if flow.ended == "rest":
             return parameter, flow
@@ -321,7 +277,7 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, _Flow]:
     return parameter, flow
 
 
-def _tried(bed: Bed, at: Floats, parameter: float) -> _Flow:
+def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
     flow = relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
@@ -331,10 +287,10 @@ def _tried(bed: Bed, at: Floats, parameter: float) -> _Flow:
     return flow
 
 
-def _run(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
+def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, _THICK), far=_RUNS)
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=_RUNS)
     far = _RUNS
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
@@ -347,7 +303,7 @@ def _run(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
     return None
 
 
-def _eased(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
+def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """Stage C: viscosity goes, the parameter is free, the work grows."""
     working = bed.working
     at, forces, viscosity = flow.at, bed.forces(flow.at, parameter), flow.viscosity
@@ -355,11 +311,11 @@ def _eased(bed: Bed, flow: _Flow, parameter: float) -> PathLimit | None:
     moved, gained = at - flow.before, work - float(working @ flow.before)
     if gained == 0.0 or work == 0.0:
         return None
-    eases, grows, steps, fails = _EASES, 1.5, 0, 0
+    eases, grows, steps, fails = EASES, 1.5, 0, 0
     while steps < 60 and fails < _FAILS:
         more = work * (grows - 1.0)
         thinner = eases * viscosity * gained / more
-        step = bed.step(at + moved * (more / gained), at, parameter, thinner, work + more)
+        step = stepped(bed, at + moved * (more / gained), at, parameter, thinner, work + more)
         if not step.settled or not 0.3 < step.parameter / parameter < 3.0:
             eases, grows, fails = min(math.sqrt(eases), 0.98), max(grows**0.6, 1.003), fails + 1
             continue
@@ -401,7 +357,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
         if found.at.shed > _SHED or found.at.load_factor < _LEAST:
             continue
         at = found.at.velocity / part
-        step = bed.step(at, at, found.at.load_factor, 0.0, float(bed.working @ at))
+        step = stepped(bed, at, at, found.at.load_factor, 0.0, float(bed.working @ at))
         if not step.settled:
             continue
         limit = _climbed(bed, step)
@@ -415,7 +371,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     return None
 
 
-def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[_Flow, float]:
+def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
     """All blocks towards a factor from the strong side.
 
     Parameters
@@ -427,19 +383,19 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[_Flow, fl
     their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
     """
     gap = _FIRST
-    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 0.0, far=_RUNS)
+    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 1.0, far=_RUNS)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
-        step = bed.step(ahead, ahead, parameter, 0.0)
+        step = stepped(bed, ahead, ahead, parameter, 0.0)
         if step.settled and abs(float(bed.working @ step.at)) < 5.0 * abs(float(bed.working @ flow.at)):
-            ahead_of_it = _Flow(step.at, step.forces, "rest", flow.at, 0.0)
+            ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
         elif stride < _CLOSE_BY:
             stride = math.sqrt(stride)
             continue
         else:
-            ahead_of_it = relaxed(bed, flow.at, parameter, _THICK, far=_RUNS, patience=_TO_REST)
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=_RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
@@ -447,7 +403,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[_Flow, fl
     return flow, gap
 
 
-def at_their_limit(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool:
+def at_their_limit(bed: Bed, flow: Flow, motion: Floats, factor: float) -> bool:
     """Whether blocks at rest just before a factor are at their limit: it is not far above it.
 
     They are where the strength along the motion (N,) is used up to a twentieth: between what it needs and that strength
@@ -457,7 +413,7 @@ def at_their_limit(bed: Bed, flow: _Flow, motion: Floats, factor: float) -> bool
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) / factor
     if abs(float(bed.drive.load @ motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
-    return relaxed(bed, flow.at, (1.0 - _BEYOND) / factor, _THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
+    return relaxed(bed, flow.at, (1.0 - _BEYOND) / factor, THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:
@@ -469,7 +425,7 @@ def _climbed(bed: Bed, step: Step) -> PathLimit | None:
         if motion is None:
             return None
         more = float(working @ step.at) + gained
-        ahead = bed.step(step.at + gained * motion, step.at, step.parameter, 0.0, more)
+        ahead = stepped(bed, step.at + gained * motion, step.at, step.parameter, 0.0, more)
         if not ahead.settled or not 0.3 < ahead.parameter / step.parameter < 3.0:
             gained, grows, fails = 0.3 * gained, math.sqrt(grows), fails + 1
             if fails > 6:

@@ -16,7 +16,7 @@ from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import BOLT_GIVE_M
-from slopekit.preie.path import relaxed
+from slopekit.preie.flow import relaxed, stepped
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
@@ -69,7 +69,7 @@ def settlement(
         at, ratio, bond = start.at, start.ratio, start.bond
     for taken in range(_ROUNDS):
         bed, before = Bed(model, Drive(model.load.ravel()), bond, ratio), at
-        step = bed.step(at, at, 1.0 / factor, 0.0)
+        step = stepped(bed, at, at, 1.0 / factor, 0.0)
         if step.settled:
             forces, at = step.forces, step.at
         else:
