@@ -101,8 +101,8 @@ class BlocksLimit:
 class Proposal(Protocol):
     """Another way than the path to the limit of all blocks."""
 
-    def limit(self, bond: Floats) -> PathLimit | None:
-        """The limit with some bonds (m,); None where the way leads nowhere."""
+    def limit(self, bond: Floats, top: float) -> PathLimit | None:
+        """The limit with some bonds (m,), at most `top`; None where the way leads nowhere."""
 
     def span(self) -> Span | None:
         """The range of the mechanism that it found last."""
@@ -130,7 +130,7 @@ def limit_of_blocks(
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
-        settled = None if proposal is None else proposal.limit(bond)
+        settled = None if proposal is None else proposal.limit(bond, bound.factor or math.inf)
         if settled is not None and _off(model, settled) < _BALANCED:
             steps += settled.factorisations
             return settled

@@ -27,7 +27,7 @@ from slopekit.preie.program import BlockProgram, Strengths
 from slopekit.preie.rounded import RoundedPath
 
 _STRIDE = 0.85  # of the strength, a step of stage A
-_RUNS = 30.0  # work in parts of the elastic: the blocks run
+_RUNS, _RUNS_IN_SPACE = 30.0, 100.0  # work in parts of the elastic: the blocks run; in space slivers only snap at 40
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
@@ -43,7 +43,7 @@ _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of 
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
-_TO_REST, _BEYOND = 250, 1e-2  # factorisations to come to rest; how far beyond a factor blocks are let go
+_TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
 _SHED = 1e-6  # of the load, that a proposal may leave unbalanced
@@ -132,7 +132,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=_RUNS)
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=_runs(bed))
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is None and traces:
@@ -277,21 +277,25 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     return parameter, flow
 
 
+def _runs(bed: Bed) -> float:
+    return _RUNS if bed.tangents == 1 else _RUNS_IN_SPACE
+
+
 def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
-    flow = relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
+    flow = relaxed(bed, at, parameter, 0.0, far=_runs(bed), patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
         working = bed.working
         if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return relaxed(bed, at, parameter, 0.3, far=_RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+            return relaxed(bed, at, parameter, 0.3, far=_runs(bed), patience=_PATIENCE)  # Newton jumped to a far state
     return flow
 
 
 def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=_RUNS)
-    far = _RUNS
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=_runs(bed))
+    far = _runs(bed)
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
         if found is not None or again == 2 or bed.tangents > 1:
@@ -383,7 +387,8 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
     """
     gap = _FIRST
-    flow = relaxed(bed, bed.elastic_displacement, 1.0 / (factor * (1.0 - gap)), 1.0, far=_RUNS)
+    strong = 1.0 / (factor * (1.0 - gap))
+    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, far=_runs(bed), patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
@@ -395,7 +400,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
             stride = math.sqrt(stride)
             continue
         else:
-            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=_RUNS, patience=_TO_REST)
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=_runs(bed), patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
@@ -403,17 +408,20 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     return flow, gap
 
 
-def at_their_limit(bed: Bed, flow: Flow, motion: Floats, factor: float) -> bool:
-    """Whether blocks at rest just before a factor are at their limit: it is not far above it.
+def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
+    """Whether blocks at rest just before a limit are at it: theirs is not far above.
 
-    They are where the strength along the motion (N,) is used up to a twentieth: between what it needs and that strength
-    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and have to run.
+    They are where the strength along its motion (N,) is used up to a twentieth: between what it needs and that strength
+    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and beyond its
+    peak, and have to run.
     """
-    _, slip = bed.motion(motion, 1.0 / factor)
-    resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) / factor
-    if abs(float(bed.drive.load @ motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
+    assert limit.parameter is not None
+    _, slip = bed.motion(limit.motion, limit.parameter)
+    resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
+    if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
-    return relaxed(bed, flow.at, (1.0 - _BEYOND) / factor, THICK, far=_RUNS, patience=_TO_REST).ended == "runs"
+    runs = min((limit.parameter, *(limit.peak or ()))) * (1.0 - _BEYOND)
+    return relaxed(bed, flow.at, runs, THICK, far=_runs(bed), patience=_LET_GO).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:

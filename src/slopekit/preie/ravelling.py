@@ -31,6 +31,7 @@ _SAME = 1e-6  # factors this near are one
 _LARGE = 12  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _ROUGHLY = 5e-2  # of a group's factor: where all blocks rest that near to it, the last state at rest is an answer
+_SAME_BOUND = 1e-4  # a factor that is a static bound's, to the accuracy of its search
 _FLOWING = 0.05  # of the fastest block: who flows
 _TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
 _MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
@@ -235,6 +236,7 @@ class _Groups:
         gone = ~there & ~scene.assembly.fixed
         self.alone, _ = slide_alone(scene.assembly, scene.loads, scene.strength, gone, blocks)
         self.found: tuple[AssemblyModel, PathLimit, Floats] | None = None
+        self.group = np.zeros(0, dtype=np.int64)  # the last that was found: with fewer bonds the first to try
 
     def span(self) -> Span | None:
         """The range of the group's mechanism: what is held beside it can carry any force, so it is none too narrow."""
@@ -244,8 +246,8 @@ class _Groups:
         assert limit.parameter is not None
         return mechanism_range(model, limit.motion, 1.0 / limit.parameter, bond, (limit.normal, limit.friction))
 
-    def limit(self, bond: Floats) -> PathLimit | None:
-        """The limit of all blocks with some bonds (m,); None where groups lead nowhere."""
+    def limit(self, bond: Floats, top: float) -> PathLimit | None:
+        """The limit of all blocks with some bonds (m,), at most `top`; None where groups lead nowhere."""
         scene, model, blocks, alone = self.scene, self.model, self.blocks, self.alone
         self.found = None
         if not len(alone):
@@ -255,9 +257,9 @@ class _Groups:
         bed = Bed(model, Drive(model.load.ravel()), bond)
         bolts = scene.loads.bolts
         bolted = np.isin(alone, np.append(bolts.head, bolts.toe))  # bolts hold what would slide out without them
-        group, work = alone[np.argsort(bolted, kind="stable")][:1], 0
+        first = alone[np.argsort(bolted, kind="stable")][:1]
+        group, work = self.group if len(self.group) else _with_neighbours(scene.assembly, first, blocks), 0
         for _ in range(_MOST_GROUPS):
-            group = _with_neighbours(scene.assembly, group, blocks)
             found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
             if found is None:
                 return None
@@ -269,14 +271,17 @@ class _Groups:
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
-            flow, gap = rests_before(bed, factor, _ROUGHLY)
+            flow, gap = rests_before(bed, min(factor, top), _ROUGHLY)
             if flow.ended == "rest":
+                if factor > top * (1.0 + _SAME_BOUND):
+                    return None
+                self.found, self.group = (small, limit, own_bond), group
                 motion = np.zeros_like(model.load)
                 motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
                 motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
-                if not at_their_limit(bed, flow, motion.ravel(), factor):
+                limit = replace(limit, motion=motion.ravel())
+                if not at_their_limit(bed, flow, limit):
                     return None
-                self.found = small, limit, own_bond
                 rested = 1.0 / (factor * (1.0 - gap))
                 at, forces = bed.polished(flow.at, rested)
                 if gap > JUST:  # what all blocks vouch for is the last state at rest
@@ -285,15 +290,15 @@ class _Groups:
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
                 return replace(
                     limit, outcome=settled, width=gap, group=len(group), displacement=at,
-                    motion=motion.ravel(), normal=forces.normal, friction=forces.friction,
+                    normal=forces.normal, friction=forces.friction,
                     residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
                 )  # fmt: skip
-            if flow.ended != "runs":
+            if flow.ended == "lost":
                 return None
             moved = (flow.at - flow.before).reshape(model.load.shape)
             speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
             movers = model.moving[speed > _FLOWING * float(speed.max())]
-            group = _with_neighbours(scene.assembly, group, blocks) if np.isin(movers, group).all() else movers
+            group = _with_neighbours(scene.assembly, group if np.isin(movers, group).all() else movers, blocks)
         return None
 
 
