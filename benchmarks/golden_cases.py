@@ -34,7 +34,7 @@ INPUTS = STORE / "inputs"
 COMMANDS = STORE / "commands.txt"
 EXAMPLES = ROOT / "examples"
 #: Cases that take more than five seconds of processor time.
-HEAVY = ("checks/bench", "checks/paper-ellipsoid", "checks/sphere", "designs/bench-mechanisms", "suite/rows")
+HEAVY = ("checks/bench", "checks/paper-ellipsoid", "suite/rows")
 RESULTS = "run {} --quiet --no-pictures -o out"
 #: Where a sheet of a study is made, by the function of slopekit that gave it.
 SHEETS = {

@@ -1,7 +1,7 @@
 """What slopekit says today, stored and compared: the guard of changes that must change nothing.
 
 ``python -m benchmarks.goldens compare [WORD ...]`` runs the cases whose names hold one of the words (without one all of
-them, about three minutes of processor time, a third of it `benchmarks.golden_cases.HEAVY`) and names case, key, old and
+them, two minutes of processor time, half of it `benchmarks.golden_cases.HEAVY`) and names case, key, old and
 new value of every difference; it ends with 1 if there is one. ``store`` writes them to tests/goldens (a value that is
 the same within its tolerance keeps its old text), ``list`` names them, ``budget`` prints modules, lines and cold times
 (`benchmarks.golden_budget`); the word ``all`` shows every difference.
