@@ -2,6 +2,7 @@
 
 Joints are elastic without tension (`preie.bed`). Gravity comes on at a strength well above the static bound, then
 
+    R   in a section of many blocks first: joints with rounded corners, whose path is one curve, made sharp far down it;
     A   the strength goes down, λ x 0.85 a step, until the blocks run: implicit viscous flow shows that they do;
     C   while they run, viscosity is taken away and λ set free, the work of the load prescribed and raised;
     L   in a section, once the modes of the contacts have settled, Newton on them and λ: the limit state, exact.
@@ -53,6 +54,11 @@ _MARKS = (1e3, 1e4, 1e5, 1e6)  # work in parts of the elastic at which they are 
 _SURE = 1e-4  # rounding up to which the path is that of the sharp joints: histories agree
 _TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and farther, and to come to rest
 _TIMES, _NEARLY = 3.0, 3e-6  # so much farther, and what λ may change by
+_MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
+_BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
+_SHARPER, _ALIKE = 1e-5, 1e-3  # what is left of it far down, and how much λ may change by that
+_FOLLOWED, _SHARPENED = 1000, 150  # factorisations from one mark to the next, and of making joints sharp
+_HALVED = 12  # bisections between two points of the rounded path
 _GOES = 5  # shorter steps before Newton's method is said not to go on
 _JUMP = 0.1  # of the strength, in a step far along a motion: another motion
 _TURNS = 12  # how often directions of slip in space follow the motion
@@ -128,6 +134,12 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
     near = next(nearest)
     traces = strength and bed.tangents > 1 and not bed.dilates
+    smooth = strength and bed.tangents == 1 and not bed.dilates and bed.bolted is None
+    if smooth and bed.size > _MANY:
+        ended = _traced_in_section(bed, at, parameter, _BROADLY)
+        if ended is not None:
+            return replace(ended, started=begun)
+        smooth = False
     while True:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
@@ -158,6 +170,10 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
             return _result(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
         if not runs:
             ratio = max(ratio * _STRIDE, 0.5)
+    if smooth and not brief:
+        ended = _traced_in_section(bed, first, begun, _FINELY)
+        if ended is not None and (ended.parameter or 0.0) >= bad:
+            return replace(ended, peak=(parameter, bad), started=begun)
     forces = bed.forces(at, parameter)
     peak = _result(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
     return replace(peak, started=begun)
@@ -205,10 +221,84 @@ def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
     if not abs(sharp.reduction / reduction - 1.0) < _NEARLY:
         return None
     # where several blocks slide at one strength their speeds are anyone's, and Newton's method has no state to go to
-    at, (normal, friction) = sharp.displacement, sharp.forces
+    return _result(bed, PathOutcome.SETTLED, limit, None, sharp.displacement, sharp.displacement - before, _on(sharp))
+
+
+def _on(curve: RoundedPath) -> Forces:
+    """The forces of a path of nearly sharp joints where it is."""
+    bed, (normal, friction) = curve.bed, curve.forces
     unbalanced = bed.columns @ np.concatenate([normal, friction.ravel()]) + bed.drive.load
-    forces = replace(bed.forces(at, sharp.reduction), normal=normal, friction=friction, unbalanced=unbalanced)
-    return _result(bed, PathOutcome.SETTLED, limit, None, at, at - before, forces)
+    there = bed.forces(curve.displacement, curve.reduction)
+    return replace(there, normal=normal, friction=friction, unbalanced=unbalanced)
+
+
+def _traced_in_section(bed: Bed, at: Floats, parameter: float, roundings: tuple[float, ...]) -> PathLimit | None:
+    """The limit of a section by way of rounded joints, from the first state at rest; None where nothing settles.
+
+    Between many blocks the sharp path snaps at every few steps. Rounded it is one curve through all of that, and
+    only far down it the joints are made sharp, at ever more work: λ goes like the limit plus a part of 1 / work. Where
+    Newton on the modes gets there the limit state is exact. Much rounding may lead to another motion: λ must hardly
+    change as the joints are made sharp. All blocks have to rest, in sharp joints, at a little more strength, and that
+    strength has to be used up along the motion, or they run beyond it.
+    """
+    for rounding in roundings:
+        curve = RoundedPath(bed, rounding)
+        if not curve.begin(at, parameter):
+            continue
+        before: RoundedPath | None = None
+        last, limit = math.inf, None
+        for mark in _MARKS:
+            sharp = curve.sharpened(_SHARPENED, _SHARPER) if curve.onto(mark, _FOLLOWED) else None
+            if sharp is None or not abs(sharp.reduction / curve.reduction - 1.0) < _ALIKE:
+                break
+            moved = sharp.displacement - (at if before is None else before.displacement)
+            limit = limit_state(bed, sharp.displacement, moved, sharp.reduction) if bed.size <= _BORDERED else None
+            if limit is None and before is not None:
+                settles = sharp.reduction + (sharp.reduction - before.reduction) / (sharp.work / before.work - 1.0)
+                if min(abs(settles / last - 1.0), abs(sharp.reduction / before.reduction - 1.0)) < _STEADY:
+                    limit = _result(bed, PathOutcome.SETTLED, settles, None, sharp.displacement, moved, _on(sharp))
+                last = settles
+            if limit is not None:
+                break
+            before = sharp
+        if limit is not None and _rests_along(bed, limit, curve, rounding):
+            return limit
+    return None
+
+
+def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float) -> bool:
+    """Whether sharp joints hold all blocks a thousandth to three before a limit, and the limit is not far above that.
+
+    Looked for by bisection between the points that the rounded path passed before it.
+    """
+    assert limit.parameter is not None
+    strength = limit.parameter / (1.0 - JUST)
+
+    def sharp_at(place: float) -> RoundedPath | None:
+        (reduction, one), (less, other) = curve.passed[int(place)], curve.passed[int(place) + 1]
+        part, there = place % 1.0, RoundedPath(bed, rounding)
+        begun = there.begin(one + part * (other - one), reduction + part * (less - reduction))
+        return there.sharpened(_SHARPENED, _SHARPER) if begun else None
+
+    high = float(next((k for k, (reduction, _) in enumerate(curve.passed) if reduction < strength), 0))
+    low, sharp = high, None
+    while low > 0.0 and (sharp is None or sharp.reduction < strength):
+        high, low = low, low - 1.0
+        sharp = sharp_at(low)
+    for _ in range(_HALVED):
+        if sharp is None or sharp.reduction < strength:
+            return False
+        if sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter:
+            break
+        trial = sharp_at(middle := (low + high) / 2.0)
+        if trial is None or trial.reduction < strength:
+            high = middle
+        else:
+            low, sharp = middle, trial
+    assert sharp is not None
+    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, far=_FARTHEST, patience=_RESTS)
+    near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
+    return near and flow.ended == "rest" and at_their_limit(bed, flow, limit)
 
 
 def _far(bed: Bed, step: Step) -> PathLimit | None:

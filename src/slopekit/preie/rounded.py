@@ -152,10 +152,12 @@ class RoundedPath:
         self._at, self._work, self._rounding = found
         return True
 
-    def sharpened(self, most: int) -> "RoundedPath | None":
-        """The path of nearly sharp joints, from the same work on; None where `most` factorisations do not get there."""
+    def sharpened(self, most: int, left: float = _SHARP) -> "RoundedPath | None":
+        """The path of joints whose rounding is `left`, from the same work on; None where `most` factorisations do not
+        get there.
+        """
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = self._along(self._at, self._work, self._rounding, False, lambda _, there: there < _SHARP, most, [])
+            found = self._along(self._at, self._work, self._rounding, False, lambda _, there: there < left, most, [])
         if found is None:
             return None
         sharp = copy.copy(self)
@@ -375,6 +377,9 @@ class RoundedPath:
         normal = np.maximum(at.normal + change.normal, _KEPT * at.normal)
         gap = np.maximum(at.gap + change.gap, _KEPT * at.gap)
         allowed = reduction * self._strength(normal)
+        if self.bed.tangents == 1:
+            friction, size, slip = self._in_section(at, change, allowed)
+            return _Point(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
         # a slip may shrink to a part of itself, not turn round
         back, square = along_rows(at.slip, change.slip), along_rows(at.slip, at.slip)
         part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, _TINY), 1.0)
@@ -394,3 +399,18 @@ class RoundedPath:
             at.velocity + change.velocity, normal, gap, friction, np.maximum(at.size + part * change.size, least),
             slip, reduction,
         )  # fmt: skip
+
+    def _in_section(self, at: _Point, change: _Point, allowed: Floats) -> tuple[Floats, Floats, Floats]:
+        """Friction (g, 1), size (g,) and slip (g, 1) after a step in a section, where a slip may turn round.
+
+        The cone's product is two there, (λ r + T)(|z| + z) = κ = (λ r - T)(|z| - z): every factor is kept.
+        """
+        before = at.reduction * self._strength(at.normal)
+        carried, turned, size = at.friction[:, 0], at.slip[:, 0], at.size + change.size
+        friction, slip = carried + change.friction[:, 0], turned + change.slip[:, 0]
+        forward = np.maximum(size + slip, _KEPT * (at.size + turned))
+        backward = np.maximum(size - slip, _KEPT * (at.size - turned))
+        least = np.minimum(_KEPT * (before + carried), 0.5 * allowed) - allowed
+        most = allowed - np.minimum(_KEPT * (before - carried), 0.5 * allowed)
+        friction = np.minimum(np.maximum(friction, least), most)
+        return friction[:, None], (forward + backward) / 2.0, ((forward - backward) / 2.0)[:, None]
