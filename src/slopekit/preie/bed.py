@@ -135,6 +135,10 @@ class Bed:
         self._transposed = np.ascontiguousarray(model.slip_rows.transpose(0, 2, 1))
         self._group_starts = np.searchsorted(model.group_contact, np.arange(self.contacts))
         self._one_each = self.groups == self.contacts
+        self._kernels, self._law = self._pattern.kernels, None
+        if self._kernels is not None:
+            given = self.area, self.spring, self.cohesion, self.friction, self.bolted
+            self._law = self._kernels.law(self._pattern.contacts, *given)
         every = np.ones(self.pairs, dtype=bool)
         sticking = self.spring[:, None, None] * np.eye(self.tangents)
         self.elastic = self._local(every, sticking)
@@ -180,6 +184,8 @@ class Bed:
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
+        if self._kernels is not None and modes is None and not self.dilates:
+            return self._compiled_forces(at, reduction, load, frozen)
         relative = self.rows @ at
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         pressing = -self.area * opening
@@ -213,6 +219,20 @@ class Bed:
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
             _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+        )  # fmt: skip
+
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> Forces:
+        normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
+        friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
+        touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
+        unbalanced = np.empty(self.size)
+        highest, pressed, longest = self._kernels.forces(
+            self._law, np.ascontiguousarray(at), reduction, load, frozen,
+            normal, friction, strength, touching, slips, direction, slip, unbalanced,
+        )  # fmt: skip
+        return Forces(
+            normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
+            _ROUNDING * (pressed + longest),
         )  # fmt: skip
 
     def _dilation(self, reduction: float) -> Floats:
@@ -257,6 +277,14 @@ class Bed:
         ----------
         coupled : friction follows the normal forces; turning : and, in space, the direction of slip
         """
+        if self._kernels is not None and not self.dilates:
+            local = np.empty_like(self.elastic)
+            reduction, _ = self.drive.at(parameter)
+            self._kernels.tangent(
+                self._law, reduction, viscosity, coupled, turning, there.touching, there.slips, there.direction,
+                there.friction, there.slip, self.elastic, local,
+            )  # fmt: skip
+            return local
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -349,6 +377,10 @@ class Bed:
 
     def viscous(self, moved: Floats) -> Floats:
         """K_e times a displacement, (N,)."""
+        if self._kernels is not None:
+            pushed = np.zeros(self.size)
+            self._kernels.add_viscous(self._law, np.ascontiguousarray(moved), 1.0, pushed)
+            return pushed
         relative = self.rows @ moved
         springs = np.concatenate([self.area, np.repeat(self.spring, self.tangents)])
         force: Floats = self.columns @ (springs * relative)

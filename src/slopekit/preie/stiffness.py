@@ -31,6 +31,8 @@ from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import Fault, SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.kernels import compiled
+from slopekit.preie.patterns import compiled_contacts
 
 _MOST_BYTES = 900_000_000
 _MOST_TRIALS = 8
@@ -61,7 +63,8 @@ class Stiffness:
         self.model, self.way = model, way
         self.motion = np.concatenate([model.plus_motion, model.minus_motion], axis=2)
         self.motion_t = np.ascontiguousarray(self.motion.transpose(0, 2, 1))
-        self.plans = {True: _Plan(model, self._chosen(True))}
+        self.contacts = compiled_contacts(model)
+        self.plans = {True: self._planned(self._chosen(True))}
         self._dense_index: Ints | None = None
 
     def factored(
@@ -85,9 +88,11 @@ class Stiffness:
             E504 the factors do not fit into memory; E505 K is singular, or no shift makes it positive definite.
         """
         if symmetric not in self.plans:
-            self.plans[symmetric] = _Plan(self.model, self._chosen(symmetric))
+            self.plans[symmetric] = self._planned(self._chosen(symmetric))
         plan = self.plans[symmetric]
-        values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
+        values = stiffness
+        if self.contacts is None:
+            values = np.matmul(self.motion_t, np.matmul(stiffness, self.motion)).ravel()
         solve = plan.factored(values, shift, inertia)
         for _ in range(1, _MOST_TRIALS if symmetric else 1):
             if solve is not None:
@@ -96,7 +101,7 @@ class Stiffness:
             solve = plan.factored(values, shift, inertia)
         if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
             # pivots from one front do not do: the band's come from wherever they are
-            solve = _Plan(self.model, _fitting(Band(self.model, False))).factored(values, shift, inertia)
+            solve = self._planned(_fitting(Band(self.model, False))).factored(values, shift, inertia)
         if solve is not None:
             return solve
         what = "not positive definite" if symmetric else "singular"
@@ -115,6 +120,9 @@ class Stiffness:
         summed = np.bincount(self._dense_index, values.ravel(), size * size + 1)
         matrix: Floats = summed[:-1].astype(np.float64).reshape(size, size)
         return matrix
+
+    def _planned(self, way: "Dense | Band | Fronts") -> "_Plan":
+        return _Plan(self.model, way, self.contacts)
 
     def _chosen(self, symmetric: bool) -> "Dense | Band | Fronts":
         if self.way is not None:
@@ -138,8 +146,8 @@ def _fitting(way: "Dense | Band | Fronts") -> "Dense | Band | Fronts":
 class _Plan:
     """Which entries of the contacts' products Jᵀ S J (k, 2u, 2u) go where in the storage of one way."""
 
-    def __init__(self, model: AssemblyModel, way: "Dense | Band | Fronts") -> None:
-        self.way = way
+    def __init__(self, model: AssemblyModel, way: "Dense | Band | Fronts", contacts: Any = None) -> None:
+        self.way, self._kernels = way, compiled() if contacts is not None else None
         u = model.unknowns
         blocks = np.stack([model.plus, model.minus], axis=1)
         unknown = (way.place[blocks][:, :, None] * u + np.arange(u)).reshape(len(blocks), 2 * u)
@@ -151,15 +159,22 @@ class _Plan:
         self.index = np.concatenate([way.at(row.flat[part], column.flat[part]) for part in parts])
         self.order = (way.place[:, None] * u + np.arange(u)).ravel()  # where each unknown goes
         self.diagonal = way.at(self.order, self.order)
+        if self._kernels is not None:
+            self._plan = self._kernels.plan(contacts, way.symmetric, way.size, self.kept, self.index, self.diagonal)
 
     def factored(self, values: Floats, shift: float, inertia: Floats | None) -> Solver | None:
-        entries: Floats = np.bincount(self.index, values[self.kept], self.way.size).view(np.float64)
-        diagonal = entries[self.diagonal]
-        if inertia is not None:
-            diagonal += inertia
-        sizes = np.abs(diagonal)
-        own = diagonal if self.way.symmetric else sizes
-        entries[self.diagonal] = diagonal + shift * (own + sizes.sum() / len(sizes))
+        """A solver, or None; compiled kernels take the contact stiffnesses themselves."""
+        if self._kernels is not None:
+            entries = np.zeros(self.way.size)
+            self._kernels.assembled(self._plan, np.ascontiguousarray(values), shift, inertia, entries)
+        else:
+            entries = np.bincount(self.index, values[self.kept], self.way.size).view(np.float64)
+            diagonal = entries[self.diagonal]
+            if inertia is not None:
+                diagonal += inertia
+            sizes = np.abs(diagonal)
+            own = diagonal if self.way.symmetric else sizes
+            entries[self.diagonal] = diagonal + shift * (own + sizes.sum() / len(sizes))
         solve = self.way.factored(entries)
         if solve is None or isinstance(self.way, Dense):
             return solve
@@ -260,7 +275,10 @@ class Fronts:
         self.starts, self.own, self.others, self.offsets = starts * u, own, others, offsets[:-1]
         self.later_keys = np.concatenate([front * n + blocks for front, blocks in enumerate(later)])
         self.later_first = np.cumsum(others // u) - others // u
-        self.fronts = [
+        self._kernels = compiled()
+        if self._kernels is not None:
+            self._compiled = self._for_kernels(counts, children, later)
+        self.fronts = [] if self._kernels is not None else [
             (
                 int(starts[i] * u), int(own[i]), int(others[i]), int(offsets[i]),
                 (later[i][:, None] * u + np.arange(u)).ravel(),
@@ -275,6 +293,36 @@ class Fronts:
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
         work, moved = (1.0 if symmetric else 2.0) * np.array([self.flops, float((q * q).sum())])
         self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + 50e-6 * len(counts)  # with two solutions
+
+    def _for_kernels(self, counts: Ints, children: list[list[int]], later: list[Ints]) -> Any:
+        """The fronts as the compiled kernels take them."""
+        u, ends = self.u, np.cumsum(counts)
+        starts, place = ends - counts, np.zeros(len(self.later_keys), dtype=np.int64)
+        for parent, kids in enumerate(children):
+            for child in kids:
+                blocks, first = later[child], int(self.later_first[child])
+                beyond = counts[parent] + np.searchsorted(later[parent], blocks)
+                place[first : first + len(blocks)] = np.where(blocks < ends[parent], blocks - starts[parent], beyond)
+        update, work = _places_in_turn([int(q * q) for q in self.others], children)
+        numbers = [np.cumsum([0, *(len(part) for part in parts)]) for parts in (later, children)]
+        return self._kernels.fronts(
+            u, self.symmetric, int(ends[-1]) * u, self.size, work, self.starts, self.own, self.others,
+            np.ascontiguousarray(self.offsets), update, *numbers,
+            np.array([child for kids in children for child in kids], dtype=np.int64), np.concatenate(later), place,
+        )  # fmt: skip
+
+    def _factored_by_kernels(self, entries: Floats) -> Solver | None:
+        kernels, fronts, pivots = self._kernels, self._compiled, np.empty(len(self.place) * self.u, dtype=np.intc)
+        if not kernels.factored(fronts, _GROWTH, entries, pivots):
+            return None
+
+        def solve(right: Floats) -> Floats:
+            found = right.T.copy()
+            for one in found if found.ndim == 2 else found[None]:
+                kernels.solved(fronts, entries, pivots, one)
+            return found.T
+
+        return solve
 
     def at(self, row: Ints, column: Ints) -> Ints:
         """Where entries of K are stored."""
@@ -291,6 +339,8 @@ class Fronts:
 
     def factored(self, entries: Floats) -> Solver | None:
         """A solver, or None where K is singular or not positive definite; `entries` are lost."""
+        if self._kernels is not None:
+            return self._factored_by_kernels(entries)
         symmetric, done = self.symmetric, []
         updates: dict[int, Floats] = {}
         for i, (start, p, q, at, later, children) in enumerate(self.fronts):
@@ -365,6 +415,25 @@ def _swapped(pivots: Ints) -> Ints:
     for k, other in enumerate(pivots.tolist()):
         order[k], order[other] = order[other], order[k]
     return np.array(order)
+
+
+def _places_in_turn(sizes: list[int], children: list[list[int]]) -> tuple[Ints, int]:
+    """Where in one workspace the update of each front is kept until its parent has taken it, and how much that needs.
+
+    The first gap that is large enough; a front's own is made before those of its children are given back.
+    """
+    places, live, most = np.zeros(len(sizes), dtype=np.int64), dict[int, tuple[int, int]](), 0
+    for front, size in enumerate(sizes):
+        at = 0
+        for start, end in sorted(live.values()):
+            if start - at >= size:
+                break
+            at = max(at, end)
+        places[front], most = at, max(most, at + size)
+        live[front] = at, at + size
+        for child in children[front]:
+            del live[child]
+    return places, most
 
 
 def _runs(blocks: Ints, later: Ints, start: int, end: int, u: int) -> tuple[Any, Any]:
