@@ -16,6 +16,7 @@ from benchmarks import populations
 from slopekit.preie import kernels as module
 from slopekit.preie.bed import Bed, Drive, Forces
 from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.cones import longest_step
 from slopekit.preie.patterns import ContactPattern, compiled_contacts
 from slopekit.preie.program import BlockProgram
 from slopekit.preie.stiffness import Fronts, Stiffness
@@ -91,6 +92,30 @@ def test_factors_and_the_stiffness_of_contacts(make, symmetric) -> None:
     tangent = tangent + tangent.transpose(0, 2, 1)
     exact, found = both_ways(lambda: ContactPattern(model).stiffness(springs, tangent))
     assert close(found, exact)
+    tilt, weights = rng.normal(size=(len(tangent), t)), tuple(rng.normal(size=(4, len(tangent))))
+
+    def coupled() -> np.ndarray:
+        out = stiffness.copy()
+        ContactPattern(model).couple(out, springs, tilt, weights)
+        return out
+
+    exact, found = both_ways(coupled)
+    assert not close(exact, stiffness)
+    assert close(found, exact)
+
+
+@compiled_only
+@given(st.integers(0, 10**6), st.sampled_from([2, 3]), st.integers(1, 9))
+@settings(max_examples=40, deadline=None)
+def test_the_longest_step_in_cones(seed, width, rows) -> None:
+    """Into the cones, out of them, and along none (a step of zero)."""
+    rng = np.random.default_rng(seed)
+    point, step = rng.normal(size=(rows, width)), rng.normal(size=(rows, width))
+    point[:, 0] = np.sqrt((point[:, 1:] ** 2).sum(axis=1)) + rng.uniform(0.1, 1.0, rows)
+    step[:, 0] += rng.choice([0.0, 5.0])
+    step *= rng.choice([0.0, 1.0], (rows, 1))
+    plain, found = both_ways(lambda: longest_step(point, step))
+    assert found == pytest.approx(plain, rel=1e-12)
 
 
 LIMITS = {

@@ -355,6 +355,73 @@ static PyObject *stiffness(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return failed ? NULL : Py_NewRef(Py_None);
 }
 
+INLINE void couple_in(const Contacts *c, const double *springs, const double *tilt, const double *const *weights,
+                      double *out, const int u, const int t)
+{
+    const int *in = u == 6 ? NORMAL6 : NORMAL3, *is = u == 6 ? SLIP6 : SLIP3, nn = u == 6 ? 3 : 2, ns = u == 6 ? 3 : 1;
+    for (whole k = 0; k < c->contacts; k++)
+        for (whole g = c->first_group[k]; g < c->first_group[k + 1]; g++) {
+            double n[3] = {0.0}, tau[3] = {0.0}, *s = out + k * u * u;
+            for (whole m = c->first_pair[g]; m < c->first_pair[g + 1]; m++)
+                for (int i = 0; i < nn; i++) n[i] += springs[m] * c->rows[m * nn + i];
+            for (int i = 0; i < t; i++)
+                for (int a = 0; a < ns; a++) tau[a] += tilt[g * t + i] * c->slips[(g * t + i) * ns + a];
+            for (int i = 0; i < nn; i++)
+                for (int j = 0; j < nn; j++) s[in[i] * u + in[j]] -= weights[0][g] * n[i] * n[j];
+            for (int i = 0; i < nn; i++)
+                for (int a = 0; a < ns; a++) {
+                    s[in[i] * u + is[a]] -= weights[1][g] * n[i] * tau[a];
+                    s[is[a] * u + in[i]] -= weights[2][g] * n[i] * tau[a];
+                }
+            for (int a = 0; a < ns; a++)
+                for (int b = 0; b < ns; b++) s[is[a] * u + is[b]] += weights[3][g] * tau[a] * tau[b];
+        }
+}
+
+/* couple(contacts, springs, tilt, nn, nt, tn, tt, out): ContactPattern.couple */
+static PyObject *couple(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 8)) return NULL;
+    const Contacts *c = PyCapsule_GetPointer(a[0], CONTACTS);
+    if (!c) return NULL;
+    Kept here = {0}, *kept = &here;
+    int failed = 0;
+    const double *springs = FLOATS(a[1], c->pairs), *tilt = FLOATS(a[2], c->groups * c->t), *weights[4];
+    for (int i = 0; i < 4; i++) weights[i] = FLOATS(a[3 + i], c->groups);
+    double *out = OUT(a[7], c->contacts * c->u * c->u);
+    if (!failed && c->u == 6) couple_in(c, springs, tilt, weights, out, 6, 2);
+    else if (!failed) couple_in(c, springs, tilt, weights, out, 3, 1);
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
+/* longest_step(point, step, width) of cones.py */
+static PyObject *longest_step(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 3)) return NULL;
+    Kept here = {0}, *kept = &here;
+    whole width = PyLong_AsLongLong(a[2]);
+    int failed = PyErr_Occurred() != NULL || width < 1;
+    const double *p = FLOATS(a[0], -1);
+    whole rows = failed ? 0 : kept->views[0].len / 8 / width;
+    const double *s = FLOATS(a[1], rows * width);
+    double most = INFINITY;
+    for (whole g = 0; !failed && g < rows; g++, p += width, s += width) {
+        double a2 = s[0] * s[0], b = p[0] * s[0], c = p[0] * p[0], side1 = 0.0, side2 = 0.0, side3 = 0.0;
+        for (whole i = 1; i < width; i++) side1 += s[i] * s[i], side2 += p[i] * s[i], side3 += p[i] * p[i];
+        a2 -= side1, b -= side2, c = c - side3 > 1e-300 ? c - side3 : 1e-300;
+        if (b * b >= a2 * c) {
+            double root = sqrt(b * b - a2 * c), half = -(b + (b >= 0.0 ? root : -root));
+            double ends[2] = {half / a2, c / half};
+            for (int i = 0; i < 2; i++)
+                if (ends[i] > 0.0 && ends[i] < most) most = ends[i];
+        }
+        if (s[0] < 0.0 && -p[0] / s[0] < most) most = -p[0] / s[0];
+    }
+    released(kept);
+    return failed ? NULL : PyFloat_FromDouble(most);
+}
+
 typedef struct {
     const char *touching, *slips;
     const double *direction, *friction, *slip, *elastic;
@@ -694,8 +761,8 @@ static PyObject *solved(PyObject *self, PyObject *const *a, Py_ssize_t n)
 
 #define FAST(name) {#name, (PyCFunction)(void (*)(void))name, METH_FASTCALL, NULL}
 static PyMethodDef METHODS[] = {
-    FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(tangent), FAST(plan),
-    FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), {"bind", bind, METH_O, NULL}, {NULL},
+    FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(tangent), FAST(plan),
+    FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), {"bind", bind, METH_O, NULL}, {NULL},
 };
 
 static struct PyModuleDef MODULE = {PyModuleDef_HEAD_INIT, .m_name = "_kernels", .m_size = -1, .m_methods = METHODS};

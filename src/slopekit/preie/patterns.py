@@ -40,8 +40,10 @@ class ContactPattern:
 
     def __init__(self, model: AssemblyModel) -> None:
         self.normal, self.slip = _read_off(model)
+        self.unknowns, self.size = model.unknowns, len(model.plus)
         self.kernels, self.contacts = compiled(), compiled_contacts(model)
-        self.unknowns = model.unknowns
+        if self.kernels is not None:
+            return
         self.pairs_first = np.searchsorted(model.pair_contact, np.arange(len(model.plus)))
         self.group_first = model.group_first
         self.one_each = len(model.group_first) == len(model.plus)  # a friction force a contact: a section
@@ -64,7 +66,7 @@ class ContactPattern:
 
     def stiffness(self, springs: Floats, tangent: Floats) -> Floats:
         """Stiffness (k, u, u) of normal springs (m,) and symmetric tangent stiffnesses (g, t, t)."""
-        out = np.zeros((len(self.pairs_first), self.unknowns, self.unknowns))
+        out = np.zeros((self.size, self.unknowns, self.unknowns))
         if self.kernels is not None:
             self.kernels.stiffness(self.contacts, springs, np.ascontiguousarray(tangent), out)
             return out
@@ -82,6 +84,9 @@ class ContactPattern:
         With n = Σ p (rows of the openings) and τ = bᵀ (rows of the slips) of each friction force, the four weights
         (g,) are those of -n nᵀ, -n τᵀ, -τ nᵀ and τ τᵀ.
         """
+        if self.kernels is not None:
+            self.kernels.couple(self.contacts, springs, tilt, *weights, out)
+            return
         n = np.add.reduceat(self.rows * springs[:, None], self.group_first)
         tau = np.matmul(tilt[:, None, :], self.slips)[:, 0, :]
         (i, j), (a, b) = self.upper, self.slip_upper

@@ -42,6 +42,8 @@ _ALIKE = 0.9  # cosine between normals of one joint set
 _GROWTH = 1e8  # of multipliers, where pivots of one front only no longer do
 _DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest not slower
 _DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
+_FRONT, _COMPILED_FRONT = 50e-6, 3e-6  # s that a front takes beside its work
+_FINER = 4  # times smaller are pieces, and dissected is what takes so much less time, with compiled kernels
 
 Solver = Callable[[Floats], Floats]
 
@@ -130,7 +132,7 @@ class Stiffness:
         if self.model.load.size <= _DENSE:
             return Dense(self.model, symmetric)
         band = Band(self.model, symmetric)
-        if band.seconds < _DISSECT:
+        if band.seconds < _DISSECT / (1 if self.contacts is None else _FINER):
             return _fitting(band)
         fronts = Fronts(self.model, symmetric)
         return _fitting(fronts if fronts.seconds < band.seconds else band)
@@ -254,7 +256,10 @@ class Fronts:
     def __init__(self, model: AssemblyModel, symmetric: bool) -> None:
         n, u = model.load.shape
         edges = np.unique(np.sort(_touching(model), axis=0), axis=1)
-        self.place, counts = _dissection(edges, _along_joints(model), max(_LEAF // u, 1))
+        self._kernels = compiled()
+        leaf = _LEAF if self._kernels is None else _LEAF // _FINER
+        # at least two blocks: halves of two would never be done, a cut beyond the second is the cheapest
+        self.place, counts = _dissection(edges, _along_joints(model), max(leaf // u, 2))
         self.symmetric, self.u = symmetric, u
         ends = np.cumsum(counts)
         starts = ends - counts
@@ -275,7 +280,6 @@ class Fronts:
         self.starts, self.own, self.others, self.offsets = starts * u, own, others, offsets[:-1]
         self.later_keys = np.concatenate([front * n + blocks for front, blocks in enumerate(later)])
         self.later_first = np.cumsum(others // u) - others // u
-        self._kernels = compiled()
         if self._kernels is not None:
             self._compiled = self._for_kernels(counts, children, later)
         self.fronts = [] if self._kernels is not None else [
@@ -292,7 +296,8 @@ class Fronts:
         p, q = own.astype(float), others.astype(float)
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
         work, moved = (1.0 if symmetric else 2.0) * np.array([self.flops, float((q * q).sum())])
-        self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + 50e-6 * len(counts)  # with two solutions
+        each = _FRONT if self._kernels is None else _COMPILED_FRONT
+        self.seconds = float(work) / 30e9 + float(moved) * 3e-9 + each * len(counts)  # with two solutions
 
     def _for_kernels(self, counts: Ints, children: list[list[int]], later: list[Ints]) -> Any:
         """The fronts as the compiled kernels take them."""
