@@ -12,6 +12,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from slopekit.errors import Fault, SlopekitError
+
 _ROUTINES = {
     "cython_blas": ("dtrsm", "dgemm", "dsyrk", "dtrsv", "dgemv"),
     "cython_lapack": ("dgetrf", "dpotrf"),
@@ -23,12 +25,12 @@ def compiled() -> Any:
 
     Raises
     ------
-    ImportError
-        SLOPEKIT_KERNELS asks for them and they are not there, or it says neither numpy nor compiled.
+    SlopekitError
+        E506 SLOPEKIT_KERNELS asks for them and they are not there, or it says neither numpy nor compiled.
     """
     found, missing = chosen()
     if found is None and os.environ.get("SLOPEKIT_KERNELS") == "compiled":
-        raise ImportError(f"SLOPEKIT_KERNELS=compiled, but {missing}")
+        raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS=compiled, but {missing}")])
     return found
 
 
@@ -36,7 +38,7 @@ def chosen() -> tuple[ModuleType | None, str]:
     """The compiled kernels, or why there are none."""
     wanted = os.environ.get("SLOPEKIT_KERNELS", "")
     if wanted not in ("", "numpy", "compiled"):
-        raise ImportError(f"SLOPEKIT_KERNELS is {wanted!r}: it may be numpy or compiled")
+        raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS is {wanted!r}: it may be numpy or compiled")])
     return (None, "SLOPEKIT_KERNELS=numpy") if wanted == "numpy" else _loaded()
 
 
