@@ -14,6 +14,9 @@ wall 50 x 100           15075                 36 (75)        25 (46)
 bench of 7,251          43506                 3200 (-)       710 (1330)
 ===================  ========  =============  =============  =============
 
+With compiled kernels the fronts of 304 blocks take 2.1 (3.0) ms for 5.1 (6.9), those of 4,860 boxes 0.55 (1.1) s for
+1.1 (1.6).
+
 Dense and band are LAPACK's. The third is multifrontal (Duff & Reid 1983) by nested dissection (George 1973): blocks are
 halved by a least set of blocks between the halves, and so on; halves first, what separates them last, each in a dense
 matrix of its own.
