@@ -325,6 +325,9 @@ EXPLANATIONS: Mapping[str, str] = {
     "blocks, or a shorter bench.",
     "E505": "The equations of the blocks could not be factorised. This is a bug of ours: please report it with "
     "the design.",
+    "E506": "The environment variable SLOPEKIT_KERNELS is numpy (the compiled kernels of many blocks stay unused), "
+    "compiled (they have to be there) or not set (they are used where they are). They are compiled when "
+    "slopekit is installed where there is a C compiler.",
     "W333": "Blocks overlap by less than a thousandth of the smaller one. Faces beyond the tolerance do not "
     "touch: see whether contacts are missing.",
     "W334": "Faces of two blocks are parallel and nearly touch, but lie farther apart than the contact tolerance: "

@@ -388,7 +388,7 @@ def away_from_kinks(bed: Bed, reduction: float, size: float) -> tuple[np.ndarray
 
 @pytest.mark.parametrize("psi", [0.0, 8.0, 29.0])
 @pytest.mark.parametrize("name", BEDS)
-def test_the_tangent_is_the_derivative_of_the_forces(name, psi) -> None:
+def test_the_tangent_is_the_derivative_of_the_forces(name, psi, kernels) -> None:
     """Central differences, whose error is the square of a step of 1e-5 of the displacements."""
     model = BEDS[name](psi)
     bed = Bed(model, Drive(model.load.ravel()))
@@ -405,7 +405,7 @@ def test_the_tangent_is_the_derivative_of_the_forces(name, psi) -> None:
 
 @pytest.mark.parametrize("psi", [0.0, 8.0])
 @pytest.mark.parametrize("name", BEDS)
-def test_the_slope_in_the_strength_is_a_derivative(name, psi) -> None:
+def test_the_slope_in_the_strength_is_a_derivative(name, psi, kernels) -> None:
     slopes_agree(BEDS[name](psi))
 
 
@@ -436,7 +436,7 @@ def test_the_slope_in_the_load_is_the_load() -> None:
 
 @pytest.mark.parametrize("psi", [0.0, 8.0, 29.0])
 @pytest.mark.parametrize("name", BEDS)
-def test_the_law_holds_at_any_displacement(name, psi) -> None:
+def test_the_law_holds_at_any_displacement(name, psi, kernels) -> None:
     """N >= 0 and |T| <= λ r; T against the slip, at λ r where it slips and k_t A s below; pairs press as they close.
     Bolts do not push.
 

@@ -1,4 +1,7 @@
-"""Each way to solve with the stiffness of an assembly against SciPy's sparse LU of Σ Jᵀ S J, contact by contact."""
+"""Each way to solve with the stiffness of an assembly against SciPy's sparse LU of Σ Jᵀ S J, contact by contact.
+
+With NumPy alone, and with the compiled kernels.
+"""
 
 import gc
 from functools import cache
@@ -58,7 +61,7 @@ def stiffness_of(model: AssemblyModel, symmetric: bool, seed: int) -> np.ndarray
 
 
 @pytest.fixture(autouse=True)
-def small_pieces(monkeypatch) -> None:
+def small_pieces(monkeypatch, kernels) -> None:
     """Pieces of two blocks in space, four in a section, so that small models make trees of many fronts."""
     monkeypatch.setattr(module, "_LEAF", 12)
 

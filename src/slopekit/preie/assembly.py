@@ -108,6 +108,8 @@ class AssemblyModel:
 
     def by_group(self, of_pairs: Floats) -> Floats:
         """Sums over the node pairs of each friction force: (m,) to (g,)."""
+        if len(self.group_first) == len(self.control_area):
+            return of_pairs.copy()
         sums: Floats = np.add.reduceat(of_pairs, self.group_first)
         return sums
 
@@ -125,7 +127,7 @@ class AssemblyModel:
 
         Returns
         -------
-        model; which of the pairs (m,), friction forces (g,) and rows of the kinematics are its own
+        model; which contacts, pairs and friction forces are its own
         """
         n, u = self.load.shape
         inside = np.full(n + 1, BEDROCK)
@@ -157,7 +159,7 @@ class AssemblyModel:
             moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
             kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=bolts,
         )  # fmt: skip
-        return model, pairs, groups, rows
+        return model, contacts, pairs, groups
 
     def opening_and_slip(self, velocity: Floats) -> tuple[Floats, Floats]:
         """Opening (m,) of the node pairs and slip (g, t) of the friction forces for motions (n, u) of the blocks."""

@@ -106,7 +106,10 @@ class Drive:
 
 
 class Bed:
-    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load."""
+    """A model on its elastic joints, with cohesion where `bond` (m,) is 1, driven by its strength or by a load.
+
+    `held` (k, u) is the relative motion of contacts by blocks that are held where they are.
+    """
 
     def __init__(
         self,
@@ -114,11 +117,16 @@ class Bed:
         drive: Drive,
         bond: Floats | None = None,
         ratio: float | Floats = SHEAR_TO_NORMAL,
+        held: Floats | None = None,
     ) -> None:
         self.model, self.drive = model, drive
         self.ratio = ratio
         self.bond = np.ones(len(model.control_area)) if bond is None else bond
-        self.given: Floats | None = None  # openings and slips of blocks that are held, where some are
+        self.held = held
+        if held is not None:
+            of_pairs = (model.normal_rows * held[model.pair_contact]).sum(axis=1)
+            of_groups = np.matmul(model.slip_rows, held[model.group_contact][:, :, None])
+            self._of_held = np.concatenate([of_pairs, of_groups.ravel()])
         self.pairs, (self.groups, self.tangents) = len(model.control_area), model.slip_rows.shape[:2]
         self.size = model.load.size
         dense = math.prod(model.kinematics.shape) <= _DENSE
@@ -138,6 +146,10 @@ class Bed:
         self._transposed = np.ascontiguousarray(model.slip_rows.transpose(0, 2, 1))
         self._group_starts = np.searchsorted(model.group_contact, np.arange(self.contacts))
         self._one_each = self.groups == self.contacts
+        self._kernels, self._law = self._pattern.kernels, None
+        if self._kernels is not None:
+            given = self.area, self.spring, self.cohesion, self.friction, self.bolted, held
+            self._law = self._kernels.law(self._pattern.contacts, *given)
         every = np.ones(self.pairs, dtype=bool)
         sticking = self.spring[:, None, None] * np.eye(self.tangents)
         self.elastic = self._local(every, sticking)
@@ -183,7 +195,9 @@ class Bed:
         """
         self.evaluations += 1
         reduction, load = self.drive.at(parameter)
-        relative = self.rows @ at if self.given is None else self.rows @ at + self.given
+        if self._kernels is not None and modes is None and not self.dilates:
+            return self._compiled_forces(at, reduction, load, frozen)
+        relative = self.rows @ at if self.held is None else self.rows @ at + self._of_held
         opening, slip = relative[: self.pairs], relative[self.pairs :].reshape(self.groups, self.tangents)
         pressing = -self.area * opening
         elastic = self.spring[:, None] * slip
@@ -216,6 +230,20 @@ class Bed:
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
             _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+        )  # fmt: skip
+
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> Forces:
+        normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
+        friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
+        touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
+        unbalanced = np.empty(self.size)
+        highest, pressed, longest = self._kernels.forces(
+            self._law, np.ascontiguousarray(at), reduction, load, frozen,
+            normal, friction, strength, touching, slips, direction, slip, unbalanced,
+        )  # fmt: skip
+        return Forces(
+            normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
+            _ROUNDING * (pressed + longest),
         )  # fmt: skip
 
     def _dilation(self, reduction: float) -> Floats:
@@ -260,6 +288,14 @@ class Bed:
         ----------
         coupled : friction follows the normal forces; turning : and, in space, the direction of slip
         """
+        if self._kernels is not None and not self.dilates:
+            local = np.empty_like(self.elastic)
+            reduction, _ = self.drive.at(parameter)
+            self._kernels.tangent(
+                self._law, reduction, viscosity, coupled, turning, there.touching, there.slips, there.direction,
+                there.friction, there.slip, self.elastic, local,
+            )  # fmt: skip
+            return local
         carried = np.sqrt((there.friction * there.friction).sum(axis=1))
         sideways = self.spring.copy()
         if turning:
@@ -352,6 +388,10 @@ class Bed:
 
     def viscous(self, moved: Floats) -> Floats:
         """K_e times a displacement, (N,)."""
+        if self._kernels is not None:
+            pushed = np.zeros(self.size)
+            self._kernels.add_viscous(self._law, np.ascontiguousarray(moved), 1.0, pushed)
+            return pushed
         relative = self.rows @ moved
         springs = np.concatenate([self.area, np.repeat(self.spring, self.tangents)])
         force: Floats = self.columns @ (springs * relative)
@@ -363,13 +403,15 @@ class Bed:
         """The elastic joints of some blocks (b,), ascending, with all others held at the displacement (N,)."""
         u = self.model.unknowns
         those = (blocks[:, None] * u + np.arange(u)).ravel()
-        model, pairs, groups, rows = self.model.among(blocks)
-        held = at.copy()
-        held[those] = 0.0
+        model, contacts, pairs, groups = self.model.among(blocks)
+        others = at.reshape(-1, u).copy()
+        others[blocks] = 0.0
+        plus, minus = self.model.plus[contacts], self.model.minus[contacts]
+        held = np.matmul(self.model.plus_motion[contacts], others[plus][:, :, None])
+        held += np.matmul(self.model.minus_motion[contacts], others[minus][:, :, None])
         drive = replace(self.drive, load=self.drive.load[those])
         ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
-        few = Bed(model, drive, self.bond[pairs], ratio)
-        few.given = (self.rows @ held)[rows]
+        few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
         few.unbalanced_at_most = self.unbalanced_at_most[those]
         return few
 

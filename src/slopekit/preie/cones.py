@@ -9,13 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.preie.kernels import compiled
 
 _LEAST = 1e-300
 
 
 def along_rows(a: Floats, b: Floats) -> Floats:
     """The products of the rows of two arrays, (g,)."""
-    products: Floats = np.einsum("ij,ij->i", a, b)
+    products: Floats = a[:, 0] * b[:, 0]
+    for k in range(1, a.shape[1]):  # two or three: four times as fast as einsum
+        products += a[:, k] * b[:, k]
     return products
 
 
@@ -23,6 +26,9 @@ def longest_step(point: Floats, step: Floats) -> float:
     """The largest α with every row of `point + α step` in its cone; infinite where there is no end."""
     if len(point) == 0:
         return np.inf
+    kernels = compiled()
+    if kernels is not None:
+        return float(kernels.longest_step(np.ascontiguousarray(point), np.ascontiguousarray(step), point.shape[1]))
     a = step[:, 0] ** 2 - along_rows(step[:, 1:], step[:, 1:])
     b = point[:, 0] * step[:, 0] - along_rows(point[:, 1:], step[:, 1:])
     c = determinant(point)

@@ -121,6 +121,9 @@ class Distance:
         self.still = rows([of_normal, of_slip, column], [empty, none, -weight], 1.0)
         self.grows = rows([-carried @ pressed, 0.0 * of_slip, column], [-stick @ pressed, none, 0.0 * weight], 0.0)
         self.grows.eliminate_zeros()
+        both = self.still + 1j * self.grows  # entries of either, summed for a λ without SciPy's sparse sums
+        self.matrix, self.of_still, self.of_grows = both.real, both.data.real.copy(), both.data.imag.copy()
+        self.cost = sparse.csc_matrix((both.shape[1], both.shape[1]))
         shut = int(opens.sum())
         heads = np.zeros((groups, 1 + tangents))
         heads[:, 0] = stick @ cohesion
@@ -137,20 +140,17 @@ class Distance:
     def at(self, reduction: float, tolerance: float = SOLVED) -> Far:
         """The distance at one λ."""
         import clarabel
-        from scipy import sparse
 
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
         settings.max_threads = 1
         settings.direct_solve_method = "qdldl"  # for these programs its fastest, from 1 to 600 blocks
-        width = self.still.shape[1]
-        cost = np.zeros(width)
+        cost = np.zeros(self.matrix.shape[1])
         cost[-1] = 1.0
-        found = clarabel.DefaultSolver(
-            sparse.csc_matrix((width, width)), cost, self.still + reduction * self.grows,
-            self.right + reduction * self.right_grows, self.cones, settings,
-        ).solve()  # fmt: skip
+        self.matrix.data = self.of_still + reduction * self.of_grows
+        right = self.right + reduction * self.right_grows
+        found = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
         x, dual = np.array(found.x), np.array(found.z)
         motion = self.parts * dual[: len(self.parts)]
         normal = np.maximum(x[: self.pairs], 0.0)

@@ -4,20 +4,46 @@ A pair reads its opening off three numbers of the motion of its contact and its 
 a section): products of those are made once, and a step of the solver only weighs and adds them up.
 """
 
+from typing import Any
+
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.kernels import compiled
+
+
+def compiled_contacts(model: AssemblyModel) -> Any:
+    """The contacts of a model for the compiled kernels, None where there are none."""
+    kernels = compiled()
+    if kernels is None:
+        return None
+    normal, slip = _read_off(model)
+    each = np.arange(len(model.plus) + 1)
+    pairs, groups = len(model.control_area), len(model.group_first)
+    return kernels.contacts(
+        model.unknowns, model.slip_rows.shape[1], len(model.load), len(model.plus), groups, pairs, model.plus,
+        model.minus, np.searchsorted(model.group_contact, each), np.append(model.group_first, pairs),
+        np.ascontiguousarray(model.normal_rows[:, normal]), np.ascontiguousarray(model.slip_rows[:, :, slip]),
+        np.ascontiguousarray(model.plus_motion), np.ascontiguousarray(model.minus_motion),
+    )  # fmt: skip
+
+
+def _read_off(model: AssemblyModel) -> tuple[Ints, Ints]:
+    """Which numbers of the motion of a contact its openings, and its slips, are read off."""
+    in_space = model.unknowns == 6
+    return np.array([0, 4, 5] if in_space else [0, 2]), np.array([1, 2, 3] if in_space else [1])
 
 
 class ContactPattern:
     """Where the products of the rows of a model go in the stiffness (k, u, u) of its contacts."""
 
     def __init__(self, model: AssemblyModel) -> None:
-        in_space = model.unknowns == 6
-        self.normal = np.array([0, 4, 5] if in_space else [0, 2])
-        self.slip = np.array([1, 2, 3] if in_space else [1])
-        self.unknowns = model.unknowns
+        self.normal, self.slip = _read_off(model)
+        self.unknowns, self.size = model.unknowns, len(model.plus)
+        self.kernels, self.contacts = compiled(), compiled_contacts(model)
+        if self.kernels is not None:
+            return
         self.pairs_first = np.searchsorted(model.pair_contact, np.arange(len(model.plus)))
         self.group_first = model.group_first
         self.one_each = len(model.group_first) == len(model.plus)  # a friction force a contact: a section
@@ -40,7 +66,10 @@ class ContactPattern:
 
     def stiffness(self, springs: Floats, tangent: Floats) -> Floats:
         """Stiffness (k, u, u) of normal springs (m,) and symmetric tangent stiffnesses (g, t, t)."""
-        out = np.zeros((len(self.pairs_first), self.unknowns, self.unknowns))
+        out = np.zeros((self.size, self.unknowns, self.unknowns))
+        if self.kernels is not None:
+            self.kernels.stiffness(self.contacts, springs, np.ascontiguousarray(tangent), out)
+            return out
         weights = tangent[:, self.tangents[0], self.tangents[1]]
         of_slip = np.matmul(self.slip_products, weights[:, :, None])[:, :, 0]
         self._add(out, self.normal, self.upper, np.add.reduceat(self.products * springs[:, None], self.pairs_first))
@@ -55,6 +84,9 @@ class ContactPattern:
         With n = Σ p (rows of the openings) and τ = bᵀ (rows of the slips) of each friction force, the four weights
         (g,) are those of -n nᵀ, -n τᵀ, -τ nᵀ and τ τᵀ.
         """
+        if self.kernels is not None:
+            self.kernels.couple(self.contacts, springs, tilt, *weights, out)
+            return
         n = np.add.reduceat(self.rows * springs[:, None], self.group_first)
         tau = np.matmul(tilt[:, None, :], self.slips)[:, 0, :]
         (i, j), (a, b) = self.upper, self.slip_upper

@@ -7,6 +7,7 @@ import time
 from importlib import metadata
 
 from slopekit._version import __version__
+from slopekit.preie.kernels import chosen
 
 _NEEDED = ("numpy", "scipy", "manifold3d", "trimesh", "clarabel", "ruamel.yaml", "typer")
 _PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
@@ -26,6 +27,8 @@ def examination() -> tuple[list[str], bool]:
     for name, extra in _EXTRAS.items():
         version = _version(name)
         lines.append(f"{'ok':8}{name} {version}" if version else f"{'-':8}{name} not installed (extra: {extra})")
+    kernels, missing = chosen()
+    lines.append(f"{'ok':8}compiled kernels" if kernels else f"{'-':8}no compiled kernels, NumPy does it: {missing}")
     for name, test in (
         ("templates", _templates), ("the paper's wedge, both methods", _wedge), ("a plane failure", _plane),
         ("the sphere with φ = 0", _sphere), ("drawing off-screen", _drawing),

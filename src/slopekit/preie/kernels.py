@@ -1,0 +1,63 @@
+"""The loops of many blocks compiled (`_kernels.c`), where slopekit was installed with a C compiler.
+
+Without, or with the environment variable SLOPEKIT_KERNELS=numpy, NumPy does the same, slower; both ways are tested.
+SLOPEKIT_KERNELS=compiled asks for them: what is missing is an error then.
+"""
+
+import os
+import zlib
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from slopekit.errors import Fault, SlopekitError
+
+_ROUTINES = {
+    "cython_blas": ("dtrsm", "dgemm", "dsyrk", "dtrsv", "dgemv"),
+    "cython_lapack": ("dgetrf", "dpotrf"),
+}
+
+
+def compiled() -> Any:
+    """The compiled kernels, None where NumPy is to do their work.
+
+    Raises
+    ------
+    SlopekitError
+        E506 SLOPEKIT_KERNELS asks for them and they are not there, or it says neither numpy nor compiled.
+    """
+    found, missing = chosen()
+    if found is None and os.environ.get("SLOPEKIT_KERNELS") == "compiled":
+        raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS=compiled, but {missing}")])
+    return found
+
+
+def chosen() -> tuple[ModuleType | None, str]:
+    """The compiled kernels, or why there are none."""
+    wanted = os.environ.get("SLOPEKIT_KERNELS", "")
+    if wanted not in ("", "numpy", "compiled"):
+        raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS is {wanted!r}: it may be numpy or compiled")])
+    return (None, "SLOPEKIT_KERNELS=numpy") if wanted == "numpy" else _loaded()
+
+
+@cache
+def _loaded() -> tuple[ModuleType | None, str]:
+    """The module, bound to SciPy's BLAS and LAPACK, or why there is none."""
+    try:
+        module = import_module("slopekit.preie._kernels")
+    except ImportError as error:
+        return None, f"they were not compiled when slopekit was installed ({error})"
+    source = Path(__file__).with_name("_kernels.c").read_bytes()
+    if zlib.crc32(source) & 0x7FFFFFFF != module.SOURCE:
+        return None, "they were compiled from another _kernels.c: install slopekit again"
+    routines: dict[str, Any] = {}
+    for library, names in _ROUTINES.items():
+        offered = import_module(f"scipy.linalg.{library}").__pyx_capi__
+        routines |= {name: offered[name] for name in names}
+    try:
+        module.bind(routines)
+    except ValueError as error:
+        return None, str(error)
+    return module, ""

@@ -1,0 +1,199 @@
+"""The compiled kernels against NumPy, term by term and to the last factor, and how they are chosen.
+
+Sums are taken in another order: terms agree to some hundred roundings of the largest, factors to 1e-9.
+"""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchmarks import populations
+from slopekit.errors import SlopekitError
+from slopekit.preie import kernels as module
+from slopekit.preie.bed import Bed, Drive, Forces
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.cones import longest_step
+from slopekit.preie.patterns import ContactPattern, compiled_contacts
+from slopekit.preie.program import BlockProgram
+from slopekit.preie.stiffness import Fronts, Stiffness
+from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
+from tests.preie.path_oracle import model_of
+from tests.preie.test_path import BEDS
+from tests.preie.test_stiffness import stiffness_of
+
+compiled_only = pytest.mark.skipif(module.chosen()[0] is None, reason=module.chosen()[1])
+ROUNDING = 1e-13
+
+
+def both_ways(make: Callable[[], Any]) -> list[Any]:
+    """What `make` gives with NumPy and with the compiled kernels."""
+    found = []
+    for way in ("numpy", "compiled"):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("SLOPEKIT_KERNELS", way)
+            found.append(make())
+    return found
+
+
+def close(found: np.ndarray, exact: np.ndarray, rounding: float = ROUNDING) -> bool:
+    found, exact = np.asarray(found, dtype=float), np.asarray(exact, dtype=float)
+    return bool(np.abs(found - exact).max() <= rounding * max(float(np.abs(exact).max()), 1e-300))
+
+
+@compiled_only
+@pytest.mark.parametrize("name", BEDS)
+@given(st.integers(0, 10**6), st.booleans(), st.booleans(), st.booleans(), st.booleans())
+@settings(max_examples=15, deadline=None)
+def test_the_law_and_its_tangent(name, seed, freezes, coupled, turning, flows) -> None:
+    """Forces, modes, stiffness of the contacts and viscous forces at a random displacement, friction frozen or not."""
+    model, rng = BEDS[name](0.0), np.random.default_rng(seed)
+    plain, bed = both_ways(lambda: Bed(model, Drive(model.load.ravel())))
+    assert plain._kernels is None
+    assert bed._kernels is not None
+    at = (
+        plain.elastic_displacement
+        + rng.uniform(0.0, 3.0) * rng.normal(size=bed.size) * np.abs(plain.elastic_displacement).mean()
+    )
+    frozen = rng.uniform(0.0, 0.5, bed.groups) if freezes else None
+    there, exact = (each.forces(at, 0.6, frozen) for each in (bed, plain))
+    assert there.same_modes(exact)
+    for field in dataclasses.fields(Forces):
+        one, other = getattr(there, field.name), getattr(exact, field.name)
+        assert np.shape(one) == np.shape(other)
+        assert close(one, other), field.name
+    viscosity = 0.3 if flows else 0.0
+    one, other = (each.tangent(exact, 0.6, viscosity, coupled, turning) for each in (bed, plain))
+    assert close(one, other)
+    assert close(bed.viscous(at), plain.viscous(at))
+    modes = plain.turned(exact, at)  # along given modes all is linear, and NumPy's in both
+    assert close(bed.forces(at, 0.6, modes=modes).unbalanced, plain.forces(at, 0.6, modes=modes).unbalanced)
+
+
+@compiled_only
+@pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize("make", [lambda: random_bench(3)[0], lambda: wall(12, 12), lambda: columns()])
+def test_factors_and_the_stiffness_of_contacts(make, symmetric) -> None:
+    """One matrix, solved in fronts with both: solutions differ by its rounding, 1e-16 times a condition below 1e6."""
+    model = make().model(30.0, 1.0)
+    stiffness, rng = stiffness_of(model, symmetric, 2), np.random.default_rng(2)
+    right = rng.normal(size=(model.load.size, 2))
+
+    def solve() -> np.ndarray:
+        return Stiffness(model, Fronts).factored(stiffness, 1e-6, symmetric)(right)
+
+    exact, found = both_ways(solve)
+    assert close(found, exact, 1e-9)
+    springs, t = rng.uniform(0.0, 1.0, len(model.control_area)), model.slip_rows.shape[1]
+    tangent = rng.normal(size=(len(model.group_first), t, t))
+    tangent = tangent + tangent.transpose(0, 2, 1)
+    exact, found = both_ways(lambda: ContactPattern(model).stiffness(springs, tangent))
+    assert close(found, exact)
+    tilt, weights = rng.normal(size=(len(tangent), t)), tuple(rng.normal(size=(4, len(tangent))))
+
+    def coupled() -> np.ndarray:
+        out = stiffness.copy()
+        ContactPattern(model).couple(out, springs, tilt, weights)
+        return out
+
+    exact, found = both_ways(coupled)
+    assert not close(exact, stiffness)
+    assert close(found, exact)
+
+
+@compiled_only
+@given(st.integers(0, 10**6), st.sampled_from([2, 3]), st.integers(1, 9))
+@settings(max_examples=40, deadline=None)
+def test_the_longest_step_in_cones(seed, width, rows) -> None:
+    """Into the cones, out of them, and along none (a step of zero)."""
+    rng = np.random.default_rng(seed)
+    point, step = rng.normal(size=(rows, width)), rng.normal(size=(rows, width))
+    point[:, 0] = np.sqrt((point[:, 1:] ** 2).sum(axis=1)) + rng.uniform(0.1, 1.0, rows)
+    step[:, 0] += rng.choice([0.0, 5.0])
+    step *= rng.choice([0.0, 1.0], (rows, 1))
+    plain, found = both_ways(lambda: longest_step(point, step))
+    assert found == pytest.approx(plain, rel=1e-12)
+
+
+LIMITS = {
+    "stack": lambda: stack(5, width=8.0).model(35.0),
+    "columns": lambda: columns().model(38.15),
+    "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(30.0, 1.0),
+    "bench": lambda: bench((("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))).model(30.0),
+    "bolted": lambda: BEDS["bolted section"](0.0),
+    "dilating": lambda: BEDS["section"](8.0),
+    **{f"section {k}": lambda k=k: model_of(populations.section(k)) for k in (0, 4, 7, 13)},
+}
+
+
+@compiled_only
+@pytest.mark.parametrize("name", LIMITS)
+def test_factors_of_safety_are_the_same(name) -> None:
+    model = LIMITS[name]()
+    plain, found = both_ways(lambda: limit_of_blocks(model))
+    assert plain.factor is not None
+    assert found.factor == pytest.approx(plain.factor, rel=1e-9)
+    assert found.static_bound == pytest.approx(plain.static_bound, rel=1e-9)
+    assert (found.outcome, found.basis) == (plain.outcome, plain.basis)
+
+
+@compiled_only
+def test_arrays_of_another_size_are_refused() -> None:
+    """Before anything is read or written outside of them."""
+    model = wall(3, 3).model(30.0)
+    kernels, contacts = module.compiled(), compiled_contacts(model)
+    pairs, groups, k = len(model.control_area), len(model.group_first), len(model.plus)
+    springs, tangent, out = np.ones(pairs), np.ones((groups, 1, 1)), np.zeros((k, 3, 3))
+    kernels.stiffness(contacts, springs, tangent, out)
+    for wrong in ((springs[:-1], tangent, out), (springs, tangent[1:], out), (springs, tangent, out[1:])):
+        with pytest.raises(ValueError, match="bytes where"):
+            kernels.stiffness(contacts, *wrong)
+    with pytest.raises(ValueError, match="bytes where"):
+        kernels.stiffness(contacts, springs.astype(np.float32), tangent, out)
+    with pytest.raises((ValueError, BufferError)):
+        kernels.stiffness(contacts, np.ones(2 * pairs)[::2], tangent, out)
+    out.setflags(write=False)
+    with pytest.raises((ValueError, BufferError)):
+        kernels.stiffness(contacts, springs, tangent, out)
+    with pytest.raises(ValueError, match="PyCapsule"):
+        kernels.stiffness(Stiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3)))
+
+
+# -- the choice -------------------------------------------------------------------------------------------------------
+
+
+def test_numpy_when_it_is_asked_for(monkeypatch) -> None:
+    monkeypatch.setenv("SLOPEKIT_KERNELS", "numpy")
+    assert module.compiled() is None
+    model = stack(2).model(30.0)
+    assert Bed(model, Drive(model.load.ravel()))._kernels is None
+    assert BlockProgram(model).solver.contacts is None
+
+
+def test_kernels_that_are_asked_for_and_missing_are_an_error(monkeypatch) -> None:
+    monkeypatch.setattr(module, "_loaded", lambda: (None, "they were not compiled"))
+    monkeypatch.delenv("SLOPEKIT_KERNELS", raising=False)
+    assert module.compiled() is None
+    monkeypatch.setenv("SLOPEKIT_KERNELS", "compiled")
+    with pytest.raises(SlopekitError, match=r"E506 .* not compiled"):
+        module.compiled()
+
+
+def test_another_word_is_an_error(monkeypatch) -> None:
+    monkeypatch.setenv("SLOPEKIT_KERNELS", "fast")
+    with pytest.raises(SlopekitError, match=r"E506 .* numpy or compiled"):
+        module.compiled()
+
+
+@compiled_only
+def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
+    """As in an editable install whose source has changed since."""
+    found, _ = module.chosen()
+    monkeypatch.setattr(found, "SOURCE", found.SOURCE + 1)
+    kernels, missing = module._loaded.__wrapped__()
+    assert kernels is None
+    assert "another" in missing
