@@ -151,16 +151,23 @@ def with_finer_motion(
 
 
 def _bond_gone(model: Model) -> Limit | None:
-    """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one."""
+    """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one.
+
+    The forces alone may govern it then; its own forces balance the moments too.
+    """
     gone = np.zeros(len(model.control_area), dtype=bool)
     while True:
         bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
-        limit = limit_analysis(bare).governing
+        analysis = limit_analysis(bare)
+        limit, held = analysis.governing, analysis.balanced
         if not limit.factor:
             return None
         opens = opening_pairs(limit, bare, limit.velocity_of(bare)) & (bare.cohesion > 0.0)
         if not opens.any():
-            return replace(limit, bond=np.where(gone, 0.0, limit.bond))
+            return replace(
+                limit, bond=np.where(gone, 0.0, held.bond), normal_force=held.normal_force, friction=held.friction,
+                pulls=held.pulls,
+            )  # fmt: skip
         gone |= np.isin(model.interface, model.interface[opens])
 
 

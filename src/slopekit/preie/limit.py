@@ -56,6 +56,18 @@ class LimitAnalysis:
         """Whether turning makes a limit of its own: it depends on the node pairs, as that of the forces does not."""
         return self.with_turning is not self.forces_only
 
+    @property
+    def balanced(self) -> Limit:
+        """The limit whose forces balance the moments too, where there is one.
+
+        Where the forces alone govern although the block could be held to more by its moments, the state with turning
+        is that one: it stands at a higher factor, so at the limit too.
+        """
+        turning, factor = self.with_turning, self.governing.factor
+        if factor is None or turning.factor is None or turning.outcome is not Outcome.SLIDES:
+            return self.governing
+        return turning if turning.factor >= factor * (1.0 - MOMENTS) else self.governing
+
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
