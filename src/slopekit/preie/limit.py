@@ -88,11 +88,15 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(turning, alone, turning, True)
     if turning.outcome is Outcome.NOT_CONVERGED:
         return LimitAnalysis(turning, alone, turning, False)
+    return governed(model, alone, turning)
+
+
+def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
+    """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
     assert turning.factor is not None
-    governs = alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS)
-    if governs:
+    if alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS):
         return LimitAnalysis(turning, alone, turning, True)
-    if alone.factor is not None and turning.factor < alone.factor * (1.0 + MOMENTS):
+    if turning.factor < alone.factor * (1.0 + MOMENTS):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
     return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)
