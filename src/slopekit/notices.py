@@ -14,7 +14,7 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.orientation import Plane
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Limit
+from slopekit.preie.passes import Limit, Outcome
 
 _BLOCKS = {"wedge": "wedge", "surface": "mass"}
 _ACROSS = 0.34  # cosine of 70°
@@ -103,7 +103,11 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     if facts.status == "topples":
         opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"
         unused = "" if alone.factor is None else f"; forces alone would give {alone.factor:.4g}: do not use it"
-        yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
+        if limit.outcome is Outcome.NO_REST:
+            yield Notice("W303", f"moments turn the {block} over: on elastic joints it came to rest at none of the "
+                         f"strengths that were tried{unused}")  # fmt: skip
+        else:
+            yield Notice("W303", f"moments turn the {block} over{opened}, and no strength is called on{unused}")
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")

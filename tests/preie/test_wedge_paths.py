@@ -1,10 +1,21 @@
-"""The limit of the elastic path of one block against its exact limit state: random wedges, two programs, one number."""
+"""The limit of the elastic path of one block against its exact limit state, and against an incremental history."""
 
 from collections import Counter
 
 import numpy as np
+import pytest
 
 from benchmarks.wedge_paths import compared
+from slopekit.analysis.stages import Clock, find_limit
+from slopekit.analysis.wedge import scenes
+from slopekit.arrays import frozen
+from slopekit.design.reading import wedge_design
+from slopekit.preie.limit import limit_analysis
+from slopekit.preie.model import Model
+from slopekit.preie.one_path import by_path, on_flat_contacts, range_of
+from slopekit.preie.passes import Outcome
+from tests.preie import path_oracle
+from tests.support import random_wedge
 
 
 def test_single_wedges_have_the_limit_of_the_path() -> None:
@@ -13,3 +24,75 @@ def test_single_wedges_have_the_limit_of_the_path() -> None:
     words = Counter(compared(rng)[0] for _ in range(40))
     assert words["alike"] >= 15
     assert words["DIFFER"] == 0
+
+
+def without_cohesion(seed: int, numbers: set[int]) -> list:
+    """Designs of random wedges whose joints have friction alone."""
+    rng = np.random.default_rng(seed)
+    wedges = [random_wedge(rng) for _ in range(max(numbers) + 1)]
+    return [wedge_design({**wedges[number], "c": [0.0, 0.0]}) for number in sorted(numbers)]
+
+
+def history(model: Model, start: float) -> path_oracle.History:
+    return path_oracle.history(on_flat_contacts(model), start)
+
+
+#: Wedges of seed 5: the passes come to another limit state than an elastic block (30, 70; 47: to no strength at all).
+@pytest.mark.parametrize(("number", "passes"), [(30, True), (47, False), (70, True)])
+def test_of_several_limit_states_the_one_that_a_history_comes_to(number: int, passes: bool) -> None:
+    """To 1e-5 on the coarsest node pairs: the history slips step by step, and shares no line with the path."""
+    model = scenes(without_cohesion(5, {number})[0])(0).model
+    first = limit_analysis(model)
+    limit = by_path(model, first).governing
+    told = history(model, 2.0 / limit.factor)
+    assert told.end == "settled"
+    assert limit.factor == pytest.approx(told.factor, rel=1e-5)
+    assert (first.governing.factor is not None) == passes
+    assert not passes or abs(first.governing.factor / told.factor - 1.0) > 0.01
+    lowest, highest = range_of(model, limit)
+    assert lowest <= limit.factor <= highest
+    assert not passes or highest > first.governing.factor * (1.0 - 1e-6)
+
+
+def test_the_number_of_a_wedge_that_moments_govern_is_that_of_the_path() -> None:
+    """To 1e-3: the number stands on finer node pairs than the path was asked on."""
+    governed = 0
+    for design in without_cohesion(5, {4, 15, 17, 21, 30, 39, 55, 106}):
+        found = find_limit(design, scenes(design), 0, Clock())
+        factor = found.analysis.governing.factor
+        told = history(found.bounded.model, 2.0 / factor)
+        assert told.end == "settled"
+        assert factor == pytest.approx(told.factor, rel=1e-2 if found.bounded is not found.scene else 1e-3)
+        governed += found.analysis.moments_govern
+    assert governed >= 6
+
+
+def test_a_block_that_rests_at_no_strength_topples() -> None:
+    """Wedge 92 of seed 5: forces that balance exist (the passes find some), but no elastic block comes to them."""
+    (design,) = without_cohesion(5, {92})
+    found = find_limit(design, scenes(design), 0, Clock())
+    assert found.analysis.governing.outcome is Outcome.NO_REST
+    model = found.scene.model
+    assert limit_analysis(model).governing.factor
+    assert history(model, 2.0).end == "no rest at the start"
+
+
+def test_bolts_and_joints_are_the_rows_of_the_model() -> None:
+    """The contacts' own axes give back every opening, slip and shortening of the rows that they were made from."""
+    rng = np.random.default_rng(3)
+    while "bolts" not in (wedge := random_wedge(rng)) or wedge["bolts"][0]["acts"] != "passive":
+        pass
+    model = scenes(wedge_design(wedge))(0).model
+    whole = on_flat_contacts(model)
+    motion = frozen(rng.normal(size=6))
+    contacts = whole.plus_motion @ motion
+    at = contacts[whole.pair_contact]
+    relative = model.relative(motion)
+    pairs = len(relative)
+    assert np.einsum("mu,mu->m", whole.normal_rows, at)[:pairs] == pytest.approx(relative[:, 0], abs=1e-12)
+    slips = np.einsum("mtu,mu->mt", whole.slip_rows, at)
+    assert slips[:pairs] == pytest.approx(relative[:, 1:], abs=1e-12)
+    assert slips[pairs:, 0] == pytest.approx(model.bolt_rows @ motion, abs=1e-12)
+    # a pair opens by the first and the turns of its contact, and slips by the others: what the stiffness is made of
+    assert np.abs(whole.normal_rows[:, 1:4]).max() < 1e-12
+    assert np.abs(whole.slip_rows[:, :, [0, 4, 5]]).max() < 1e-12

@@ -17,7 +17,7 @@ import numpy as np
 
 from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import opening_pairs
-from slopekit.arrays import Floats, frozen
+from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis
@@ -90,10 +90,39 @@ class Judged:
 
 def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
     """Whether moments govern by a motion that opens part of a contact with cohesion, on a bed that is known."""
-    model, limit = scene.model, analysis.governing
-    if scene.bedding is None or not analysis.moments_govern or not limit.factor or model.dilates:
+    if scene.bedding is None or not analysis.moments_govern or scene.model.dilates:
         return False
-    return bool((opening_pairs(limit, model, limit.velocity_of(model)) & (model.cohesion > 0.0)).any())
+    return bool(_opens_bonds(analysis.governing, scene.model).any())
+
+
+def vouched(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis with the limit that the elastic path comes to, where moments govern a block on flat contacts."""
+    if scene.bedding is None or not analysis.moments_govern:
+        return analysis
+    return _by_path(scene.model, analysis)
+
+
+def locked_in(
+    analysis: LimitAnalysis, scene: Scene, rules: CohesionRules | None
+) -> tuple[float | None, float | None]:  # fmt: skip
+    """The range of the mechanism where moments govern; none for the cracked base, whose forces are the bed's."""
+    model, limit = scene.model, analysis.governing
+    if not analysis.moments_govern or scene.bedding is None or model.dilates or model.unknowns != 6 or not limit.factor:
+        return None, None
+    if rules is not None and rules.rule in ("cracked_base", "by_mechanism"):
+        return None, None
+    from slopekit.preie.one_path import range_of
+
+    return range_of(model, limit)
+
+
+def _by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
+    """In a section the limit state is one: a flat contact slips as a whole, or the block turns about its edge."""
+    if not analysis.moments_govern or model.dilates or model.unknowns != 6:
+        return analysis
+    from slopekit.preie.one_path import by_path  # only what moments govern pays for SciPy
+
+    return by_path(model, analysis)
 
 
 def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
@@ -151,17 +180,34 @@ def with_finer_motion(
 
 
 def _bond_gone(model: Model) -> Limit | None:
-    """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one."""
+    """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one.
+
+    The forces alone may govern it then; its own forces balance the moments too.
+    """
     gone = np.zeros(len(model.control_area), dtype=bool)
     while True:
         bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
-        limit = limit_analysis(bare).governing
+        analysis = limit_analysis(bare)
+        if gone.any() or not _opens_bonds(analysis.governing, bare).any():
+            followed = _by_path(bare, analysis)
+            # what rests at no strength keeps the number of the passes: none at all would raise the headline
+            analysis = followed if followed.governing.factor else analysis
+        opens = _opens_bonds(analysis.governing, bare)
+        limit, held = analysis.governing, analysis.balanced
         if not limit.factor:
             return None
-        opens = opening_pairs(limit, bare, limit.velocity_of(bare)) & (bare.cohesion > 0.0)
         if not opens.any():
-            return replace(limit, bond=np.where(gone, 0.0, limit.bond))
+            return replace(
+                limit, bond=np.where(gone, 0.0, held.bond), normal_force=held.normal_force, friction=held.friction,
+                pulls=held.pulls,
+            )  # fmt: skip
         gone |= np.isin(model.interface, model.interface[opens])
+
+
+def _opens_bonds(limit: Limit, model: Model) -> Bools:
+    """Pairs with cohesion that a motion with a factor opens, (n,)."""
+    opens: Bools = opening_pairs(limit, model, limit.velocity_of(model)) & (model.cohesion > 0.0) & bool(limit.factor)
+    return opens
 
 
 def _on_its_pairs(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.moments import CohesionRules, judge, opens_cohesive, with_finer_motion
+from slopekit.analysis.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
 from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
@@ -43,6 +43,7 @@ CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
+_JUMPS = 0.05  # of the limit: finer pairs that move it by more may have come to another limit state
 _NEARLY_NONE = 1e-6
 _SINKS = 3.0  # times what one refinement did: all that the next ones together may do, and more
 
@@ -75,6 +76,7 @@ class Solved:
     refined : how often the triangles were split; change : what the last split did to the limit
     bound : the static bound; at_rest : the equilibrium at full strength
     rules : on cohesion, where moments open part of a contact that has some
+    span : lowest and highest factor of the mechanism, whatever forces are locked in, where moments govern
     """
 
     scene: Scene
@@ -86,6 +88,7 @@ class Solved:
     pairs: AllPairsFailed | None
     series: tuple[ReductionStep, ...]
     rules: CohesionRules | None = None
+    span: tuple[float | None, float | None] = (None, None)
 
     @property
     def limit(self) -> Limit:
@@ -119,6 +122,8 @@ def solve(
         if limit.factor:
             velocity = limit.velocity_of(model)
             bound = static_bound(found.bounded.model, velocity, limit.factor, found.rules is None).factor
+    with clock("solve"):
+        span = locked_in(found.analysis, scene, found.rules)
     stiffness = joint_stiffness(design)
     with clock("displacements"):
         at_rest = None
@@ -130,7 +135,7 @@ def solve(
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, found.refined, found.change, bound, at_rest, pairs, series, found.rules)
+    return Solved(scene, analysis, found.refined, found.change, bound, at_rest, pairs, series, found.rules, span)
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,30 +165,21 @@ def find_limit(
     analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
     most_refined: int = _MOST_REFINED,
 ) -> FoundLimit:
-    """Mesh, limit, and refinement where it is needed: the factor of safety and nothing else."""
-    with clock("mesh"):
-        scene = bounded = scene_at(refine)
+    """Mesh, limit, and refinement where it is needed: the factor of safety and nothing else.
+
+    Where moments govern, the elastic path says which limit state is the number; where it is another than the passes
+    found, it is followed from the coarsest pairs on.
+    """
+    found = _refined(design, scene_at, refine, clock, lambda scene: analyse(scene.model), most_refined)
     with clock("solve"):
-        analysis = analyse(scene.model)
-    refined, change = refine, None
-    while refined < most_refined and not opens_cohesive(scene, analysis):
-        before = analysis.governing
-        if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
-            break  # a plain slide ends here
-        with clock("mesh"):
-            finer = scene_at(refined + 1)
-        with clock("solve"):
-            again = analyse(finer.model)
-        after = again.governing
-        change, done = _mesh_change(analysis, again)
-        if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
-            break  # the coarser answer stands, and `change` says what the finer one made of it
-        scene, analysis, refined = finer, again, refined + 1
-        bounded = scene if refined <= _BOUND_REFINED else bounded
-        if done or after.passes > _MOST_PASSES:
-            break
+        differs = not opens_cohesive(found.scene, found.analysis) and _differs(found, analyse)
+    if differs:
+        found = _refined(
+            design, scene_at, refine, clock, lambda scene: vouched(scene, analyse(scene.model)), most_refined
+        )
+    scene, bounded, analysis, refined = found.scene, found.bounded, found.analysis, found.refined
     if not opens_cohesive(scene, analysis):
-        return FoundLimit(scene, bounded, analysis, refined, change)
+        return found
     with clock("solve"):
         judged = judge(scene, analysis)
     settled = judged.gone is None or (judged.change is not None and judged.change < MESH_CHANGE)
@@ -199,6 +195,45 @@ def find_limit(
     with clock("solve"):
         judged = with_finer_motion(judged, scene, analyse, _MOST_PASSES)
     return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
+
+
+def _differs(found: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> bool:
+    """Whether the elastic path comes to another limit state: on pairs refined twice, where the finest do not jump."""
+    coarse, limit = found.analysis, found.analysis.governing
+    if found.bounded is not found.scene and found.analysis.moments_govern:
+        coarse = analyse(found.bounded.model)
+        if abs((limit.factor or 0.0) / (coarse.governing.factor or math.inf) - 1.0) > _JUMPS:
+            return vouched(found.scene, found.analysis) is not found.analysis
+    return vouched(found.bounded, coarse) is not coarse
+
+
+def _refined(
+    design: Design, scene_at: Callable[[int], Scene], refine: int, clock: Clock,
+    look: Callable[[Scene], LimitAnalysis], most_refined: int,
+) -> FoundLimit:  # fmt: skip
+    """The limit on ever finer pairs, until they do no more to it, or moments open a contact with cohesion."""
+    with clock("mesh"):
+        scene = bounded = scene_at(refine)
+    with clock("solve"):
+        analysis = look(scene)
+    refined, change = refine, None
+    while refined < most_refined and not opens_cohesive(scene, analysis):
+        before = analysis.governing
+        if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
+            break  # a plain slide ends here
+        with clock("mesh"):
+            finer = scene_at(refined + 1)
+        with clock("solve"):
+            again = look(finer)
+        after = again.governing
+        change, done = _mesh_change(analysis, again)
+        if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
+            break  # the coarser answer stands, and `change` says what the finer one made of it
+        scene, analysis, refined = finer, again, refined + 1
+        bounded = scene if refined <= _BOUND_REFINED else bounded
+        if done or after.passes > _MOST_PASSES:
+            break
+    return FoundLimit(scene, bounded, analysis, refined, change)
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
@@ -254,7 +289,7 @@ def result(
     )  # fmt: skip
     return Result(
         design=design, status=status,
-        fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched),
+        fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched, *solved.span),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
         static_bound_proved=solved.bound is not None, geometry=geometry, forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
@@ -389,7 +424,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
         return "no_driving_force"
     if limit.outcome is Outcome.LIFTED:
         return "falls" if model.normal_rows[:, model.translations - 1].max() <= 0.0 else "lifted"
-    if limit.outcome is Outcome.NO_STRENGTH and analysis.moments_govern:
+    if limit.outcome in (Outcome.NO_STRENGTH, Outcome.NO_REST) and analysis.moments_govern:
         return "topples"
     velocity = limit.velocity_of(model)
     opens = opening_pairs(limit, model, velocity, by_motion=analysis.by_rule)

@@ -13,12 +13,11 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
-from slopekit.preie.passes import Outcome
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
 
-_SOUND = 1e-6  # of the heaviest block's load, and of a factor: less is rounding
+_SOUND = 1e-6  # of the heaviest block's load: less is rounding
 _LEAST = 1e-300  # kept from a division by nothing
 
 
@@ -84,15 +83,8 @@ def balance(parts: Sequence[Carried]) -> Balance | None:
 
 
 def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
-    """What one block carries at its limit; nothing where there is no factor.
-
-    Where the forces alone govern although the block could be held to more by its moments, the state with turning is
-    the one that balances both; it stands at a higher factor, so at the limit too.
-    """
-    governing, turning = analysis.governing, analysis.with_turning
-    limit = governing
-    if turning.factor is not None and turning.outcome is Outcome.SLIDES and governing.factor is not None:
-        limit = turning if turning.factor >= governing.factor * (1.0 - _SOUND) else governing
+    """What one block carries at its limit; nothing where there is no factor."""
+    limit = analysis.balanced
     factor, normal, friction, pulls = limit.factor, limit.normal_force, limit.friction, limit.pulls
     if not factor or friction is None or pulls is None:
         return []

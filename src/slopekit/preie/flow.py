@@ -45,7 +45,7 @@ def relaxed(
     far : work from there on, in parts of the elastic, at which they run
     patience : factorisations after which it is left for later
     """
-    before, last, fails, least, begun = at, viscosity, 0, _THIN, float(bed.working @ at)
+    before, last, fails, least, begun = at, viscosity, 0, _THIN, abs(float(bed.working @ at))
     patience += bed.factorisations
     for _ in range(most):
         if bed.factorisations > patience:
@@ -60,7 +60,7 @@ def relaxed(
         before, at, last, fails = at, step.at, viscosity, 0
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
             return Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.working @ at) - begun) > far * bed.elastic_work:
+        if abs(float(bed.working @ at)) > begun + far * bed.elastic_work:
             return Flow(at, step.forces, "runs", before, last)
         least = max(_GENTLY * least, _THIN)
         viscosity = max(EASES * viscosity, least)

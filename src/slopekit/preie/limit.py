@@ -1,11 +1,12 @@
 """The limit factor of safety: the largest F at which the blocks still stand when slip does not dilate the joints.
 
-Three steps, each only where the one before does not settle it:
+Four steps, each only where the one before does not settle it:
 
 1. every pair closed, every bond whole: `intact_limit_state`, exact;
 2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
    pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
-3. passes: friction frozen at the normal forces of the last pass, the cheapest mechanism of a convex program, new
+3. the slide of the forces alone with its moments balanced, by Newton's method, exact;
+4. passes: friction frozen at the normal forces of the last pass, the cheapest mechanism of a convex program, new
    normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
    again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 
@@ -25,6 +26,7 @@ from slopekit.preie.limit_state import (
     dilating_limit_state,
     elastic_displacement,
     intact_limit_state,
+    settled_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
@@ -56,6 +58,18 @@ class LimitAnalysis:
         """Whether turning makes a limit of its own: it depends on the node pairs, as that of the forces does not."""
         return self.with_turning is not self.forces_only
 
+    @property
+    def balanced(self) -> Limit:
+        """The limit whose forces balance the moments too, where there is one.
+
+        Where the forces alone govern although the block could be held to more by its moments, the state with turning
+        is that one: it stands at a higher factor, so at the limit too.
+        """
+        turning, factor = self.with_turning, self.governing.factor
+        if factor is None or turning.factor is None or turning.outcome is not Outcome.SLIDES:
+            return self.governing
+        return turning if turning.factor >= factor * (1.0 - MOMENTS) else self.governing
+
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
@@ -69,6 +83,9 @@ def limit_analysis(model: Model) -> LimitAnalysis:
     if model.dilates and (associated := _associated_limit(model)) is not None:
         return _alike(associated)
     start = alone.velocity_of(model)
+    slide = None if model.dilates else _balanced_slide(model, alone)
+    if slide is not None:
+        return governed(model, alone, slide)
     turning = settle_by_passes(model, start, alone.normal_force, alone.bond)
     if turning.outcome is Outcome.NO_STRENGTH and model.dilates:
         turning = replace(turning, outcome=Outcome.NOT_CONVERGED)  # dilation itself resists: the passes lost their way
@@ -76,11 +93,27 @@ def limit_analysis(model: Model) -> LimitAnalysis:
         return LimitAnalysis(turning, alone, turning, True)
     if turning.outcome is Outcome.NOT_CONVERGED:
         return LimitAnalysis(turning, alone, turning, False)
+    return governed(model, alone, turning)
+
+
+def _balanced_slide(model: Model, alone: Limit) -> Limit | None:
+    """The slide of the forces alone with its moments balanced too, exact; None where turning makes another limit."""
+    if not alone.factor:
+        return None
+    velocity = alone.velocity_of(model)
+    state = settled_limit_state(model, velocity, 1.0 / alone.factor, alone.normal_force, alone.bond)
+    if state is None or abs(state.reduction * alone.factor - 1.0) > MOMENTS:
+        return None
+    renewed, _ = release(model, state.velocity, model.tan_dilation, alone.bond, np.zeros(len(alone.bond)))
+    return exact_limit(state, alone.bond, 1) if (renewed == alone.bond).all() else None
+
+
+def governed(model: Model, alone: Limit, turning: Limit) -> LimitAnalysis:
+    """Which of two limits governs, that of the forces alone or that with turning (it has a factor)."""
     assert turning.factor is not None
-    governs = alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS)
-    if governs:
+    if alone.factor is None or turning.factor < alone.factor * (1.0 - MOMENTS):
         return LimitAnalysis(turning, alone, turning, True)
-    if alone.factor is not None and turning.factor < alone.factor * (1.0 + MOMENTS):
+    if turning.factor < alone.factor * (1.0 + MOMENTS):
         # the same slide with its moments balanced: the factor of the forces, the normal forces of the moments
         return LimitAnalysis(replace(turning, factor=alone.factor), alone, turning, False)
     return LimitAnalysis(replace(alone, velocity=alone.velocity_of(model)), alone, turning, False)

@@ -27,6 +27,7 @@ from slopekit.views.entries import (
 )
 from slopekit.views.words import dilates, line_in_words, planes, size, size_number
 
+_NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer
 _CLOSED_FORMS = {
     "wedge": "Hoek & Bray closed form", "plane": "Hoek & Bray closed form (plane failure)",
     "footing": "closed form", "surface": "closed form (φ = 0, turning about its axis)",
@@ -108,6 +109,9 @@ def _factors(result: Result) -> list[str]:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}")
     else:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}       {verdict(result)}")
+    if fos.lowest is not None and (fos.highest is None or fos.highest > (1.0 + _NARROW) * fos.lowest):
+        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
+        entries.append(f"{ends}  same mechanism, whatever forces are locked in")
     if result.moments_govern and result.forces_only is not None:
         entries.append(
             f"{factor_text(result.forces_only)}  forces only, PRE-IE (no turning: the closed form's assumptions)"
@@ -131,7 +135,7 @@ def _rotation(result: Result) -> list[str]:
         return []
     what = "wedge" if result.kind == "wedge" else "block"
     if result.status == "topples":
-        return [f"first: moments turn the {what} over before any strength is called on"]
+        return [f"first: moments turn the {what} over, whatever the strength"]
     if result.moments_govern and result.forces_only and result.fos.limit:
         less = (1.0 - result.fos.limit / result.forces_only) * 100
         return [f"first: moments lower the limit by {less:.1f} % below what forces alone give"]

@@ -1,0 +1,128 @@
+"""The limit of the elastic path of one block where moments govern: which of its limit states is the number.
+
+A block on rigid joints may have several limit states: the same forces balanced on other node pairs, or another motion.
+The passes find one of them. Which one an elastic block comes to, from a rest at high strength, is what the path says
+(METHOD-3.md §13, `path`): that is the limit, as for many blocks. Where they agree the exact state of the passes stands.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.arrays import Floats, frozen
+from slopekit.geometry.interfaces import BEDROCK
+from slopekit.preie.assembly import AssemblyModel, one_block
+from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.bounds import mechanism_range, static_bound
+from slopekit.preie.limit import LimitAnalysis, governed
+from slopekit.preie.limit_state import settled_limit_state
+from slopekit.preie.model import Model, local_axes
+from slopekit.preie.passes import Limit, Outcome, exact_limit, unit
+from slopekit.preie.path import PathOutcome, follow
+
+_START = 2.0  # times the strength that is needed: gravity comes on there, or at up to 128 times as much
+_STEADY = 1e-6  # of the factor: where forces of the path stopped changing, no state being exact
+_SAME = 1e-4  # of the factor: the two agree to what is printed; node pairs move it by more
+_POLISHED = 1e-5  # an exact state farther than this from where the path settled is another one
+_RANGED = 400  # node pairs up to which the range of a mechanism is found in a fraction of a second
+
+
+def by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
+    """The analysis with the limit of the elastic path, where moments govern; the same where the two agree.
+
+    Where the path comes to no end, neither at rest nor in a motion that settles, what the passes found stands.
+
+    Parameters
+    ----------
+    model : one block on flat contacts, six unknowns, no dilation
+    """
+    limit = analysis.governing
+    lost = np.isin(model.interface, model.interface[limit.bond == 0.0]) & (limit.outcome is Outcome.NO_STRENGTH)
+    held = replace(model, cohesion=frozen(np.where(lost, 0.0, model.cohesion)))
+    found = path_limit(held, limit.factor)
+    if found is None or (found.factor is None and limit.factor is None):
+        return analysis
+    if found.factor is None:
+        return LimitAnalysis(found, analysis.forces_only, found, True)
+    if limit.factor is not None and abs(found.factor / limit.factor - 1.0) < _SAME:
+        return analysis
+    return governed(model, analysis.forces_only, replace(found, bond=np.where(lost, 0.0, 1.0), passes=limit.passes))
+
+
+def path_limit(model: Model, guess: float | None) -> Limit | None:
+    """The limit of the path with bonds as they are; without a factor where the block rests at no strength.
+
+    Parameters
+    ----------
+    guess : a limit factor, none above the static bound; where there is none the bound itself says where to start, and
+        what does not rest there is not looked for at more strength
+    """
+    whole = on_flat_contacts(model)
+    known = guess or static_bound(whole).factor
+    if not known:
+        return None
+    found = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
+    pairs, bond = len(model.control_area), np.ones(len(model.control_area))
+    velocity = unit(found.motion)
+    if found.outcome is PathOutcome.NO_REST:
+        return Limit(Outcome.NO_REST, None, velocity, np.zeros(pairs), bond, 0, 0.0)
+    if not found.found or found.parameter is None:
+        return None
+    normal = np.maximum(found.normal[:pairs], 0.0)
+    state = settled_limit_state(model, velocity, found.parameter, normal, bond)
+    if state is not None and abs(state.reduction / found.parameter - 1.0) < _POLISHED:
+        return exact_limit(state, bond, 0)
+    change = 0.0 if found.outcome is PathOutcome.LIMIT else _STEADY
+    return Limit(
+        Outcome.SLIDES, 1.0 / found.parameter, velocity, normal, bond, 0, change, found.friction[:pairs],
+        found.friction[pairs:, 0],
+    )  # fmt: skip
+
+
+def range_of(model: Model, limit: Limit) -> tuple[float | None, float | None]:
+    """The lowest and highest factor of a limit's mechanism, whatever forces are locked in; none where not found."""
+    if not limit.factor or limit.friction is None or limit.pulls is None or len(model.control_area) > _RANGED:
+        return None, None
+    friction = np.zeros((len(limit.friction) + len(limit.pulls), 2))
+    friction[: len(limit.friction)], friction[len(limit.friction) :, 0] = limit.friction, limit.pulls
+    bolts = np.ones(len(limit.pulls))
+    normal, bond = np.append(limit.normal_force, 0.0 * bolts), np.append(limit.bond, bolts)
+    found = mechanism_range(on_flat_contacts(model), limit.velocity_of(model), limit.factor, bond, (normal, friction))
+    if found is None:
+        return None, None
+    lowest, highest = found
+    return min(lowest or 0.0, limit.factor), None if highest is None else max(highest, limit.factor)
+
+
+def on_flat_contacts(model: Model) -> AssemblyModel:
+    """The model of one block as an assembly, each interface a flat contact with its motion in its own axes."""
+    whole = one_block(model)
+    bolts = len(model.bolt_capacity)
+    keys, first, of_pair = np.unique(model.interface, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # contacts in the order of their pairs
+    contact = np.argsort(order)[of_pair.ravel()]
+    motion = np.array([*(_motion(model.rows[k]) for k in first[order]), *(_drawn(row) for row in model.bolt_rows)])
+    back = np.linalg.inv(motion)
+    at = np.append(contact, len(keys) + np.arange(bolts))
+    count = len(motion)
+    return replace(
+        whole, plus=np.zeros(count, dtype=np.int64), minus=np.full(count, BEDROCK), plus_motion=motion,
+        minus_motion=np.zeros_like(motion), pair_contact=at, group_contact=at,
+        normal_rows=np.einsum("mu,muv->mv", whole.normal_rows, back[at]),
+        slip_rows=np.einsum("mtu,muv->mtv", whole.slip_rows, back[at]), patch=np.arange(len(keys)),
+        control_area=np.append(model.control_area, model.bolt_capacity / max(float(model.bolt_capacity.sum()), 1e-300)),
+    )  # fmt: skip
+
+
+def _motion(rows: Floats) -> Floats:
+    """Motion (6, 6) of a contact at a node pair with these rows (3, 6): what moves there, and turns, in its axes."""
+    turns = np.concatenate([np.zeros((3, 3)), rows[:, :3]], axis=1)
+    motion: Floats = np.concatenate([rows, turns])
+    return motion
+
+
+def _drawn(row: Floats) -> Floats:
+    """The same for a bolt: it gets shorter as its row (6,) says, which is the first slip."""
+    motion = np.eye(6)
+    motion[[0, 2], :3], motion[1] = local_axes(row[None, :3])[0, 1:], row
+    return motion
