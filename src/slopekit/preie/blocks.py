@@ -41,7 +41,7 @@ STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound
 _BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _FITS = 1e-3  # loads that fit on up to this part decide with the modes found
-_PROPOSED = 600  # unknowns of a section from which a limit is proposed before the path is followed
+_PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -289,11 +289,12 @@ def _on_path(
     start = _START / min(bound.factor or strongest, strongest)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    found = proposed(bed, bond, ratio) if bed.tangents > 1 or bed.size > _PROPOSED else None
+    found = proposed(bed, bond, ratio) if bed.size > _PROPOSED else None
     if found is not None and _off(model, found) > _BALANCED:
         found = None
     found = found or follow(bed, start, brief=live and bed.tangents == 1)
-    if found.outcome is PathOutcome.GAVE_UP and not live:
+    peak = found.outcome is PathOutcome.BRACKET and bed.tangents > 1
+    if (found.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
         found = proposed(bed, bond, ratio) or found
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations

@@ -28,7 +28,7 @@ from slopekit.preie.program import BlockProgram, Strengths
 from slopekit.preie.rounded import RoundedPath
 
 _STRIDE = 0.85  # of the strength, a step of stage A
-_RUNS, _RUNS_IN_SPACE = 30.0, 100.0  # work in parts of the elastic: the blocks run; in space slivers only snap at 40
+_RUNS = 30.0  # work in parts of the elastic: the blocks run
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
@@ -144,7 +144,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=_runs(bed))
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=_RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is None and traces:
@@ -367,25 +367,21 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     return parameter, flow
 
 
-def _runs(bed: Bed) -> float:
-    return _RUNS if bed.tangents == 1 else _RUNS_IN_SPACE
-
-
 def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
-    flow = relaxed(bed, at, parameter, 0.0, far=_runs(bed), patience=_PATIENCE)
+    flow = relaxed(bed, at, parameter, 0.0, far=_RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
         working = bed.working
         if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return relaxed(bed, at, parameter, 0.3, far=_runs(bed), patience=_PATIENCE)  # Newton jumped to a far state
+            return relaxed(bed, at, parameter, 0.3, far=_RUNS, patience=_PATIENCE)  # Newton jumped to a far state
     return flow
 
 
 def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=_runs(bed))
-    far = _runs(bed)
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=_RUNS)
+    far = _RUNS
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
         if found is not None or again == 2 or bed.tangents > 1:
@@ -478,7 +474,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     """
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
-    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, far=_runs(bed), patience=_TO_REST)
+    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, far=_RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
@@ -490,7 +486,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
             stride = math.sqrt(stride)
             continue
         else:
-            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=_runs(bed), patience=_TO_REST)
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=_RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
@@ -502,16 +498,15 @@ def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
     """Whether blocks at rest just before a limit are at it: theirs is not far above.
 
     They are where the strength along its motion (N,) is used up to a twentieth: between what it needs and that strength
-    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and beyond its
-    peak, and have to run.
+    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and have to run.
     """
     assert limit.parameter is not None
     _, slip = bed.motion(limit.motion, limit.parameter)
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
     if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
-    runs = min((limit.parameter, *(limit.peak or ()))) * (1.0 - _BEYOND)
-    return relaxed(bed, flow.at, runs, THICK, far=_runs(bed), patience=_LET_GO).ended == "runs"
+    beyond = (1.0 - _BEYOND) * limit.parameter
+    return relaxed(bed, flow.at, beyond, THICK, far=_RUNS, patience=_LET_GO).ended == "runs"
 
 
 def _climbed(bed: Bed, step: Step) -> PathLimit | None:

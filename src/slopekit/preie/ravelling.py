@@ -28,7 +28,7 @@ from slopekit.preie.path import JUST, PathLimit, PathOutcome, at_their_limit, re
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one
-_LARGE = 12  # blocks in space: fewer are one path
+_LARGE = 24  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
 _ROUGHLY = 5e-2  # of a group's factor: where all blocks rest that near to it, the last state at rest is an answer
 _SAME_BOUND = 1e-4  # a factor that is a static bound's, to the accuracy of its search
@@ -267,7 +267,7 @@ class _Groups:
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
             own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
             limit = first_limit(small, own_bond)
-            if limit is None or limit.parameter is None:
+            if limit is None or limit.parameter is None or not limit.found:  # a peak may be a snap of slivers
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
