@@ -109,6 +109,14 @@ def test_a_longer_row_of_columns_has_its_closed_form() -> None:
     assert found.factor == pytest.approx(populations.goodman_bray_factor(32), rel=1e-10)
 
 
+@pytest.mark.parametrize("count", [48, 50, 64])
+def test_columns_are_followed_past_their_peak(count) -> None:
+    """Elastic columns carry 5 % more than the closed form before they run."""
+    found = limit_of_blocks(model_of(populations.goodman_bray(count)), ranged=False)
+    assert found.basis is Basis.LIMIT
+    assert found.factor == pytest.approx(populations.goodman_bray_factor(count), rel=1e-10)
+
+
 def test_two_blocks_end_within_the_certified_range() -> None:
     """Branch and bound over all contact modes encloses every limit state; the mechanism's range is a part of it."""
     model = model_of(designs.TWO_BLOCKS)

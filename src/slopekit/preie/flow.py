@@ -42,10 +42,12 @@ def relaxed(
 
     Parameters
     ----------
-    far : work from there on, in parts of the elastic, at which they run
+    far : work in parts of the elastic at which they run, in space from where they are
     patience : factorisations after which it is left for later
     """
-    before, last, fails, least, begun = at, viscosity, 0, _THIN, abs(float(bed.working @ at))
+    before, last, fails, least, begun = at, viscosity, 0, _THIN, 0.0
+    if bed.tangents > 1:  # slivers that have slid and come to rest again do not run
+        begun = abs(float(bed.working @ at))
     patience += bed.factorisations
     for _ in range(most):
         if bed.factorisations > patience:

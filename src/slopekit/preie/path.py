@@ -238,8 +238,8 @@ def _traced_in_section(bed: Bed, at: Floats, parameter: float, roundings: tuple[
     Between many blocks the sharp path snaps at every few steps. Rounded it is one curve through all of that, and
     only far down it the joints are made sharp, at ever more work: λ goes like the limit plus a part of 1 / work. Where
     Newton on the modes gets there the limit state is exact. Much rounding may lead to another motion: λ must hardly
-    change as the joints are made sharp. All blocks have to rest, in sharp joints, at a little more strength, and that
-    strength has to be used up along the motion, or they run beyond it.
+    change as the joints are made sharp. All blocks have to rest, in sharp joints, at a little more strength, and, after
+    much rounding, that strength has to be used up along the motion, or they run beyond it.
     """
     for rounding in roundings:
         curve = RoundedPath(bed, rounding)
@@ -298,7 +298,9 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
     assert sharp is not None
     flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, far=_FARTHEST, patience=_RESTS)
     near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
-    return near and flow.ended == "rest" and at_their_limit(bed, flow, limit)
+    if not near or flow.ended != "rest":
+        return False
+    return rounding <= _SURE or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
 
 
 def _far(bed: Bed, step: Step) -> PathLimit | None:
