@@ -1,14 +1,16 @@
-"""Large benches: a group proposes, all blocks vouch."""
+"""Limits that are proposed: by a group, for all blocks to vouch for; at once, where the path ends in a peak."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from benchmarks.benches import bench
-from slopekit.preie import ravelling
-from slopekit.preie.blocks import Basis
-from tests.preie.block_scenes import first_part
+from slopekit.preie import blocks, ravelling
+from slopekit.preie.blocks import Basis, limit_of_blocks
+from slopekit.preie.path import PathOutcome
+from tests.preie.block_scenes import boxes_in_space, first_part
 
 EXACT = math.tan(math.radians(35.0)) / math.tan(math.radians(45.0))
 
@@ -62,3 +64,27 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
     limit = key_part().limit
     assert seen == [False]
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
+
+
+@pytest.mark.parametrize(("proposal", "factor", "basis"), [
+    (0.905, 0.905, Basis.LIMIT),
+    (0.95, 0.9, Basis.PEAK),  # the blocks ran at 0.91
+    (None, 0.9, Basis.PEAK),
+])  # fmt: skip
+def test_what_is_proposed_for_a_peak_is_not_above_where_blocks_ran(proposal, factor, basis, monkeypatch) -> None:
+    """A path that ends in a peak at 0.90 of its limit, blocks running at 0.91, and what is proposed there."""
+    model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
+    path, whole = blocks.follow, limit_of_blocks(model, ranged=False).factor
+
+    def peak(*args, **options):
+        found = path(*args, **options)
+        rests, runs = found.parameter / 0.9, found.parameter / 0.91
+        return replace(found, outcome=PathOutcome.BRACKET, parameter=rests, peak=(rests, runs))
+
+    def proposed(bed, *_):
+        return None if proposal is None else replace(path(bed, 2.0 / whole), parameter=1.0 / (proposal * whole))
+
+    monkeypatch.setattr(blocks, "follow", peak)
+    monkeypatch.setattr(blocks, "proposed", proposed)
+    found = limit_of_blocks(model, ranged=False)
+    assert (found.factor / whole, found.basis) == (pytest.approx(factor, rel=1e-6), basis)

@@ -289,13 +289,11 @@ def _on_path(
     start = _START / min(bound.factor or strongest, strongest)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    found = proposed(bed, bond, ratio) if bed.size > _PROPOSED else None
-    if found is not None and _off(model, found) > _BALANCED:
-        found = None
+    found = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
     found = found or follow(bed, start, brief=live and bed.tangents == 1)
     peak = found.outcome is PathOutcome.BRACKET and bed.tangents > 1
     if (found.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
-        found = proposed(bed, bond, ratio) or found
+        found = _at_once(bed, bond, ratio, 0.0 if found.peak is None else found.peak[1]) or found
     if found.found or found.outcome is PathOutcome.STANDS:
         return found, False, None, bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
@@ -306,6 +304,14 @@ def _on_path(
     if found.outcome is PathOutcome.BRACKET and locked:
         found = replace(found, outcome=PathOutcome.NO_REST, parameter=None)  # a rest that needs many times the bound
     return found, False, None, bed.factorisations
+
+
+def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
+    """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
+    limit = proposed(bed, bond, ratio)
+    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > _BALANCED:
+        return None
+    return limit
 
 
 def _loads_last(
