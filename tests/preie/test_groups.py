@@ -45,6 +45,31 @@ def test_a_rest_that_is_not_near_enough_is_a_peak(monkeypatch) -> None:
     assert limit.width == 0.0
 
 
+def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
+    """The rest is looked for below the bound; what is said of it, in parts of the factor, is what was seen."""
+    bound, rests, seen = blocks.static_bound, ravelling.rests_before, []
+
+    def lower(model):
+        found = bound(model)
+        return replace(found, factor=(1.0 - 9e-5) * EXACT) if len(model.load) == 41 else found
+
+    def watched(bed, factor, near):
+        flow, gap = rests(bed, factor, near)
+        seen.append((flow, factor * (1.0 - gap)))
+        return flow, gap
+
+    monkeypatch.setattr(blocks, "static_bound", lower)
+    monkeypatch.setattr(ravelling, "rests_before", watched)
+    part = key_part()
+    limit = part.limit
+    assert limit.group > 0
+    assert limit.factor == pytest.approx(EXACT, rel=1e-8)
+    ((flow, rested),) = seen
+    assert rested < (1.0 - 9e-5) * EXACT
+    assert limit.factor * (1.0 - limit.width) == pytest.approx(rested, rel=1e-9)
+    assert limit.normal_force == pytest.approx(flow.forces.normal, abs=1e-6)
+
+
 def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> None:
     """A limit of a group a fifth too low: all blocks rest there, and have strength to spare."""
     whole = ravelling.first_limit
@@ -58,12 +83,19 @@ def test_blocks_that_are_not_at_their_limit_are_not_said_to_be(monkeypatch) -> N
         seen.append(original(*args))
         return seen[-1]
 
-    original = ravelling.at_their_limit
+    class Groups(ravelling._Groups):
+        def __init__(self, *scene):
+            super().__init__(*scene)
+            made.append(self)
+
+    original, made = ravelling.at_their_limit, []
+    monkeypatch.setattr(ravelling, "_Groups", Groups)
     monkeypatch.setattr(ravelling, "first_limit", lower)
     monkeypatch.setattr(ravelling, "at_their_limit", judged)
     limit = key_part().limit
     assert seen == [False]
     assert (limit.group, limit.factor) == (0, pytest.approx(EXACT, rel=1e-3))
+    assert [groups.found for groups in made] == [None]  # what was refused has no range to give
 
 
 @pytest.mark.parametrize(("proposal", "factor", "basis"), [

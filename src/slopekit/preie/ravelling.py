@@ -271,25 +271,27 @@ class _Groups:
                 return None
             work += limit.factorisations
             factor = 1.0 / limit.parameter
-            flow, gap = rests_before(bed, min(factor, top), _ROUGHLY)
+            below = min(factor, top)
+            flow, gap = rests_before(bed, below, _ROUGHLY)
             if flow.ended == "rest":
                 if factor > top * (1.0 + _SAME_BOUND):
                     return None
-                self.found, self.group = (small, limit, own_bond), group
+                self.group, of_group = group, (small, limit, own_bond)
                 motion = np.zeros_like(model.load)
                 motion[np.searchsorted(model.moving, small.moving)] = limit.motion.reshape(small.load.shape)
                 motion *= np.where(np.arange(6) < 3, 1.0, model.length_scale / small.length_scale)
                 limit = replace(limit, motion=motion.ravel())
                 if not at_their_limit(bed, flow, limit):
                     return None
-                rested = 1.0 / (factor * (1.0 - gap))
+                self.found = of_group
+                rested, width = 1.0 / (below * (1.0 - gap)), 1.0 - (1.0 - gap) * below / factor
                 at, forces = bed.polished(flow.at, rested)
                 if gap > JUST:  # what all blocks vouch for is the last state at rest
                     limit = replace(limit, outcome=PathOutcome.BRACKET, parameter=rested, peak=(rested, 1.0 / factor))
-                    gap = 0.0
+                    width = 0.0
                 settled = PathOutcome.SETTLED if limit.found else limit.outcome
                 return replace(
-                    limit, outcome=settled, width=gap, group=len(group), displacement=at,
+                    limit, outcome=settled, width=width, group=len(group), displacement=at,
                     normal=forces.normal, friction=forces.friction,
                     residual=forces.residual / bed.load_size, factorisations=bed.factorisations + work,
                 )  # fmt: skip
