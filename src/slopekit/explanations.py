@@ -172,6 +172,11 @@ EXPLANATIONS: Mapping[str, str] = {
     "W302": "The unit weight is far from that of rock. If you work in other consistent units, this is why.",
     "W303": "The closed form balances forces only. Here the moments open part of a joint or turn the wedge at a lower "
     "factor: that lower factor is the answer.",
+    "W304": "A block that moments govern may have several limit states; the number is the one that it comes to on "
+    "elastic joints as the strength goes down. Here it came neither to rest nor to a motion that settles (a few random "
+    "wedges in a thousand): the number is the limit state that the search for the cheapest mechanism found, and "
+    "elastic joints do not vouch for it. Another may be lower: see what a small change of the planes or of the "
+    "friction does.",
     "W305": "The wedge was computed about its toe; map coordinates were added back at the end.",
     "W306": "On an elastic bed part of the joints carries no normal force at the limit. In rigid sliding nothing opens "
     "there, so its cohesion is counted, as Hoek & Bray count it. If that part may be open, leave it out of c.",

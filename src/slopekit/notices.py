@@ -44,6 +44,7 @@ class Facts:
     unsettled : no equilibrium at full strength; why_not : why the closed form is not compared
     seismic : (3,) the way it acts, local axes; None without
     by_rules : moments open part of a contact with cohesion, and the limit is that of a rule on it
+    span : lowest and highest factor of the mechanism, whatever forces are locked in
     """
 
     status: str
@@ -56,6 +57,7 @@ class Facts:
     why_not: str
     seismic: Floats | None = None
     by_rules: bool = False
+    span: tuple[float | None, float | None] = (None, None)
 
 
 def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
@@ -111,6 +113,12 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     elif analysis.moments_govern and limit.factor is not None:
         of = f" {alone.factor:.4g}" if alone.factor is not None else ""
         yield Notice("W303", f"moments govern: use {limit.factor:.4g}; the closed form{of} knows no moments")
+    if analysis.without_path and limit.factor is not None:
+        lowest, highest = facts.span
+        ends = "" if lowest is None or highest is None else (
+            f"; with other forces locked in the same mechanism has {lowest:.4g} to {highest:.4g}")  # fmt: skip
+        yield Notice("W304", "the elastic path gave no limit: the factor is that of a limit state which the search "
+                     f"found, and there may be others{ends}")  # fmt: skip
     if facts.by_rules:
         yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
                      "left of it (COHESION); the lower of those that converge is used")  # fmt: skip

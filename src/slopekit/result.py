@@ -227,6 +227,7 @@ class Result:
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion.
+    `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
     design: Design
@@ -252,6 +253,7 @@ class Result:
     findings: Findings | None = None
     balance: Balance | None = None
     cohesion_under_moments: CohesionUnderMoments | None = None
+    turns_over: str = ""
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property

@@ -311,6 +311,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
     assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
+    assert said(static_bound=None)["W309"].endswith("; the limit is held against no upper bound")
     held = " ".join(room._left_out(design, scene, (replace(part, limit=replace(part.limit, group=3, width=7e-4)),)))
     assert "the limit is that of 3 of 1 blocks that touch, the others held" in held
     assert "come to rest at 0.9993 of it" in held

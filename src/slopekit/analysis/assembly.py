@@ -309,7 +309,7 @@ def _notices(
         yield _without_rest(limit)
     if first.fos and first.static_bound is None:
         yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
-                     "joints free to dilate would lock them; nothing stands above the limit")  # fmt: skip
+                     "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
     if first.fos and first.static_bound and first.static_bound > _FAR_ABOVE * first.fos:
         more = (first.static_bound / first.fos - 1.0) * 100.0
         yield Notice("W341", f"with joints free to dilate the blocks would stand {more:.0f} % more: methods that take "

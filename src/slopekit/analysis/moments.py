@@ -137,7 +137,7 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
     model, bedding = scene.model, scene.bedding
     alone, motion = analysis.forces_only, analysis.governing
     assert bedding is not None
-    gone = _bond_gone(model)
+    gone, without_path = _bond_gone(model)
     if gone is None and before is not None:
         return before
     bed = bed_of(model, bedding.polygons, bedding.centroid)
@@ -164,7 +164,9 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
         rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, found.runs,
         _evidence(bed, found, model, bedding.centroid), found.why_not,
     )  # fmt: skip
-    return Judged(own, LimitAnalysis(governing, alone, judged, govern, govern), change, rules, found, gone, motion)
+    without_path = without_path and govern and rule == "bond_gone"
+    found_limit = LimitAnalysis(governing, alone, judged, govern, govern, without_path)
+    return Judged(own, found_limit, change, rules, found, gone, motion)
 
 
 def with_finer_motion(
@@ -179,11 +181,13 @@ def with_finer_motion(
     return replace(judged, rules=replace(judged.rules, by_mechanism=again.factor))
 
 
-def _bond_gone(model: Model) -> Limit | None:
+def _bond_gone(model: Model) -> tuple[Limit | None, bool]:
     """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one.
 
-    The forces alone may govern it then; its own forces balance the moments too.
+    The forces alone may govern it then; its own forces balance the moments too. Also whether the elastic path was
+    asked and came to no limit.
     """
+    without_path = False
     gone = np.zeros(len(model.control_area), dtype=bool)
     while True:
         bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
@@ -191,16 +195,18 @@ def _bond_gone(model: Model) -> Limit | None:
         if gone.any() or not _opens_bonds(analysis.governing, bare).any():
             followed = _by_path(bare, analysis)
             # what rests at no strength keeps the number of the passes: none at all would raise the headline
+            without_path = followed.without_path or not followed.governing.factor
             analysis = followed if followed.governing.factor else analysis
         opens = _opens_bonds(analysis.governing, bare)
         limit, held = analysis.governing, analysis.balanced
         if not limit.factor:
-            return None
+            return None, False
         if not opens.any():
-            return replace(
+            whole = replace(
                 limit, bond=np.where(gone, 0.0, held.bond), normal_force=held.normal_force, friction=held.friction,
                 pulls=held.pulls,
             )  # fmt: skip
+            return whole, without_path
         gone |= np.isin(model.interface, model.interface[opens])
 
 

@@ -172,11 +172,13 @@ def find_limit(
     """
     found = _refined(design, scene_at, refine, clock, lambda scene: analyse(scene.model), most_refined)
     with clock("solve"):
-        differs = not opens_cohesive(found.scene, found.analysis) and _differs(found, analyse)
-    if differs:
+        told = None if opens_cohesive(found.scene, found.analysis) else _told(found, analyse)
+    if told is not None and not told.without_path:
         found = _refined(
             design, scene_at, refine, clock, lambda scene: vouched(scene, analyse(scene.model)), most_refined
         )
+    elif told is not None:
+        found = replace(found, analysis=replace(found.analysis, without_path=True))
     scene, bounded, analysis, refined = found.scene, found.bounded, found.analysis, found.refined
     if not opens_cohesive(scene, analysis):
         return found
@@ -197,14 +199,19 @@ def find_limit(
     return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
 
 
-def _differs(found: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> bool:
-    """Whether the elastic path comes to another limit state: on pairs refined twice, where the finest do not jump."""
+def _told(found: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis | None:
+    """What the elastic path says otherwise, None where it says the same.
+
+    It is asked on pairs refined twice, where the finest do not jump.
+    """
     coarse, limit = found.analysis, found.analysis.governing
     if found.bounded is not found.scene and found.analysis.moments_govern:
         coarse = analyse(found.bounded.model)
         if abs((limit.factor or 0.0) / (coarse.governing.factor or math.inf) - 1.0) > _JUMPS:
-            return vouched(found.scene, found.analysis) is not found.analysis
-    return vouched(found.bounded, coarse) is not coarse
+            told = vouched(found.scene, found.analysis)
+            return None if told is found.analysis else told
+    told = vouched(found.bounded, coarse)
+    return None if told is coarse else told
 
 
 def _refined(
@@ -280,7 +287,7 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.bound is not None or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
-        loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None,
+        loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None, solved.span,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
     size = ModelSize(
@@ -306,7 +313,8 @@ def result(
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=balance(of_one_block(model, analysis)),
-        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
+        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn),
+        turns_over=turns_over(limit, model) if status == "topples" else "", timing_s=clock.done(),
     )  # fmt: skip
 
 
@@ -442,6 +450,23 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
     if any(wholly):
         return "slides_on_J2" if wholly[0] else "slides_on_J1"
     return "slides_on_both"
+
+
+def turns_over(limit: Limit, model: Model) -> str:
+    """At which strengths a block that topples does so, in words.
+
+    Where the motion opens pairs and makes none slip, neither normal forces nor friction do work against the loads:
+    there is no balance at any friction (virtual work), and what opens has lost its cohesion.
+    """
+    if limit.outcome is Outcome.NO_REST:
+        from slopekit.preie.one_path import STRONGEST
+
+        return f"at every strength tried (up to {STRONGEST:g} times what forces in balance need)"
+    velocity = limit.velocity_of(model)
+    opening, slip = model.relative(velocity)[:, 0], model.slip(velocity)
+    none = _NEARLY_NONE * float(np.abs(opening).max())
+    freely = slip.max() <= none and opening.min() >= -none and float(model.load @ velocity) > 0.0
+    return "whatever the strength" if freely and not len(model.bolt_capacity) else "and no strength is called on"
 
 
 def normal_forces(solved: Solved, names: Mapping[int, str]) -> dict[str, float | None]:

@@ -45,6 +45,7 @@ class LimitAnalysis:
     """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
 
     `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
+    `without_path`: the elastic path was asked and came to no limit; the one that governs is that of the search.
     """
 
     governing: Limit
@@ -52,6 +53,7 @@ class LimitAnalysis:
     with_turning: Limit
     moments_govern: bool
     by_rule: bool = False
+    without_path: bool = False
 
     @property
     def turns(self) -> bool:

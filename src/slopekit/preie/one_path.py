@@ -18,9 +18,10 @@ from slopekit.preie.limit import LimitAnalysis, governed
 from slopekit.preie.limit_state import settled_limit_state
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.passes import Limit, Outcome, exact_limit, unit
-from slopekit.preie.path import PathOutcome, follow
+from slopekit.preie.path import ROUGHER, PathOutcome, follow
 
-_START = 2.0  # times the strength that is needed: gravity comes on there, or at up to 128 times as much
+_START = 2.0  # times the strength that is needed: gravity comes on there, or at ever more
+STRONGEST = _START * 2.0**ROUGHER  # times that strength is the most that is tried
 _STEADY = 1e-6  # of the factor: where forces of the path stopped changing, no state being exact
 _SAME = 1e-4  # of the factor: the two agree to what is printed; node pairs move it by more
 _POLISHED = 1e-5  # an exact state farther than this from where the path settled is another one
@@ -30,7 +31,8 @@ _RANGED = 400  # node pairs up to which the range of a mechanism is found in a f
 def by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     """The analysis with the limit of the elastic path, where moments govern; the same where the two agree.
 
-    Where the path comes to no end, neither at rest nor in a motion that settles, what the passes found stands.
+    Where the path comes to no end, neither at rest nor in a motion that settles, what the passes found stands: it is
+    `without_path`.
 
     Parameters
     ----------
@@ -41,7 +43,7 @@ def by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     held = replace(model, cohesion=frozen(np.where(lost, 0.0, model.cohesion)))
     found = path_limit(held, limit.factor)
     if found is None or (found.factor is None and limit.factor is None):
-        return analysis
+        return analysis if limit.factor is None else replace(analysis, without_path=True)
     if found.factor is None:
         return LimitAnalysis(found, analysis.forces_only, found, True)
     if limit.factor is not None and abs(found.factor / limit.factor - 1.0) < _SAME:

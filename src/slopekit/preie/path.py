@@ -32,7 +32,7 @@ _RUNS = 30.0  # work in parts of the elastic: the blocks run
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
-_ROUGHER = 7  # doublings of the strength to start from
+ROUGHER = 7  # doublings of the strength to start from
 _LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
 _FARTHEST = 1e6  # load multiplier, or work of C in parts of the elastic
 _EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
@@ -124,7 +124,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
     """
     strength = bed.drive.ramp is None
-    parameter, flow = _started(bed, start, 0 if brief else _ROUGHER)
+    parameter, flow = _started(bed, start, 0 if brief else ROUGHER)
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return _result(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)

@@ -135,7 +135,7 @@ def _rotation(result: Result) -> list[str]:
         return []
     what = "wedge" if result.kind == "wedge" else "block"
     if result.status == "topples":
-        return [f"first: moments turn the {what} over, whatever the strength"]
+        return [f"first: moments turn the {what} over, {result.turns_over}"]
     if result.moments_govern and result.forces_only and result.fos.limit:
         less = (1.0 - result.fos.limit / result.forces_only) * 100
         return [f"first: moments lower the limit by {less:.1f} % below what forces alone give"]
