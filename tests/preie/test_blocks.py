@@ -11,8 +11,10 @@ from scipy.optimize import linprog
 
 from slopekit.closed_form.blocks import two_blocks
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
+from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.passes import Outcome
+from slopekit.preie.path import follow
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (
     GOODMAN_BRAY,
@@ -194,6 +196,9 @@ def test_cohesion_of_a_joint_that_opens_is_lost() -> None:
     between = (model.minus >= 0)[model.pair_contact]
     assert (found.bond[between] == 0.0).all()
     assert (found.bond[~between] == 1.0).all()
+    whole = follow(Bed(model, Drive(model.load.ravel())), 2.0 / found.static_bound)
+    assert found.bonded == pytest.approx(1.0 / whole.parameter, rel=1e-9)  # the path with every bond kept
+    assert found.bonded > 1.05 * found.factor
 
 
 def test_a_wall_that_cohesion_alone_holds() -> None:

@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from benchmarks import populations
 from benchmarks.benches import bench
+from slopekit.preie import path as path_room
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis
@@ -132,6 +135,35 @@ def test_limits_of_rounded_sections_are_those_of_sharp_ones(population, number) 
     history = path_oracle.history(model, strength)
     assert history.end == "settled"
     assert 1.0 / found.parameter == pytest.approx(history.factor, rel=5e-3)
+
+
+@pytest.mark.parametrize(("population", "number"), SECTIONS)
+def test_a_section_too_large_for_its_modes_settles_where_they_are_exact(population, number, monkeypatch) -> None:
+    """λ goes like the limit plus a part of 1 / work: beside the limit state that a smaller section gets."""
+    model = path_oracle.model_of(getattr(populations, population)(number))
+    exact = traced(model, 1e-2)
+    monkeypatch.setattr(path_room, "_BORDERED", 0)
+    found = traced(model, 1e-2)
+    assert (exact.outcome, found.outcome) == (PathOutcome.LIMIT, PathOutcome.SETTLED)
+    assert found.parameter == pytest.approx(exact.parameter, rel=3e-6)
+
+
+@pytest.mark.parametrize(("drift", "settles"), [(1e-8, True), (1e-5, False)])
+def test_sharp_states_that_do_not_agree_are_no_limit(drift, settles, monkeypatch) -> None:
+    """λ that still moves to and fro by 1e-5 from one mark to the next."""
+    calls = count()
+
+    class Drifting(RoundedPath):
+        def sharpened(self, *args):
+            sharp = super().sharpened(*args)
+            moved = sharp.reduction * (1.0 + drift * (-1.0) ** next(calls))
+            return SimpleNamespace(
+                reduction=moved, displacement=sharp.displacement, work=sharp.work, forces=sharp.forces, bed=sharp.bed
+            )
+
+    monkeypatch.setattr(path_room, "_BORDERED", 0)
+    monkeypatch.setattr(path_room, "RoundedPath", Drifting)
+    assert (traced(path_oracle.model_of(populations.wall(0)), 1e-2) is not None) == settles
 
 
 def test_rounding_that_leads_to_another_motion_is_found_out() -> None:

@@ -58,6 +58,17 @@ def test_of_several_limit_states_the_one_that_a_history_comes_to(number: int, pa
     assert not passes or highest > first.governing.factor * (1.0 - 1e-6)
 
 
+@pytest.mark.parametrize(("number", "wide"), [(70, True), (17, False)])
+def test_the_sheet_has_the_range_of_a_mechanism_that_locks_in_forces(number: int, wide: bool) -> None:
+    (design,) = without_cohesion(5, {number})
+    result = analyse(design)
+    lines = [line for line in document_of(result)["sheet"]["FoS"] if "locked in" in line]
+    lowest, highest = result.fos.lowest, result.fos.highest
+    assert (highest > 1.002 * lowest) == wide
+    said = f"{lowest:.4f} .. {highest:.4f}  same mechanism, whatever forces are locked in"
+    assert lines == ([said] if wide else [])
+
+
 def test_the_number_of_a_wedge_that_moments_govern_is_that_of_the_path() -> None:
     """To 1e-3: the number stands on finer node pairs than the path was asked on."""
     governed = 0
