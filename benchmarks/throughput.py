@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.closed_form.planes import PlaneArrays, plane_failures
-from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
-from slopekit.closed_form.wedges import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.closed_form.plane import PlaneArrays, plane_failures
+from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.errors import GeometryError
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.orientation import Plane
+from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 
 Arrays = dict[str, np.ndarray]
 COUNT, FEW, TURNS, CHUNK = 1_000_000, 1_000, 7, 8192

@@ -1,6 +1,6 @@
 """Plane failures over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
-Independent source: `geometry.section.plane_section`, then `closed_form.plane.plane_failure` with the water that
+Independent source: `geometry.section.plane_section`, then `scalar_plane.plane_failure` with the water that
 `analysis.plane` gives it. Cutting the block takes milliseconds, and only the height of its outline goes into the closed
 form: where blocks are many, the points between which each lies stand for it; the cut itself is made for a few.
 """
@@ -15,12 +15,12 @@ import pytest
 
 import slopekit as sk
 from slopekit.analysis import plane as analysis
-from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
-from slopekit.closed_form.planes import OUTCOMES, PlaneArrays, plane_failures
+from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import GeometryError
 from slopekit.geometry import section
 from slopekit.geometry.section import LEFT, plane_section
+from tests.closed_form.scalar_plane import ClosedFormPlane, plane_failure
 
 REL = 1e-12
 COUNT = 400
@@ -48,7 +48,7 @@ def scalar(planes: PlaneArrays, at: int) -> tuple[str, float, ClosedFormPlane | 
             dips[1], dips[2], dips[0], of(planes.height_m), of(planes.cohesion_kpa), of(planes.friction_deg),
             of(planes.unit_weight_kn_m3), crack_distance_m=cut.crack_distance, water_in_crack_m=deep,
             water_unit_weight_kn_m3=weight, mean_pressure_kpa=pressure, plane_water_peak_mid_kpa=peak,
-            seismic=of(planes.seismic), forces=forces,
+            seismic=of(planes.seismic), forces=forces, passive=planes.passive_kn,
         )  # fmt: skip
     except GeometryError as error:
         return error.codes[0], math.nan, None
@@ -61,9 +61,19 @@ def compare(planes: PlaneArrays) -> Counter[str]:
     answers = [scalar(planes, at) for at in range(found.outcome.size)]
     assert [OUTCOMES[outcome] for outcome in found.outcome] == [status for status, _, _ in answers]
     np.testing.assert_allclose(found.factor, [factor for _, factor, _ in answers], rtol=REL, atol=0.0)
+    of = {
+        name: np.array([math.nan if block is None else getattr(block, name) for _, _, block in answers])
+        for name in ("weight_kn", "length_m", "crack_depth_m", "normal_kn", "driving_kn", "resisting_kn", "uplift_kn")
+    }
     for name in ("weight_kn", "length_m", "crack_depth_m"):
-        expected = [math.nan if block is None else getattr(block, name) for _, _, block in answers]
-        np.testing.assert_allclose(getattr(found, name), expected, rtol=REL, atol=0.0)
+        np.testing.assert_allclose(getattr(found, name), of[name], rtol=REL, atol=0.0)
+    size = of["weight_kn"] + np.abs(of["uplift_kn"]) + np.nan_to_num(found.thrust_kn)
+    size = size + (0.0 if planes.force_kn is None else np.hypot(*planes.force_kn))
+    forces = {name: getattr(found, name) for name in ("normal_kn", "driving_kn", "resisting_kn")}
+    for name, values in (forces | {"uplift_kn": found.pressure_kpa * found.length_m}).items():
+        off = np.abs(values - of[name])  # differences, as is the depth of the water: to 1e-11 of the loads
+        assert (np.isnan(of[name]) | (off <= 10.0 * REL * (size + of["resisting_kn"]))).all(), name
+        assert np.isnan(values[np.isnan(of[name])]).all()
     counts = Counter(status for status, _, _ in answers)
     assert found.counts() == counts
     return counts
@@ -223,7 +233,7 @@ def test_the_designs_of_the_analysis() -> None:
     ):  # fmt: skip
         design = sk.load(file | changes)
         assert isinstance(design, PlaneDesign)
-        expected = analysis.closed_form(design, analysis.section_of(design)).factor
+        expected = analysis.closed_form(design).factor
         found = plane_failures(book(upper_dip_deg=5.0, **arrays))
         assert found.factor[0] == pytest.approx(expected, rel=REL)
 
@@ -234,3 +244,20 @@ def test_none_and_what_does_not_fit_together() -> None:
         plane_failures(book(fill=np.zeros(3), height_m=np.ones(2)))
     with pytest.raises(ValueError, match="goes with pressure_kpa"):
         plane_failures(book(crack_pressure_kpa=3.0))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_passive_bolts_are_the_scalar_ones(seed) -> None:
+    """Bolts that may pull any way, one to three, with water, a force and an earthquake; to 1e-9."""
+    rng = np.random.default_rng(seed)
+    bolts = [(rng.normal(size=2) * 10.0 ** rng.uniform(0.0, 2.5)).tolist() for _ in range(int(rng.integers(1, 4)))]
+    planes = book(
+        crack_distance_m=4.0, passive_kn=bolts, force_kn=tuple(rng.normal(size=2) * 200.0 * (rng.random() < 0.5)),
+        seismic=rng.uniform(0.0, 0.3), pressure_kpa=rng.uniform(0.0, 80.0),
+    )  # fmt: skip
+    found, (status, factor, answer) = plane_failures(planes), scalar(planes, 0)
+    assert answer is not None
+    assert OUTCOMES[found.outcome[0]] == status
+    assert found.factor[0] == pytest.approx(factor, rel=1e-9, nan_ok=True)
+    assert [found.normal_kn[0], found.driving_kn[0]] == pytest.approx([answer.normal_kn, answer.driving_kn], rel=1e-6,
+                                                                      abs=1e-6)  # fmt: skip

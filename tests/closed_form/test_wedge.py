@@ -7,13 +7,24 @@ import pytest
 
 import slopekit as sk
 from slopekit.analysis.wedge import closed_form, prepare
-from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
+from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.reading import wedge_design
 from slopekit.orientation import Plane
 from slopekit.preie.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge
 
 DIPS = ("45/115", "45/245")
+PLANES = ("joint1", "joint2", "face", "upper", "crack")
+
+
+def arrays(planes, height: float, cohesion: float, friction: float, **changes) -> WedgeArrays:
+    """A wedge of joints, face, upper slope and maybe a crack, (dip, dip direction) each; both joints alike."""
+    angles = {f"{name}_dip_deg": dip for name, (dip, _) in zip(PLANES, planes, strict=False)}
+    ways = {f"{name}_dip_direction_deg": way for name, (_, way) in zip(PLANES, planes, strict=False)}
+    return WedgeArrays(
+        **angles, **ways, height_m=height, cohesion1_kpa=cohesion, cohesion2_kpa=cohesion, friction1_deg=friction,
+        friction2_deg=friction, unit_weight_kn_m3=25.506, **changes,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(("dip", "half"), [(45.0, 65.0), (60.0, 50.0), (30.0, 80.0)])
@@ -26,8 +37,8 @@ def test_symmetric_wedge_of_friction_alone(dip, half) -> None:
     half_angle = math.acos(-(n1 @ n2)) / 2.0  # half the angle between the planes, measured through the wedge
     # β = 90°: by symmetry the bisector of the wedge is square to the horizontal across the line
     exact = math.tan(math.radians(30.0)) / (math.sin(half_angle) * math.tan(plunge))
-    wedge = hoek_bray_wedge((one, two), Plane(85, 180), Plane(0, 180), 10.0, (0, 0), (30, 30), 26.0)
-    assert wedge.factor == pytest.approx(exact, rel=1e-12)
+    planes = ((dip, 180.0 - half), (dip, 180.0 + half), (85.0, 180.0), (0.0, 180.0))
+    assert hoek_bray_wedges(arrays(planes, 10.0, 0.0, 30.0)).factor[0] == pytest.approx(exact, rel=1e-12)
 
 
 def test_full_water_is_the_classic_pyramid() -> None:
@@ -134,10 +145,8 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
 
 def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
     """UX.md rule 2: a status instead of a factor of safety of 0."""
-    wedge = hoek_bray_wedge(
-        (Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 10.0, (0, 0), (0, 0), 26.0
-    )
-    assert wedge.factor == 0.0
+    found = hoek_bray_wedges(arrays(((45, 115), (45, 245), (60, 180), (10, 180)), 10.0, 0.0, 0.0))
+    assert (OUTCOMES[found.outcome[0]], found.factor[0]) == ("slides_on_both", 0.0)
     result = sk.wedge(dips=DIPS, c=0, phi=0)
     assert result.status == "slides_on_both"
     assert (result.fos.limit, result.fos.closed_form) == (None, None)
@@ -146,9 +155,12 @@ def test_no_strength_is_a_factor_of_zero_and_a_status_to_the_user() -> None:
 
 
 def test_pressures_may_be_given_for_each_plane() -> None:
-    crack = {"crack": Plane(80, 180), "crack_distance": 30.0}
-    wedge = hoek_bray_wedge(
-        (Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 64.89, (50, 50), (20, 20), 25.506,
-        water=WedgeWater(pressures=(10.0, 20.0, 30.0)), **crack,
-    )  # fmt: skip
-    assert [push / area for push, area in zip(wedge.water, wedge.areas, strict=True)] == pytest.approx([10, 20, 30])
+    planes = ((45, 115), (45, 245), (60, 180), (10, 180), (80, 180))
+    found = hoek_bray_wedges(arrays(planes, 64.89, 50.0, 20.0, pressures_kpa=(10.0, 20.0, 30.0), crack_distance_m=30.0))
+    assert found.pressures_kpa[:, 0].tolist() == [10.0, 20.0, 30.0]
+    dry = hoek_bray_wedges(arrays(planes, 64.89, 50.0, 20.0, crack_distance_m=30.0))
+    one, two, crack = (Plane(*planes[k]).normal() for k in (0, 1, 4))
+    areas = found.areas_m2[:, 0]  # upward normals of J1 and J2 point into the wedge, that of the crack out of the slope
+    pushed = 10.0 * areas[0] * one + 20.0 * areas[1] * two + 30.0 * areas[2] * crack
+    along = -found.line_m[:, 0] / np.linalg.norm(found.line_m[:, 0])
+    assert found.driving_kn[0] - dry.driving_kn[0] == pytest.approx(float(pushed @ along), rel=1e-12)

@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import fsolve
 
 import slopekit as sk
-from slopekit.closed_form.plane import plane_failure
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.passes import Outcome
+from tests.closed_form.scalar_plane import plane_failure
 from tests.preie import conic_oracle
 from tests.scenes import COARSE, PAPER, SLOPE, SPHERE, ellipsoid_mesh, inputs, model_of, run, save, sheet, slab, tilted
 

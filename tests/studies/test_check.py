@@ -8,13 +8,13 @@ from functools import cache
 import pytest
 
 import slopekit as sk
-from slopekit.closed_form.wedge import hoek_bray_wedge
 from slopekit.design.templates import path_of
 from slopekit.studies import check as module
 from slopekit.studies import ladders
 from slopekit.studies.check import Check, Finding, check
 from slopekit.studies.ladders import Rung, timed
 from slopekit.views.check_sheet import check_line
+from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
 
 ONE_PLANE = {

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
 from slopekit.errors import DesignError, GeometryError
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.orientation import Plane, line_of
@@ -21,6 +20,7 @@ from slopekit.studies.combos import Combos, combos
 from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.running import Crew
 from slopekit.views.combos_sheet import combos_line, combos_sheet, pairs_csv
+from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
 from tests.commands import slopekit
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.closed_form.plane import plane_failure
-from slopekit.closed_form.wedge import hoek_bray_wedge
 from slopekit.errors import DesignError, GeometryError
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.orientation import Plane
@@ -28,6 +26,8 @@ from slopekit.studies.kinematic_criteria import (
     SLIDING_BASE,
 )
 from slopekit.views.kinematic_sheet import intersections_csv, joints_csv, kinematic_line, kinematic_sheet
+from tests.closed_form.scalar_plane import plane_failure
+from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 
 LIST = str(Path(__file__).parents[2] / "examples" / "joints.csv")

@@ -11,7 +11,6 @@ from scipy.optimize import brentq
 from scipy.stats import binom, multivariate_normal, norm
 
 import slopekit as sk
-from slopekit.closed_form.wedge import hoek_bray_wedge
 from slopekit.design.files import load
 from slopekit.errors import DesignError
 from slopekit.orientation import Plane
@@ -20,6 +19,7 @@ from slopekit.studies.estimates import clopper_pearson, share_of, summary_of
 from slopekit.studies.points import point_of
 from slopekit.studies.probability import probability
 from slopekit.studies.running import Interrupted, checked_crew
+from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 
 PHI = {"dist": "normal", "mean": 20, "sd": 2}

@@ -14,7 +14,6 @@ import pytest
 import slopekit as sk
 from slopekit.analysis.factors import factors_of
 from slopekit.analysis.wedge import closed_form
-from slopekit.closed_form.wedge import hoek_bray_wedge
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Notice
@@ -28,6 +27,7 @@ from slopekit.studies.support_search import least_force
 from slopekit.studies.support_site import Answer, site_of
 from slopekit.studies.support_sphere import around, sphere
 from slopekit.views.support_sheet import support_line, support_sheet
+from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 from tests.support import random_wedge, upward_normal
 

@@ -68,9 +68,10 @@ def closed_form_of(design: Design) -> ClosedForm | None:
     if isinstance(design, PlaneDesign):
         from slopekit.analysis import plane
 
-        slide = plane.closed_form(design, plane.section_of(design))
+        plane.section_of(design)
+        slide = plane.closed_form(design)
         why_not = _DILATES if design.strength.dilation_deg else ""
-        return ClosedForm(slide.factor or None, _STATUSES.get(slide.status, slide.status), why_not)
+        return ClosedForm(slide.factor or None, slide.status, why_not)
     if isinstance(design, FootingDesign):
         from slopekit.analysis import footing
 

@@ -1,11 +1,14 @@
 """Plane failure per metre of slope: from its design to its result."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from slopekit.analysis.closed_forms import Arguments, ClosedForms, answers, force_on, passive_bolts
 from slopekit.analysis.scene import Bedding, Scene
 from slopekit.analysis.stages import (
     Clock,
@@ -21,7 +24,7 @@ from slopekit.analysis.stages import (
     water_forces,
 )
 from slopekit.arrays import Floats, frozen
-from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
+from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
@@ -34,7 +37,7 @@ from slopekit.preie.model import build_model
 from slopekit.result import Forces, Result
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
-_STATUSES = {"slides": "slides_on_J1"}
+_OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
 _OUT = 1e-9
 
 
@@ -51,7 +54,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
         section = _section(design)
         loads = _loads(design, section)
     with clock("closed_form"):
-        closed = _closed_form(design, section)
+        closed = closed_form(design)
     with clock("governs"):
         governs = _governs(design)
     solved = solve(design, lambda refine: _scene(design, section, loads, refine), design.refine, clock)
@@ -63,7 +66,7 @@ def analyse_plane(design: PlaneDesign) -> Result:
         *driving_and_resisting(solved),
     )  # fmt: skip
     why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
-    against = ClosedForm(closed.factor, _STATUSES.get(closed.status, closed.status), why_not)
+    against = ClosedForm(closed.factor, closed.status, why_not)
     left_out = ["bedrock (no unknowns)", "face and upper slope (free)", "the ends of the slope (per metre)",
                 "deformation of the rock"]  # fmt: skip
     left_out += ["contact across the tension crack"] if section.crack_depth is not None else []
@@ -96,11 +99,6 @@ def scenes(design: PlaneDesign) -> Callable[[int], Scene]:
 def section_of(design: PlaneDesign) -> Section:
     """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     return _section(design)
-
-
-def closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
-    """The design by Hoek & Bray's plane failure."""
-    return _closed_form(design, section)
 
 
 def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:
@@ -222,34 +220,80 @@ def _strongest(design: PlaneDesign) -> float:
     return max(bolt.force_kn for bolt in design.bolts)
 
 
-def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
-    _, deep, peak = _water(design, section)
+# -- the closed form ----------------------------------------------------------------------------------
+
+
+def arguments(design: PlaneDesign) -> Arguments:
+    """What Hoek & Bray's plane failure is given of a design, but for its passive bolts."""
+    found: Arguments = {}
+    for name, plane in {"plane": design.joint, "face": design.face, "upper": design.upper}.items():
+        found |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
+    water, crack = design.water, design.crack
+    given = water.mode == "pressures"
+    pressures = [*water.pressures_kpa, 0.0] if given else [None, None]
+    return found | force_on(design) | {
+        "height_m": design.height_m, "cohesion_kpa": design.strength.cohesion_kpa,
+        "friction_deg": design.strength.friction_angle_deg, "unit_weight_kn_m3": design.unit_weight_kn_m3,
+        "crack_depth_m": None if crack is None else crack.depth_m,
+        "crack_distance_m": None if crack is None else crack.distance_m,
+        "water_in_crack_m": None if crack is None or given else crack.water_m,
+        "fill": 0.0 if given else water.fill, "pressure_kpa": pressures[0], "crack_pressure_kpa": pressures[1],
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "k": design.seismic.coefficient,
+        "trend": design.seismic.trend_deg,
+    }  # fmt: skip
+
+
+def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] = ()) -> ClosedForms:
+    """Designs by Hoek & Bray's plane failure; each of the arguments is one number for all of them or an array.
+
+    Parameters
+    ----------
+    bolts : out of the slope and up, of the passive ones
+    """
+    given = dict(arguments)
+    plane, face, upper = (given.pop(f"{name}_direction") for name in ("plane", "face", "upper"))
+    across = _strikes_across(given["plane_dip_deg"], plane, face) | _strikes_across(given["upper_dip_deg"], upper, face)
+    for name, direction in (("plane", plane), ("upper", upper)):
+        dip = np.asarray(given[f"{name}_dip_deg"])
+        given[f"{name}_dip_deg"] = np.where(np.cos(np.radians(np.subtract(direction, face))) >= 0.0, dip, -dip)
+    k, trend = given.pop("k"), given.pop("trend")
+    given["seismic"] = k if trend is None else k * np.cos(np.radians(np.subtract(trend, face)))
+    east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
+    turned = np.radians(face)
+    given["force_kn"] = None if up is None else (east * np.sin(turned) + north * np.cos(turned), up)
+    found = plane_failures(PlaneArrays(**given, passive_kn=bolts))
+    count = max(found.outcome.size, np.size(across))
+    outcome, factor = np.broadcast_to(found.outcome, count).copy(), np.broadcast_to(found.factor, count).copy()
+    outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
+    return ClosedForms(_OUTCOMES, outcome, factor)
+
+
+def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
+    """Whether a plane strikes too far from the face for plane failure (Hoek & Bray 1981, ch. 7)."""
+    apart = np.abs(np.subtract(direction, face)) % 180.0
+    return (np.minimum(apart, 180.0 - apart) > WIDEST_DEG) & (np.asarray(dip) > 0.0)
+
+
+def closed_form(design: PlaneDesign) -> ClosedForm:
+    """The design by Hoek & Bray's plane failure.
+
+    Raises
+    ------
+    GeometryError
+        Where the plane forms no block that can slide out.
+    """
+    return closed_forms(arguments(design), _passive(design)).of()
+
+
+def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
     axes = _axes(design.face)
-
-    def in_plane(vector: Floats) -> tuple[float, float]:
-        local = axes @ vector
-        return float(local[0]), float(local[2])
-
-    pressures = design.water.pressures_kpa if design.water.mode == "pressures" else ()
-    forces = [in_plane(np.array(force.components_kn)) for force in design.forces]
-    if len(pressures) > 1 and section.crack_depth is not None:
-        forces.append((pressures[1] * section.crack_depth, 0.0))
-    forces += [in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "active"]
-    return plane_failure(
-        design.face.dip_deg, _signed_dip(design.upper, design.face), _signed_dip(design.joint, design.face),
-        design.height_m, design.strength.cohesion_kpa, design.strength.friction_angle_deg, design.unit_weight_kn_m3,
-        crack_distance_m=section.crack_distance, water_in_crack_m=deep,
-        water_unit_weight_kn_m3=design.water_unit_weight_kn_m3,
-        mean_pressure_kpa=pressures[0] if pressures else None, plane_water_peak_mid_kpa=peak,
-        seismic=_seismic(design), forces=forces,
-        passive=[in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "passive"],
-    )  # fmt: skip
+    return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
 
 
 def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
     """What a few changes of the input do to the closed form."""
-    strength, found = design.strength, list[tuple[str, float | None, str]]()
-    changes = []
+    strength = design.strength
+    changes: list[tuple[str, PlaneDesign]] = []
     if design.water.mode == "dry" or design.water.fill < 1.0:
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
@@ -262,14 +306,9 @@ def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
         changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
-    for name, changed in changes:
-        try:
-            answer = _closed_form(changed, _section(changed))
-        except GeometryError:
-            found.append((name, None, "no block"))
-            continue
-        found.append((name, answer.factor, _STATUSES.get(answer.status, answer.status)))
-    return tuple(found)
+    closed = partial(closed_forms, bolts=_passive(design))
+    found = answers([arguments(changed) for _, changed in changes], closed, "no block")
+    return tuple((name, *answer) for (name, _), answer in zip(changes, found, strict=True))
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:

@@ -1,11 +1,14 @@
 """One wedge: from its design to its result."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from slopekit.analysis.closed_forms import Arguments, ClosedForms, answers, force_on, passive_bolts
 from slopekit.analysis.scene import Bedding, Scene
 from slopekit.analysis.stages import (
     Clock,
@@ -21,10 +24,9 @@ from slopekit.analysis.stages import (
     water_forces,
 )
 from slopekit.arrays import frozen
-from slopekit.closed_form.wedge import ClosedFormWedge, WedgeWater, hoek_bray_wedge
+from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.common import Strength
 from slopekit.design.wedge import WedgeDesign
-from slopekit.errors import GeometryError
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
@@ -55,7 +57,7 @@ def analyse_wedge(design: WedgeDesign) -> Result:
     with clock("closed_form"):
         closed = closed_form(design)
     with clock("governs"):
-        governs = _governs(design, closed)
+        governs = _governs(design)
     solved = solve(design, lambda refine: _scene(design, block, loads, refine), design.refine, clock)
     status = block_status(solved.limit, solved.analysis, solved.scene, (J1, J2))
     faces = {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
@@ -165,25 +167,60 @@ def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, Water
 # -- the closed form ----------------------------------------------------------------------------------
 
 
-def closed_form(design: WedgeDesign) -> ClosedFormWedge:
-    """The design by Hoek & Bray's wedge."""
-    water = WedgeWater(
-        design.water.fill, design.water.pressures_kpa, design.water_unit_weight_kn_m3, design.water.crack_fill
-    )
-    active, passive = (
-        [(bolt.force_kn * bolt.toward.vector()).tolist() for bolt in design.bolts if bolt.acts == acts]
-        for acts in ("active", "passive")
-    )
-    return hoek_bray_wedge(
-        design.joints, design.face, design.upper, design.height_m, design.cohesion_kpa, design.friction_angle_deg,
-        design.unit_weight_kn_m3, water=water, crack=design.crack.plane if design.crack else None,
-        crack_distance=design.crack.distance_m if design.crack else 0.0,
-        seismic=(design.seismic.coefficient, design.seismic.trend_deg),
-        forces=[*(force.components_kn for force in design.forces), *active], passive=passive,
+def arguments(design: WedgeDesign) -> Arguments:
+    """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
+    found: Arguments = {}
+    planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
+    for name, plane in planes.items():
+        found |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
+    water, crack = design.water, design.crack
+    given = water.mode == "pressures"
+    pressures = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
+    return found | force_on(design) | {
+        "height_m": design.height_m, "cohesion1_kpa": design.cohesion_kpa[0], "cohesion2_kpa": design.cohesion_kpa[1],
+        "friction1_deg": design.friction_angle_deg[0], "friction2_deg": design.friction_angle_deg[1],
+        "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
+        "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
+        "crack_dip_deg": None if crack is None else crack.plane.dip_deg,
+        "crack_dip_direction_deg": None if crack is None else crack.plane.dip_direction_deg,
+        "crack_distance_m": 0.0 if crack is None else crack.distance_m,
+        "seismic": design.seismic.coefficient, "seismic_trend_deg": design.seismic.trend_deg,
+    }  # fmt: skip
+
+
+def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] = ()) -> ClosedForms:
+    """Designs by Hoek & Bray's wedge; each of the arguments is one number for all of them or an array.
+
+    Parameters
+    ----------
+    bolts : east, north and up of the passive ones
+    """
+    given = dict(arguments)
+    pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure5")]
+    force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
+    found = hoek_bray_wedges(
+        WedgeArrays(
+            **given, passive_kn=bolts,
+            pressures_kpa=() if pressures[0] is None else pressures,
+            force_kn=None if force[0] is None else force,
+        )
     )  # fmt: skip
+    return ClosedForms(OUTCOMES, found.outcome, found.factor)
 
 
-def _governs(design: WedgeDesign, closed: ClosedFormWedge) -> tuple[tuple[str, float | None, str], ...]:
+def closed_form(design: WedgeDesign) -> ClosedForm:
+    """The design by Hoek & Bray's wedge.
+
+    Raises
+    ------
+    GeometryError
+        Where the planes cut no wedge.
+    """
+    return closed_forms(arguments(design), passive_bolts(design)).of()
+
+
+def _governs(design: WedgeDesign) -> tuple[tuple[str, float | None, str], ...]:
     """What a few changes of the input do to the closed form: (change, factor of safety, status)."""
     changes: list[tuple[str, WedgeDesign]] = []
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
@@ -200,16 +237,9 @@ def _governs(design: WedgeDesign, closed: ClosedFormWedge) -> tuple[tuple[str, f
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
             joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
             changes.append((f"dip of J{k + 1} +1°", replace(design, joints=joints)))
-    found: list[tuple[str, float | None, str]] = []
-    for name, changed in changes:
-        try:
-            _rock_mass(changed)
-            answer = closed_form(changed)
-        except GeometryError:
-            found.append((name, None, "no wedge"))
-            continue
-        found.append((name, answer.factor, answer.status))
-    return tuple(found)
+    bolts = passive_bolts(design)
+    found = answers([arguments(changed) for _, changed in changes], partial(closed_forms, bolts=bolts), "no wedge")
+    return tuple((name, *answer) for (name, _), answer in zip(changes, found, strict=True))
 
 
 # -- reading the answer -------------------------------------------------------------------------------

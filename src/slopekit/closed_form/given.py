@@ -1,20 +1,18 @@
 """What closed forms over arrays are given, by name: one number for all of them, or one for each."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, Final, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 Codes = NDArray[np.int8]
-Indices = NDArray[np.intp]
-#: One of the values that a formula takes: a float, an array, or a step of a tape.
+#: One of the values that a formula takes: a float or an array.
 Value: TypeAlias = Any
 #: No name for what is absent, so that nothing is computed of it.
-Columns: TypeAlias = dict[str, float | Floats]
-#: How many are taken at a time: of fewer the calls take the time, of more the cache does not hold the rows.
-CHUNK: Final = 8192
+Columns: TypeAlias = dict[str, Value]
 
 
 def columns_of(given: Mapping[str, ArrayLike | None]) -> tuple[Columns, int]:
@@ -28,21 +26,28 @@ def columns_of(given: Mapping[str, ArrayLike | None]) -> tuple[Columns, int]:
     >>> columns_of({"height_m": [10, 12], "fill": 0, "crack_fill": None})
     ({'height_m': array([10., 12.]), 'fill': 0.0}, 2)
     """
-    arrays = {name: np.asarray(value, dtype=np.float64) for name, value in given.items() if value is not None}
-    lengths = {array.size for array in arrays.values() if array.ndim and array.size != 1}
-    if len(lengths) > 1 or any(array.ndim > 1 for array in arrays.values()):
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items() if array.ndim)
+    columns: Columns = {}
+    lengths = set()
+    for name, value in given.items():
+        if isinstance(value, float):
+            columns[name] = float(value)
+        elif value is not None:
+            array = np.asarray(value, dtype=np.float64)
+            columns[name] = float(array.item()) if array.size == 1 else array
+            if array.size != 1:
+                lengths.add(array.shape)
+    if len(lengths) > 1 or any(len(shape) > 1 for shape in lengths):
+        shapes = ", ".join(f"{name} {value.shape}" for name, value in columns.items() if isinstance(value, np.ndarray))
         raise ValueError(f"give floats and arrays of one length, not {shapes}")
-    columns: Columns = {name: float(array.item()) if array.size == 1 else array for name, array in arrays.items()}
-    return columns, lengths.pop() if lengths else 1
+    return columns, lengths.pop()[0] if lengths else 1
 
 
-def selected(columns: Columns, where: Indices | slice) -> Columns:
+def of_chunk(columns: Columns, some: NDArray[np.intp] | slice) -> Columns:
     """The columns of some of the designs."""
-    return {name: value if isinstance(value, float) else value[where] for name, value in columns.items()}
+    return {name: value if isinstance(value, float) else value[some] for name, value in columns.items()}
 
 
-def chunks(indices: Indices) -> Iterator[Indices]:
-    """`CHUNK` of them at a time."""
-    for first in range(0, indices.size, CHUNK):
-        yield indices[first : first + CHUNK]
+def counted(outcome: Codes, names: Sequence[str]) -> dict[str, int]:
+    """How many there are of each outcome, in the order of the names, the absent ones left out."""
+    found = np.bincount(outcome, minlength=len(names))
+    return {name: int(number) for name, number in zip(names, found, strict=True) if number}

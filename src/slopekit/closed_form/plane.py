@@ -1,263 +1,342 @@
-"""Plane failure per metre of slope: forces only, zero dilation, cohesion only where the plane is in contact.
+"""Plane failure per metre of slope, over arrays: forces only, zero dilation, cohesion only on a plane in contact.
 
 Sources: Hoek & Bray (1981), Rock Slope Engineering, ch. 7; Wyllie & Mah (2004), Rock Slope Engineering, ch. 6.
 The weight comes from the corners of the block, so that the upper slope may dip and the crack stand in the face.
 
-Section: x out of the slope, z up, the toe at (0, 0). Plain floats on purpose, as in `wedge`.
+Section: x out of the slope, z up, the toe at (0, 0). One block is an array of length one, as in `wedge`.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Final, NamedTuple
 
-from slopekit.errors import Fault, GeometryError
+import numpy as np
+from numpy.typing import ArrayLike
 
-Vector = tuple[float, float]
-_SMALL = 1e-12
-_SQUARE = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
-_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
-_STRIDE = 1.05  # steps of λ on the way to the first loss
-_ROUNDS = 40  # over several bolts, one after the other
+from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted
+from slopekit.closed_form.search import loss_with_bolts
+
+Vector = tuple[Value, Value]
+
+#: What may become of a block: it slides, it loses contact, nothing drives it, or the plane cuts none (`explain CODE`).
+OUTCOMES: Final = ("slides", "slides_up", "lifted", "falls", "no_driving_force", "E203", "E204", "E205", "E207", "E209")
+_NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
+_SLIDES, _SLIDES_UP, _LIFTED, _FALLS, _STILL = (_NUMBER[name] for name in OUTCOMES[:5])
+_PARALLEL_DEG: Final = 1e-4  # as geometry.section
+_SMALL: Final = 1e-12  # parts of the load that count as nothing
+_SQUARE: Final = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
+_ROUNDS: Final = 40  # over several bolts, one after the other
+_SETTLED: Final = 1e-12  # change of a pull, parts of what it may pull
+_RADIAN: Final = math.pi / 180.0
+_TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
 
-@dataclass(frozen=True, slots=True)
-class ClosedFormPlane:
-    """What the closed form says of a plane failure, per metre of slope.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneArrays:
+    """Blocks on one plane that daylights at the toe, each value one number for all of them or an (n,) array.
 
     Attributes
     ----------
-    status : slides, slides_up, lifted (contact is lost), no_driving_force or falls (the plane hangs over)
-    factor : factor of safety, None unless the block slides
-    weight_kn : kN; normal_kn : effective normal force on the plane, kN
-    driving_kn, resisting_kn : kN, along the plane; with passive bolts under the pull they have at that factor
-    uplift_kn, thrust_kn : water on the plane (U) and in the crack (V), kN
-    length_m : of the sliding plane; crack_depth_m : 0 without a crack
+    face_dip_deg, upper_dip_deg, plane_dip_deg : positive out of the slope
+    height_m : vertical, from the toe to the crest
+    cohesion_kpa, friction_deg : of the plane
+    unit_weight_kn_m3 : of the rock
+    crack_depth_m, crack_distance_m : of a vertical crack, one of the two, or both where they agree; the distance counts
+        back from the crest (negative: in the face). Neither without a crack
+    fill : part of full water: of the crack's depth, without a crack of γ_w H/2 at mid-length of the plane, where
+        nothing stands at both ends
+    water_in_crack_m : the water in the crack, instead of `fill`; U = γ_w z_w L / 2 on the plane (nothing at the toe),
+        V = γ_w z_w² / 2 in the crack
+    pressure_kpa, crack_pressure_kpa : mean pressures on the plane and in the crack, instead of both
+    water_unit_weight_kn_m3 : of the water
+    seismic : coefficient, out of the slope
+    force_kn : out of the slope and up, kN/m: the sum of the forces and the active bolts; None without any
+    passive_kn : out of the slope and up, kN/m, of each passive bolt at full capacity: it pulls with capacity / F where
+        it is drawn out, with less where that would already stop the movement along it
     """
 
-    status: str
-    factor: float | None
-    weight_kn: float
-    normal_kn: float
-    driving_kn: float
-    resisting_kn: float
-    uplift_kn: float
-    thrust_kn: float
-    length_m: float
-    crack_depth_m: float
+    face_dip_deg: ArrayLike
+    upper_dip_deg: ArrayLike
+    plane_dip_deg: ArrayLike
+    height_m: ArrayLike
+    cohesion_kpa: ArrayLike
+    friction_deg: ArrayLike
+    unit_weight_kn_m3: ArrayLike
+    crack_depth_m: ArrayLike | None = None
+    crack_distance_m: ArrayLike | None = None
+    fill: ArrayLike = 0.0
+    water_in_crack_m: ArrayLike | None = None
+    pressure_kpa: ArrayLike | None = None
+    crack_pressure_kpa: ArrayLike | None = None
+    water_unit_weight_kn_m3: ArrayLike = 9.81
+    seismic: ArrayLike = 0.0
+    force_kn: Sequence[ArrayLike] | None = None
+    passive_kn: Sequence[Sequence[float]] = ()
 
 
-def plane_failure(
-    face_dip_deg: float,
-    upper_dip_deg: float,
-    plane_dip_deg: float,
-    height_m: float,
-    cohesion_kpa: float,
-    friction_angle_deg: float,
-    unit_weight_kn_m3: float,
-    *,
-    crack_distance_m: float | None,
-    water_in_crack_m: float = 0.0,
-    water_unit_weight_kn_m3: float = 9.81,
-    mean_pressure_kpa: float | None = None,
-    plane_water_peak_mid_kpa: float = 0.0,
-    seismic: float = 0.0,
-    forces: Sequence[Sequence[float]] = (),
-    passive: Sequence[Sequence[float]] = (),
-) -> ClosedFormPlane:
-    """Factor of safety of the block on a plane that daylights at the toe of the face.
+@dataclass(frozen=True, slots=True)
+class ClosedFormPlanes:
+    """What the closed form says of each of n blocks, per metre of slope; numbers are nan where the plane cuts none.
 
-    Parameters
+    Attributes
     ----------
-    face_dip_deg, upper_dip_deg, plane_dip_deg : degrees, positive out of the slope
-    height_m : m, vertical, from the toe to the crest
-    crack_distance_m : m, horizontal, from the crest back to a vertical crack (negative: in the face); None without one
-    water_in_crack_m : m; U = γ_w z_w L / 2 on the plane (nothing at the toe), V = γ_w z_w² / 2 in the crack
-    mean_pressure_kpa : kPa, even on the plane, instead of that U
-    plane_water_peak_mid_kpa : kPa at mid-length, nothing at both ends of the plane (slopes without a crack)
-    seismic : horizontal, out of the slope, part of the weight
-    forces : (x, z) kN/m; active bolts count among them
-    passive : (x, z) kN/m at full capacity; a passive bolt pulls with capacity / F where it is drawn out, with less
-        where that would already stop the movement along it
+    outcome : (n,) int8, an index into `OUTCOMES`
+    factor : (n,) factor of safety, nan unless the block slides (or where passive bolts hold it whatever its strength)
+    normal_kn : (n,) effective normal force on the plane: what its own strength carries, 0 off the plane
+    driving_kn, resisting_kn : (n,) along the plane; with passive bolts under the pull they have at that factor
+    length_m, pressure_kpa : (n,) of the plane: its length, and the mean pressure of the water
+    thrust_kn, crack_depth_m : (n,) of the crack: the push V of its water, its depth (0 without one)
+    weight_kn : (n,)
+    """
+
+    outcome: Codes
+    factor: Floats
+    normal_kn: Floats
+    driving_kn: Floats
+    resisting_kn: Floats
+    length_m: Floats
+    pressure_kpa: Floats
+    thrust_kn: Floats
+    crack_depth_m: Floats
+    weight_kn: Floats
+
+    def counts(self) -> dict[str, int]:
+        """How many blocks there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
+        return counted(self.outcome, OUTCOMES)
+
+
+def plane_failures(planes: PlaneArrays) -> ClosedFormPlanes:
+    """Outcome, factor of safety and forces of blocks that may slide on a plane.
 
     Raises
     ------
-    GeometryError
-        E203 the plane does not daylight, E205 it never meets the upper slope, E207 no such crack or more water than
-        it holds, E209 the upper slope is as steep as the face.
+    ValueError
+        The arrays do not fit together.
 
     Formula: F = (c L + (W (cos ψ - k sin ψ) - U - V sin ψ + T_n) tan φ) / (W (sin ψ + k cos ψ) + V cos ψ - T_s)
-    (Wyllie & Mah 2004, eq. 6.4 and 6.11-6.22).
+    (Wyllie & Mah 2004, eq. 6.4 and 6.11-6.22). Codes are those of `geometry.section.plane_section`.
 
-    >>> block = plane_failure(60, 0, 35, 12, 25, 37, 26, crack_distance_m=4, water_in_crack_m=3)
-    >>> block.status, round(block.factor, 4)
-    ('slides', 1.2467)
+    >>> found = plane_failures(PlaneArrays(
+    ...     face_dip_deg=60, upper_dip_deg=0, plane_dip_deg=[35, 35, 65], height_m=12, cohesion_kpa=25, friction_deg=37,
+    ...     unit_weight_kn_m3=26, crack_distance_m=4, water_in_crack_m=[0, 3, 3]))
+    >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
+    (['slides', 'slides', 'E203'], [1.5445, 1.2467, nan])
     """
-    corners, depth = _corners(face_dip_deg, upper_dip_deg, plane_dip_deg, height_m, crack_distance_m)
-    if water_in_crack_m > depth * (1.0 + 1e-9):
-        message = f"the water stands {water_in_crack_m:.6g} m deep in a crack of {depth:.6g} m"
-        raise GeometryError([Fault("E207", message, "", "Give at most the depth of the crack.")])
-    turned = zip(corners, corners[1:] + corners[:1], strict=True)
-    weight = unit_weight_kn_m3 * abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in turned)) / 2.0
-    length = math.hypot(*corners[-1])
-    mean = water_unit_weight_kn_m3 * water_in_crack_m / 2.0 if mean_pressure_kpa is None else mean_pressure_kpa
-    uplift = (mean + plane_water_peak_mid_kpa / 2.0) * length
-    thrust = water_unit_weight_kn_m3 * water_in_crack_m**2 / 2.0
-
-    dip = math.radians(plane_dip_deg)
-
-    def on_plane(x: float, z: float) -> Vector:
-        """Down the plane, and off it."""
-        return x * math.cos(dip) - z * math.sin(dip), x * math.sin(dip) + z * math.cos(dip)
-
-    along, off = on_plane(
-        thrust + seismic * weight + sum(force[0] for force in forces), sum(force[1] for force in forces) - weight
-    )
-    size = weight + abs(uplift) + thrust + sum(math.hypot(force[0], force[1]) for force in forces)
-    plane = _Plane(
-        cohesion_kpa * length, math.tan(math.radians(friction_angle_deg)), math.cos(dip) <= _SMALL, _SMALL * size
-    )
-    load = along, off + uplift
-    bolts = [on_plane(bolt[0], bolt[1]) for bolt in passive if any(bolt)]
-    slide = plane.slide(load)
-    factor: float | None = None
-    if bolts and slide.status != "no_driving_force":
-        slide, factor = _with_passive_bolts(plane, load, bolts, size)
-    elif slide.driving > 0.0:
-        factor = slide.resisting / slide.driving
-    return ClosedFormPlane(
-        slide.status, factor, weight, slide.normal, slide.driving, slide.resisting, uplift, thrust, length, depth
-    )
+    if planes.crack_pressure_kpa is not None and planes.pressure_kpa is None:
+        raise ValueError("crack_pressure_kpa goes with pressure_kpa")
+    given = {field.name: getattr(planes, field.name) for field in fields(PlaneArrays)}
+    bolts = [(float(x), float(z)) for x, z in given.pop("passive_kn") if x or z]
+    force = given.pop("force_kn")
+    if force is not None:
+        given |= dict(zip(("force_out_kn", "force_up_kn"), force, strict=True))
+    columns, count = columns_of(given)
+    numbers = np.empty((9, count))
+    with np.errstate(all="ignore"):
+        block = _block(columns, count)
+        bed, load = _bed(columns, block)
+        slide = bed.slide(load)
+        slides = slide.outcome <= _SLIDES_UP
+        outcome, factor = slide.outcome, np.where(slides, slide.resisting / slide.driving, np.nan)
+        found = [factor, slide.normal, slide.driving, slide.resisting, block.length, block.pressure, block.thrust,
+                 block.depth, block.weight]  # fmt: skip
+        for row, values in zip(numbers, found, strict=True):
+            row[:] = values
+        if bolts:
+            for one in np.flatnonzero((block.code == 0) & (outcome != _STILL)).tolist():
+                numbers[0, one], last = _with_bolts(bed.of(one), [float(part[one]) for part in load], bolts)
+                outcome[one] = last.outcome[0]
+                numbers[1:4, one] = last.normal[0], last.driving[0], last.resisting[0]
+    refused = np.flatnonzero(block.code)
+    outcome[refused] = block.code[refused]
+    numbers[:, refused] = np.nan
+    return ClosedFormPlanes(outcome, *numbers)
 
 
-def crack_distance(
-    face_dip_deg: float, upper_dip_deg: float, plane_dip_deg: float, height_m: float, depth_m: float
-) -> float | None:
-    """Horizontal distance (m) behind the crest of the vertical crack of a given depth (m), None where there is none.
+# -- the block (the tests of geometry.section, in its order) ----------------------------------------------------------
+
+
+class _Block(NamedTuple):
+    code: Codes  # 0 where there is a block
+    weight: Floats
+    length: Floats
+    depth: Value
+    pressure: Value
+    thrust: Value
+
+
+def _block(columns: Columns, count: int) -> _Block:
+    """The block of each slope, its plane and its crack, and the water in them."""
+    code = np.zeros(count, dtype=np.int8)
+
+    def refuse(name: str, where: Value) -> None:
+        """The first test that fails counts."""
+        code[(code == 0) & where] = _NUMBER[name]
+
+    face_dip, upper_dip, plane_dip = (columns[f"{name}_dip_deg"] for name in ("face", "upper", "plane"))
+    refuse("E204", plane_dip <= _PARALLEL_DEG)
+    refuse("E203", plane_dip >= face_dip - _PARALLEL_DEG)
+    refuse("E209", upper_dip >= face_dip - _PARALLEL_DEG)
+    face, upper, plane = map(_tangent, (face_dip, upper_dip, plane_dip))
+    height, weighs = columns["height_m"], columns["water_unit_weight_kn_m3"]
+    crest = -height * np.cos(face_dip * _RADIAN) / np.sin(face_dip * _RADIAN), height
+    meets = np.greater(plane_dip, upper_dip + _PARALLEL_DEG)
+    end_x = crest[0] - (height + crest[0] * plane) / (plane - upper)  # where the plane comes out of the upper slope
+    end = end_x, -end_x * plane
+
+    if "crack_depth_m" not in columns and "crack_distance_m" not in columns:
+        refuse("E205", ~meets)
+        refuse("E207", np.greater(columns.get("water_in_crack_m", 0.0), 0.0))
+        twice, depth = np.abs(_turned(crest, end)), 0.0
+        peak = 0.5 * columns["fill"] * weighs * np.maximum(height, end[1])
+        pressure, thrust = columns.get("pressure_kpa", 0.5 * peak), 0.0
+    else:
+        before = np.where(np.less(face_dip, 90.0), -height / face, 0.0)  # the crest where the face is just upright
+        distance, misses = _crack(columns, upper, plane, before, np.where(meets, end[0], -np.inf))
+        refuse("E207", misses)
+        at = crest[0] - distance
+        top = at, np.where(distance >= 0.0, height + distance * upper, -at * face)
+        end = at, -at * plane
+        depth = top[1] - end[1]
+        twice = np.abs(np.where(distance > 0.0, _turned(crest, top), 0.0) + _turned(top, end))
+        if "pressure_kpa" in columns:
+            pressure, thrust = columns["pressure_kpa"], columns.get("crack_pressure_kpa", 0.0) * depth
+        else:
+            deep = columns.get("water_in_crack_m", columns["fill"] * depth)
+            refuse("E207", deep > depth * (1.0 + 1e-9))
+            pressure, thrust = 0.5 * weighs * deep, 0.5 * weighs * (deep * deep)
+        refuse("E207", ~((depth > 0.0) & (at < 0.0)))
+    weight = columns["unit_weight_kn_m3"] * (0.5 * twice)
+    return _Block(code, weight, np.hypot(*end), depth, pressure, thrust)
+
+
+def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Value) -> tuple[Value, Value]:
+    """Distance of the crack behind the crest, and where there is no such crack.
 
     Formula: z = H (1 - cot ψ_f tan ψ_p) - b (tan ψ_p - tan ψ_s) (Wyllie & Mah 2004, eq. 6.1 and 6.2, solved for b).
-
-    >>> round(crack_distance(60, 0, 35, 12, 4.35), 3)
-    3.997
     """
-    face, upper, plane = (math.radians(dip) for dip in (face_dip_deg, upper_dip_deg, plane_dip_deg))
-    at_crest = height_m * (1.0 - math.tan(plane) * math.cos(face) / math.sin(face))
-    lost = math.tan(plane) - math.tan(upper)
-    if not depth_m > 0.0 or abs(lost) <= _SMALL:
-        return None
-    distance = (at_crest - depth_m) / lost
-    return distance if distance >= 0.0 else None
+    misses: Value = False
+    distance = columns.get("crack_distance_m")
+    if "crack_depth_m" in columns:
+        depth, height, lost = columns["crack_depth_m"], columns["height_m"], plane - upper
+        behind = (height + crest * plane - depth) / lost
+        misses = ~((np.abs(lost) > _SMALL) & (behind >= 0.0) & (behind < np.inf) & np.greater(depth, 0.0))
+        if distance is not None:
+            misses = misses | (np.abs(distance - behind) > 0.02 * np.maximum(np.abs(behind), height))
+        distance = behind
+    reach = crest - back
+    return distance, misses | (distance >= reach * (1.0 - 1e-9)) | (distance <= crest * (1.0 - 1e-9))
 
 
-def _corners(
-    face_dip: float, upper_dip: float, plane_dip: float, height: float, crack: float | None
-) -> tuple[list[Vector], float]:
-    """The block from the toe over its top to the upper end of the plane, m; the depth of the crack, m."""
-    if not plane_dip < face_dip:
-        message = f"the plane dips {plane_dip:.4g}°, as steep as the face ({face_dip:.4g}°) or steeper"
-        raise GeometryError([Fault("E203", message + ": it does not daylight")])
-    if not upper_dip < face_dip:
-        raise GeometryError([Fault("E209", f"the upper slope ({upper_dip:.4g}°) is as steep as the face")])
-    face, upper, plane = (math.radians(dip) for dip in (face_dip, upper_dip, plane_dip))
-    toe, crest = (0.0, 0.0), (-height * math.cos(face) / math.sin(face), height)
-    # the depth of the plane below the ground: at the crest, and lost per metre behind it
-    at_crest, lost = height + crest[0] * math.tan(plane), math.tan(plane) - math.tan(upper)
-    if crack is None:
-        if not lost > _SMALL:
-            message = f"the plane dips {plane_dip:.4g}°, not steeper than the upper slope ({upper_dip:.4g}°)"
-            raise GeometryError([Fault("E205", message + ": they never meet", "", "Give a tension crack.")])
-        behind = crest[0] - at_crest / lost
-        return [toe, crest, (behind, -behind * math.tan(plane))], 0.0
-    at = crest[0] - crack
-    top = (at, height + crack * math.tan(upper)) if crack >= 0.0 else (at, -at * math.tan(face))
-    bottom = at, -at * math.tan(plane)
-    depth = top[1] - bottom[1]
-    if not (depth > 0.0 and at < 0.0):
-        message = f"no crack {crack:.6g} m behind the crest meets the plane below the ground"
-        raise GeometryError([Fault("E207", message)])
-    return [toe, *([crest] if crack > 0.0 else []), top, bottom], depth
+def _tangent(dip_deg: Value) -> Floats:
+    """As geometry takes it, to the last bit: the depth of a crack is a difference."""
+    return np.asarray(_TAN(np.asarray(dip_deg) * _RADIAN), dtype=np.float64)
 
 
-@dataclass(frozen=True, slots=True)
-class _Slide:
-    status: str
-    driving: float
-    normal: float
-    resisting: float
+def _turned(a: Vector, b: Vector) -> Value:
+    """Twice the area between two points and the toe."""
+    return a[0] * b[1] - a[1] * b[0]
 
 
-@dataclass(frozen=True, slots=True)
-class _Plane:
-    bond: float
-    tangent: float
-    hangs_over: bool
-    nothing: float
+# -- how it moves -----------------------------------------------------------------------------------------------------
+
+
+class _Slide(NamedTuple):
+    outcome: Codes
+    normal: Floats
+    driving: Floats
+    resisting: Floats
+
+
+class _Bed(NamedTuple):
+    """The plane, (n,): sine and cosine of its dip, its strength, and the sum of the loads' sizes."""
+
+    sine: Floats
+    cosine: Floats
+    bond: Floats
+    tangent: Floats
+    size: Floats
+
+    def of(self, one: int) -> "_Bed":
+        """One block's, for any number of loads."""
+        return _Bed(*(np.broadcast_to(values, self.size.shape)[one : one + 1] for values in self))
+
+    def on_plane(self, x: Value, z: Value) -> Vector:
+        """Down the plane, and off it."""
+        return x * self.cosine - z * self.sine, x * self.sine + z * self.cosine
 
     def slide(self, load: Vector) -> _Slide:
-        """Mode of sliding from the resultant (down the plane, off it)."""
+        """Mode of sliding from the resultant, down the plane and off it."""
         along, off = load
-        if off >= -self.nothing:
-            if math.hypot(along, off) <= self.nothing:
-                return _Slide("no_driving_force", 0.0, 0.0, 0.0)
-            return _Slide("falls" if self.hangs_over else "lifted", 0.0, 0.0, 0.0)
-        status = "no_driving_force" if abs(along) <= self.nothing else "slides" if along > 0.0 else "slides_up"
-        driving = 0.0 if status == "no_driving_force" else abs(along)
-        return _Slide(status, driving, -off, self.bond - off * self.tangent)
+        nothing = _SMALL * self.size
+        lost = off >= -nothing
+        still = np.where(lost, np.hypot(along, off), np.abs(along)) <= nothing
+        off_it, on_it = np.where(self.cosine <= _SMALL, _FALLS, _LIFTED), np.where(along > 0.0, _SLIDES, _SLIDES_UP)
+        outcome = np.where(still, _STILL, np.where(lost, off_it, on_it))
+        normal = np.where(lost, 0.0, -off)
+        resisting = np.where(lost, 0.0, self.bond + normal * self.tangent)
+        return _Slide(outcome, normal, np.where(lost | still, 0.0, np.abs(along)), resisting)
 
 
-def _with_passive_bolts(
-    plane: _Plane, load: Vector, bolts: Sequence[Vector], size: float
-) -> tuple[_Slide, float | None]:
-    """The slide and the factor with passive bolts: λ = 1/F falls from where all stands to the first loss."""
-
-    def at(reduction: float) -> tuple[_Slide, bool]:
-        slide = plane.slide(_pulled(load, bolts, reduction, size))
-        held = slide.status in ("slides", "slides_up") and reduction * slide.resisting >= slide.driving
-        return slide, held or slide.status == "no_driving_force"
-
-    high = low = _STRONGEST * size / sum(math.hypot(*bolt) for bolt in bolts)
-    slide, stands = at(high)
-    bare, top = plane.slide(load), slide
-    # bolts so strong that they would lift the block off pull no more than keeps it on its plane
-    guess = bare.driving / max(bare.resisting, _SMALL * size)
-    while top.status == "lifted" and bare.normal > 0.0 and not stands and low > 1e-3 * guess:
-        high, low = low, low / (2.0 if low > 30.0 * guess else _STRIDE)
-        slide, stands = at(low)
-    if not stands:
-        return top, 0.0 if top.driving > 0.0 else None
-    while stands:
-        high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)
-        slide, stands = at(low)
-        if low < 1.0 / _STRONGEST:
-            return slide, None
-    while True:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            return slide, 1.0 / high
-        below, stands = at(middle)
-        low, high, slide = (low, middle, slide) if stands else (middle, high, below)
+def _bed(columns: Columns, block: _Block) -> tuple[_Bed, Vector]:
+    """The plane, and the resultant of all loads down it and off it."""
+    dip = columns["plane_dip_deg"] * _RADIAN
+    out, up = columns.get("force_out_kn", 0.0), columns.get("force_up_kn", 0.0)
+    uplift = block.pressure * block.length
+    size = block.weight + np.abs(uplift) + np.abs(block.thrust) + np.hypot(out, up)
+    bed = _Bed(
+        np.sin(dip), np.cos(dip), columns["cohesion_kpa"] * block.length, np.tan(columns["friction_deg"] * _RADIAN),
+        np.broadcast_to(size, block.code.shape),
+    )  # fmt: skip
+    along, off = bed.on_plane(block.thrust + columns["seismic"] * block.weight + out, up - block.weight)
+    return bed, (np.broadcast_to(along, bed.size.shape), np.broadcast_to(off + uplift, bed.size.shape))
 
 
-def _pulled(load: Vector, bolts: Sequence[Vector], reduction: float, size: float) -> Vector:
-    """The load under bolts that pull between 0 and λ times their capacity, so as to leave the least movement."""
-    pulls = [0.0] * len(bolts)
+# -- passive bolts ----------------------------------------------------------------------------------------------------
+
+
+def _with_bolts(bed: _Bed, load: Sequence[float], given: Sequence[Vector]) -> tuple[float, _Slide]:
+    """The factor of one block with passive bolts, and how it slides at the first loss."""
+    bolts = [(float(along[0]), float(off[0])) for along, off in (bed.on_plane(*bolt) for bolt in given)]
+
+    def at(reduction: Floats) -> _Slide:
+        return bed.slide(_pulled(load, bolts, reduction, bed.size))
+
+    def judged(reduction: Floats) -> tuple[Bools, Bools]:
+        found = at(reduction)
+        lost = (found.outcome == _LIFTED) | (found.outcome == _FALLS)
+        return (found.outcome == _STILL) | (~lost & (reduction * found.resisting >= found.driving)), lost
+
+    touches = bed.slide((np.array([load[0]]), np.array([load[1]]))).normal[0] > 0.0
+    factor, reduction = loss_with_bolts(judged, bool(touches))
+    return factor, at(np.array([reduction]))
+
+
+def _pulled(load: Sequence[float], bolts: Sequence[Vector], reduction: Floats, size: Floats) -> Vector:
+    """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
+    pulls = np.zeros((len(bolts), reduction.size))
+
+    def under() -> Vector:
+        along, off = (
+            part + np.add.reduce(axis[:, None] * pulls) for part, axis in zip(load, np.transpose(bolts), strict=True)
+        )
+        return along, off
+
+    settled = np.zeros(reduction.size, dtype=np.bool_)
     for _ in range(_ROUNDS):
-        before = list(pulls)
+        before = pulls.copy()
         for k, (along, off) in enumerate(bolts):
-            rest = [(pull, bolt) for j, (pull, bolt) in enumerate(zip(pulls, bolts, strict=True)) if j != k]
-            s = load[0] + sum(pull * bolt[0] for pull, bolt in rest)
-            n = load[1] + sum(pull * bolt[1] for pull, bolt in rest)
-            drawn = s * along + max(n, 0.0) * off  # below 0: the movement draws the bolt out
-            if drawn >= -_SQUARE * math.hypot(along, off) * size:
-                pulls[k] = 0.0
-                continue
+            pulls[k] = 0.0
+            s, n = under()
+            drawn = s * along + np.maximum(n, 0.0) * off  # below 0: the movement draws the bolt out
             # on the plane; off it, where the block is lifted; a bolt square to the plane presses with all it has
-            stopped = -s / along if abs(along) > _SQUARE * abs(off) else math.inf
-            if n + stopped * off > 0.0:
-                stopped = -(s * along + n * off) / (along * along + off * off)
-            pulls[k] = min(stopped, reduction)
-        if all(abs(a - b) <= 1e-12 * reduction for a, b in zip(pulls, before, strict=True)):
+            stopped = np.where(np.abs(along) > _SQUARE * np.abs(off), -s / along, np.inf)
+            lifted = -(s * along + n * off) / (along * along + off * off)
+            stopped = np.where(n + stopped * off > 0.0, lifted, stopped)
+            pushed_in = drawn >= -_SQUARE * np.hypot(along, off) * size
+            pulls[k] = np.where(pushed_in, 0.0, np.minimum(stopped, reduction))
+        pulls[:, settled] = before[:, settled]
+        settled |= (np.abs(pulls - before) <= _SETTLED * reduction).all(axis=0)
+        if settled.all():
             break
-    return (
-        load[0] + sum(pull * bolt[0] for pull, bolt in zip(pulls, bolts, strict=True)),
-        load[1] + sum(pull * bolt[1] for pull, bolt in zip(pulls, bolts, strict=True)),
-    )
+    return under()

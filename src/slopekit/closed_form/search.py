@@ -39,3 +39,33 @@ def first_loss(stands: Callable[[Floats], Bools]) -> tuple[float, float]:
         if np.nextafter(low, high) == high:
             return low, high
         factors = np.unique(np.concatenate([[low], np.linspace(low, high, _PARTS), [high]]))
+
+
+def loss_with_bolts(judged: Callable[[Floats], tuple[Bools, Bools]], touches: bool) -> tuple[float, float]:
+    """The factor of safety of a block with passive bolts, and the reduction λ = 1/F with which it is lost.
+
+    Parameters
+    ----------
+    judged : takes reductions λ (m,), by which all strength is multiplied and the capacity of the bolts with it; returns
+        (m,) whether the block stands, and whether it has lost contact
+    touches : whether it is in contact without bolts: such strong ones that they would lift it off pull no more than
+        keeps it there
+
+    nan where it is lost by losing contact or never, 0 where it slides whatever its strength.
+    """
+
+    def stands(factors: Floats) -> Bools:
+        return judged(1.0 / factors)[0]
+
+    low, high = first_loss(stands)
+    if low == 0.0 and touches and judged(np.array([1.0 / high]))[1][0]:
+        factors = np.geomspace(_LEAST, _MOST, _STEPS)
+        regained = np.flatnonzero(stands(factors))
+        if regained.size:
+            least = factors[regained[0]]
+            low, high = first_loss(lambda factors: (factors <= least) | stands(factors))
+    if high == np.inf:
+        return np.nan, 1.0 / low
+    if low == 0.0:
+        return (np.nan if judged(np.array([1.0 / high]))[1][0] else 0.0), 1.0 / high
+    return low, 1.0 / high

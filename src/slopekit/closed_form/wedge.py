@@ -1,366 +1,470 @@
-"""The Hoek & Bray wedge in vector form: forces only, zero dilation, cohesion only on planes in contact.
+"""The Hoek & Bray wedge in vector form, over arrays: forces only, zero dilation, cohesion only on planes in contact.
 
 Sources: Hoek & Bray (1981), Rock Slope Engineering, ch. 8 and appendix 2 (geometry, water, tension crack);
-Warburton (1981) and Goodman & Shi (1985), ch. 9 (the mode from the resultant); Wyllie & Mah (2004), ch. 7.
+Wyllie & Mah (2004), ch. 7; how it moves, `wedge_sliding`.
 
-Plain floats on purpose: one wedge takes some tens of microseconds, and no line is shared with the solver it judges.
+One wedge is an array of length one, and no line is shared with the solver that this judges.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final, NamedTuple
 
-from slopekit.errors import Fault, GeometryError
-from slopekit.orientation import Plane
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-Vector = tuple[float, float, float]
-_SMALL = 1e-12
-_SQUARE = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
-_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
-_STRIDE = 1.05  # steps of λ on the way to the first loss
-_ROUNDS = 40  # over several bolts, one after the other
+from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted, of_chunk
+from slopekit.closed_form.wedge_sliding import (
+    J1,
+    J2,
+    SLIDES_UP,
+    STATUSES,
+    STILL,
+    Bed,
+    Bolt,
+    Vector,
+    cross,
+    dot,
+    length,
+    less,
+    plus,
+    rows,
+    times,
+    with_bolts,
+)  # fmt: skip
+
+#: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).
+OUTCOMES: Final = (*STATUSES, "E201", "E203", "E204", "E205", "E206", "E207", "E208", "E209")
+_NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
+_E207, _E208 = _NUMBER["E207"], _NUMBER["E208"]
+_REFUSED: Final = _NUMBER["E201"]  # this code and those behind it: there is no wedge
+
+#: How many are taken at a time: of fewer the calls take the time, of more the cache does not hold the rows.
+CHUNK: Final = 8192
+_KEPT: Final = 1 << 21  # 16 MB
+_PARALLEL: Final = 1e-6  # sine of the angle below which two planes are one, as in geometry.rockmass
+_DAYLIGHTS: Final = 1e-12
+_ALONG: Final = 1e-9  # cosine of the angle to the face below which the last bit says on which side of it a line runs
+_SMALL: Final = 1e-12  # parts of the load that count as nothing
+_RADIAN: Final = math.pi / 180.0
+_MOST: Final = 0.8  # of a chunk: where fewer cut a wedge, those are picked out first
+_PLANES: Final = tuple(
+    (f"{name}_dip_deg", f"{name}_dip_direction_deg") for name in ("joint1", "joint2", "face", "upper", "crack")
+)
+_FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
+
+# rows of the normals
+_FACE, _UPPER, _CRACK = 2, 3, 4
+# cross products of them: traces of J1 and J2 on the face, line of intersection, crest
+_LEFT, _RIGHT = [J1, J2, J1, _FACE], [_FACE, _FACE, J2, _UPPER]
+_LINE, _CREST = 2, 3
 
 
-@dataclass(frozen=True, slots=True)
-class WedgeWater:
-    """Water: `fill` of full pressure (0 dry, 1 full), or the mean pressures on J1, J2 and the crack (kPa).
-
-    `crack_fill` is the crack's own part of full pressure, None where it has what the joints have.
-    """
-
-    fill: float = 0.0
-    pressures: tuple[float, ...] = ()
-    unit_weight: float = 9.81
-    crack_fill: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class ClosedFormWedge:
-    """What the closed form says of a wedge.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WedgeArrays:
+    """Wedges, each value one number for all of them or an (n,) array; in degrees, m, kN and kPa.
 
     Attributes
     ----------
-    status : slides_on_both, slides_on_J1, slides_on_J2, slides_up, lifted, falls or no_driving_force
-    factor : factor of safety, None unless the wedge slides
-    normal : effective normal forces on J1 and J2, kN (the joints' own strength carries them)
-    driving, resisting : kN, along the direction of sliding; sliding : that direction, None where there is none
-    areas : J1, J2, crack, m²; volume : m³; weight : kN; total_height : m; water : forces on J1, J2, crack, kN
+    joint1_dip_deg, joint1_dip_direction_deg, joint2_..., face_..., upper_... : the planes
+    height_m : vertical, from the toe to where the trace of J1 meets the crest
+    cohesion1_kpa, cohesion2_kpa, friction1_deg, friction2_deg : of J1 and J2
+    unit_weight_kn_m3 : of the rock
+    fill : part of full water pressure (0 dry, 1 full): of γ_w H/6 on J1 and J2, H the total height; with a crack of
+        γ_w h₅/3 on all three, h₅ its depth
+    pressures_kpa : mean pressures on J1, J2 and maybe the crack, instead of `fill`
+    water_unit_weight_kn_m3 : of the water
+    crack_fill : the crack's own part of full pressure, None where it has what the joints have
+    crack_dip_deg, crack_dip_direction_deg : None without a tension crack
+    crack_distance_m : from the crest along the trace of J1
+    seismic : coefficient; seismic_trend_deg : None for the trend of the line of intersection
+    force_kn : east, north and up: the sum of the forces and the active bolts; None without any
+    passive_kn : east, north and up of each passive bolt at full capacity: it pulls with capacity / F where it is drawn
+        out, with less where that would already stop the movement along it
     """
 
-    status: str
-    factor: float | None
-    normal: tuple[float, float]
-    driving: float
-    resisting: float
-    sliding: Vector | None
-    areas: tuple[float, float, float]
-    volume: float
-    weight: float
-    total_height: float
-    water: tuple[float, float, float]
+    joint1_dip_deg: ArrayLike
+    joint1_dip_direction_deg: ArrayLike
+    joint2_dip_deg: ArrayLike
+    joint2_dip_direction_deg: ArrayLike
+    face_dip_deg: ArrayLike
+    face_dip_direction_deg: ArrayLike
+    upper_dip_deg: ArrayLike
+    upper_dip_direction_deg: ArrayLike
+    height_m: ArrayLike
+    cohesion1_kpa: ArrayLike
+    cohesion2_kpa: ArrayLike
+    friction1_deg: ArrayLike
+    friction2_deg: ArrayLike
+    unit_weight_kn_m3: ArrayLike
+    fill: ArrayLike = 0.0
+    pressures_kpa: Sequence[ArrayLike] = ()
+    water_unit_weight_kn_m3: ArrayLike = 9.81
+    crack_fill: ArrayLike | None = None
+    crack_dip_deg: ArrayLike | None = None
+    crack_dip_direction_deg: ArrayLike | None = None
+    crack_distance_m: ArrayLike = 0.0
+    seismic: ArrayLike = 0.0
+    seismic_trend_deg: ArrayLike | None = None
+    force_kn: Sequence[ArrayLike] | None = None
+    passive_kn: Sequence[Sequence[float]] = ()
 
 
-def hoek_bray_wedge(
-    joints: tuple[Plane, Plane],
-    face: Plane,
-    upper: Plane,
-    height: float,
-    cohesion: tuple[float, float],
-    friction_angle_deg: tuple[float, float],
-    unit_weight: float,
-    *,
-    water: WedgeWater = WedgeWater(),
-    crack: Plane | None = None,
-    crack_distance: float = 0.0,
-    seismic: tuple[float, float | None] = (0.0, None),
-    forces: Sequence[Sequence[float]] = (),
-    passive: Sequence[Sequence[float]] = (),
-) -> ClosedFormWedge:
-    """Factor of safety of a wedge on two joints, maybe with a tension crack.
+@dataclass(frozen=True, slots=True)
+class ClosedFormWedges:
+    """What the closed form says of each of n wedges; numbers are nan where the planes cut none.
 
-    Parameters
+    Attributes
     ----------
-    height : m, vertical, from the toe to where the trace of J1 meets the crest
-    cohesion : kPa; unit_weight : kN/m³
-    crack_distance : m from the crest along the trace of J1
-    seismic : coefficient and trend (degrees; None: the trend of the line of intersection)
-    forces : (east, north, up) kN; active bolts count among them
-    passive : (east, north, up) kN at full capacity; a passive bolt pulls with capacity / F where it is drawn out, with
-        less where that would already stop the movement along it
+    outcome : (n,) int8, an index into `OUTCOMES`
+    factor : (n,) factor of safety, nan unless the wedge slides (or where passive bolts hold it whatever its strength)
+    normal_kn : (2, n) effective normal forces on J1 and J2: what the joints' own strength carries, 0 off the joint
+    driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
+    areas_m2, pressures_kpa : (3, n) of J1, J2 and the crack: areas, and mean pressures of the water
+    volume_m3, weight_kn, total_height_m : (n,)
+    line_m : (3, n) the line of intersection from the toe up, as far as it bounds the wedge
+    """
+
+    outcome: Codes
+    factor: Floats
+    normal_kn: Floats
+    driving_kn: Floats
+    resisting_kn: Floats
+    areas_m2: Floats
+    pressures_kpa: Floats
+    volume_m3: Floats
+    weight_kn: Floats
+    total_height_m: Floats
+    line_m: Floats
+
+    def counts(self) -> dict[str, int]:
+        """How many wedges there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
+        return counted(self.outcome, OUTCOMES)
+
+    def line_trend_plunge_deg(self) -> tuple[Floats, Floats]:
+        """Trend and plunge (n,) of the lines of intersection, degrees."""
+        east, north, up = self.line_m
+        return np.degrees(np.arctan2(-east, -north)) % 360.0, np.degrees(np.arctan2(up, np.hypot(east, north)))
+
+
+def hoek_bray_wedges(wedges: WedgeArrays) -> ClosedFormWedges:
+    """Outcome, factor of safety and forces of wedges on two joints, maybe with a tension crack.
 
     Raises
     ------
-    GeometryError
-        E208 the planes enclose no wedge.
+    ValueError
+        The arrays do not fit together.
 
     Formula: F = (c₁A₁ + c₂A₂ + N₁ tan φ₁ + N₂ tan φ₂) / |R·l| on both planes; on plane i alone
-    F = (cᵢAᵢ + Nᵢ tan φᵢ) / |R - (R·nᵢ) nᵢ|.
+    F = (cᵢAᵢ + Nᵢ tan φᵢ) / |R - (R·nᵢ) nᵢ|. Codes are those of `geometry.rockmass.wedge_rock_mass`.
 
-    >>> wedge = hoek_bray_wedge((Plane(45, 115), Plane(45, 245)), Plane(60, 180), Plane(10, 180), 64.89,
-    ...                         (50, 50), (20, 20), 25.506)
-    >>> wedge.status, round(wedge.factor, 4)
-    ('slides_on_both', 1.5574)
+    >>> wedges = WedgeArrays(
+    ...     joint1_dip_deg=[45.0, 45.0, 80.0], joint1_dip_direction_deg=115.0,
+    ...     joint2_dip_deg=[45.0, 45.0, 80.0], joint2_dip_direction_deg=245.0,
+    ...     face_dip_deg=60.0, face_dip_direction_deg=180.0, upper_dip_deg=10.0, upper_dip_direction_deg=180.0,
+    ...     height_m=64.89, cohesion1_kpa=50.0, cohesion2_kpa=50.0, friction1_deg=20.0, friction2_deg=20.0,
+    ...     unit_weight_kn_m3=25.506, fill=[0.0, 1.0, 0.0],
+    ... )
+    >>> found = hoek_bray_wedges(wedges)
+    >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
+    (['slides_on_both', 'slides_on_both', 'E203'], [1.5574, 1.039, nan])
     """
-    shape = _Shape.of(joints, face, upper, height, crack, crack_distance)
-    weight = unit_weight * shape.volume
-    pressures = _pressures(water, shape, crack is not None)
-    pushes = [pressure * area for pressure, area in zip(pressures, shape.areas, strict=True)]
-    trend = shape.trend if seismic[1] is None else math.radians(seismic[1])
-    load = (weight * seismic[0] * math.sin(trend), weight * seismic[0] * math.cos(trend), -weight)
-    for push, normal in zip(pushes, shape.inward, strict=True):
-        load = _add(load, normal, push)
-    for force in forces:
-        load = _add(load, force, 1.0)
-    tangents = tuple(math.tan(math.radians(angle)) for angle in friction_angle_deg)
-    bonds = (cohesion[0] * shape.areas[0], cohesion[1] * shape.areas[1])
-    size = weight + sum(abs(push) for push in pushes) + sum(_length(force) for force in forces)
-
-    strength = bonds, (tangents[0], tangents[1])
-    bolts = [(bolt[0], bolt[1], bolt[2]) for bolt in passive]
-    slide = _slide(load, shape.inward[0], shape.inward[1], size)
-    factor: float | None = None
-    if bolts and slide.status != "no_driving_force":
-        slide, factor = _with_passive_bolts(load, bolts, shape, strength, size)
-    elif slide.direction is not None and slide.touches != (False, False):
-        factor = _resisting(slide, strength) / slide.driving
-    return ClosedFormWedge(
-        slide.status, factor, slide.normal, slide.driving, _resisting(slide, strength), slide.direction, shape.areas,
-        shape.volume, weight, shape.total_height, (pushes[0], pushes[1], pushes[2]),
+    columns, count = _columns(wedges)
+    bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
+    outcome = np.empty(count, dtype=np.int8)
+    numbers = np.empty((17, count))
+    # glibc hands what a chunk frees back to the system, to get it again page by page, which takes as long as to compute
+    # with it: but not once a larger block was freed
+    np.empty(_KEPT if count > CHUNK else 0)
+    with np.errstate(all="ignore"):
+        for first in range(0, count, CHUNK):
+            part = slice(first, first + CHUNK)
+            _solve(of_chunk(columns, part), bolts, outcome[part], numbers[:, part])
+    return ClosedFormWedges(
+        outcome, numbers[0], numbers[1:3], numbers[3], numbers[4], numbers[5:8], numbers[8:11], numbers[11],
+        numbers[12], numbers[13], numbers[14:17],
     )  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class _Shape:
-    areas: tuple[float, float, float]
-    volume: float
-    total_height: float
-    crack_depth: float
-    inward: tuple[Vector, Vector, Vector]
-    trend: float
-
-    @staticmethod
-    def of(
-        joints: tuple[Plane, Plane], face: Plane, upper: Plane, height: float, crack: Plane | None, distance: float
-    ) -> "_Shape":
-        n1, n2, nf, nu = (_normal(plane) for plane in (*joints, face, upper))
-        try:
-            crest1 = _scaled(_cross(n1, nf), height / _cross(n1, nf)[2])
-            offset = _dot(nu, crest1)
-            crest2 = _scaled(_cross(n2, nf), offset / _dot(nu, _cross(n2, nf)))
-            line = _cross(n1, n2)
-            back = _scaled(line, offset / _dot(nu, line))
-        except ZeroDivisionError:
-            raise GeometryError([Fault("E208", "the planes enclose no wedge")]) from None
-        volume = abs(_dot(crest1, _cross(crest2, back))) / 6.0
-        areas = [_length(_cross(crest1, back)) / 2.0, _length(_cross(crest2, back)) / 2.0, 0.0]
-        if not volume > 0.0:
-            raise GeometryError([Fault("E208", "the planes enclose no wedge")])
-        inward = [
-            n1 if _dot(n1, crest2) > 0.0 else _scaled(n1, -1.0),
-            n2 if _dot(n2, crest1) > 0.0 else _scaled(n2, -1.0),
-        ]
-        depth, n5 = 0.0, (0.0, 0.0, 0.0)
-        if crack is not None:
-            n5 = _normal(crack)
-            along = _add(back, crest1, -1.0)
-            offset5 = _dot(n5, _add(crest1, along, distance / _length(along)))
-            bottom = _scaled(back, offset5 / _dot(n5, back))
-            top1, top2 = (_where(crest, back, n5, offset5) for crest in (crest1, crest2))
-            to_bottom, to_1, to_2 = (_add(point, back, -1.0) for point in (bottom, top1, top2))
-            volume -= abs(_dot(to_bottom, _cross(to_1, to_2))) / 6.0
-            areas[0] -= _length(_cross(to_bottom, to_1)) / 2.0
-            areas[1] -= _length(_cross(to_bottom, to_2)) / 2.0
-            areas[2] = _length(_cross(_add(top1, bottom, -1.0), _add(top2, bottom, -1.0))) / 2.0
-            depth = (offset - _dot(nu, bottom)) / nu[2]
-            n5 = _scaled(n5, -1.0) if offset5 > 0.0 else n5
-            corners = [crest1, crest2, bottom, top1, top2]
-        else:
-            corners = [crest1, crest2, back]
-        down = line if line[2] < 0.0 else _scaled(line, -1.0)
-        total = max(0.0, *(corner[2] for corner in corners)) - min(0.0, *(corner[2] for corner in corners))
-        trend = math.atan2(down[0], down[1])
-        return _Shape((areas[0], areas[1], areas[2]), volume, total, depth, (inward[0], inward[1], n5), trend)
+def _columns(wedges: WedgeArrays) -> tuple[Columns, int]:
+    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(WedgeArrays)}
+    for several in ("pressures_kpa", "force_kn", "passive_kn"):
+        del given[several]
+    if len(wedges.pressures_kpa) not in (0, 2, 3):
+        raise ValueError(f"pressures_kpa holds {len(wedges.pressures_kpa)} values: J1, J2 and maybe the crack")
+    given |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
+    if wedges.force_kn is not None:
+        given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
+    if (wedges.crack_dip_deg is None) != (wedges.crack_dip_direction_deg is None):
+        raise ValueError("crack_dip_deg and crack_dip_direction_deg: give both or neither")
+    return columns_of(given)
 
 
-@dataclass(frozen=True, slots=True)
-class _Slide:
-    status: str
-    direction: Vector | None
-    driving: float
-    normal: tuple[float, float]
-    touches: tuple[bool, bool]
-    load: Vector
+def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Floats) -> None:
+    """Fill in what is asked of a chunk."""
+    cut = _cut(columns, outcome.size)
+    those: Any = slice(None)
+    if np.count_nonzero(cut.formed) < _MOST * outcome.size:
+        those = np.flatnonzero(cut.formed)
+        columns = of_chunk(columns, those)
+    kept = cut if isinstance(those, slice) else cut.of(those)
+    outcome[those], found = _moved(columns, kept, bolts)
+    for row, values in zip(numbers, found, strict=True):
+        row[those] = values
+    others = np.flatnonzero(~cut.formed)
+    if others.size:
+        outcome[others] = _refused(cut.of(others))
+    refused = np.flatnonzero(outcome >= _REFUSED)
+    if refused.size:
+        for row in numbers:
+            row[refused] = np.nan
 
 
-def _slide(load: Vector, n1: Vector, n2: Vector, size: float) -> _Slide:
-    """Mode of sliding from the resultant: off both, along one, along both joints."""
-    on1, on2, between = _dot(load, n1), _dot(load, n2), _dot(n1, n2)
-    if on1 >= 0.0 and on2 >= 0.0:
-        if _length(load) <= _SMALL * size:
-            return _Slide("no_driving_force", None, 0.0, (0.0, 0.0), (False, False), load)
-        return _Slide("falls" if max(n1[2], n2[2]) <= 0.0 else "lifted", None, 0.0, (0.0, 0.0), (False, False), load)
-    for k, (own, other, n) in enumerate(((on1, on2, n1), (on2, on1, n2))):
-        if own < 0.0 and other - own * between >= 0.0:
-            along = _add(load, n, -own)
-            driving = _length(along)
-            normal = (-own, 0.0) if k == 0 else (0.0, -own)
-            if driving <= _SMALL * size:
-                return _Slide("no_driving_force", None, 0.0, normal, (k == 0, k == 1), load)
-            direction = _scaled(along, 1.0 / driving)
-            status = "slides_up" if direction[2] > 0.0 else f"slides_on_J{k + 1}"
-            return _Slide(status, direction, driving, normal, (k == 0, k == 1), load)
-    line = _cross(n1, n2)
-    line = _scaled(line, 1.0 / _length(line))
-    driving = _dot(load, line)
-    share = 1.0 - between * between
-    normal = ((on2 * between - on1) / share, (on1 * between - on2) / share)
-    if abs(driving) <= _SMALL * size:
-        return _Slide("no_driving_force", None, 0.0, normal, (True, True), load)
-    direction = line if driving > 0.0 else _scaled(line, -1.0)
-    status = "slides_up" if direction[2] > 0.0 else "slides_on_both"
-    return _Slide(status, direction, abs(driving), normal, (True, True), load)
+# -- do the planes cut a wedge at all (the tests of geometry.rockmass, in its order) ---------------------------------
 
 
-def _resisting(slide: _Slide, strength: tuple[tuple[float, float], tuple[float, float]]) -> float:
-    bonds, tangents = strength
-    return sum(
-        bond + normal * tangent
-        for bond, tangent, normal, touches in zip(bonds, tangents, slide.normal, slide.touches, strict=True)
-        if touches
-    )
+class _Cut(NamedTuple):
+    """What the planes' normals say, (k, m) of k planes or lines.
 
-
-def _pulled(load: Vector, bolts: Sequence[Vector], pulls: Sequence[float]) -> Vector:
-    for bolt, pull in zip(bolts, pulls, strict=True):
-        load = _add(load, bolt, pull)
-    return load
-
-
-def _with_passive_bolts(
-    load: Vector, bolts: Sequence[Vector], shape: _Shape, strength: tuple[tuple[float, float], tuple[float, float]],
-    size: float,
-) -> tuple[_Slide, float | None]:  # fmt: skip
-    """The slide and the factor with passive bolts: λ = 1/F falls from where all stands to the first loss.
-
-    At each λ a bolt pulls with all of λ times its capacity where the movement draws it out, with nothing where it is
-    pushed in, and with what stops the movement along it in between.
+    `lines` are cross products of normals: the traces of J1 and J2 on the face, the line of intersection, the crest;
+    `climbs` are n_upper · line of the first three, `out` is n_face · line of intersection, `offset` of the upper slope.
     """
 
-    def at(reduction: float) -> tuple[_Slide, bool]:
-        slide = _resting(load, bolts, shape, size, reduction)
-        stands = slide.direction is None and slide.status == "no_driving_force"
-        return slide, stands or (
-            slide.touches != (False, False) and reduction * _resisting(slide, strength) >= slide.driving
-        )
+    normals: Vector
+    lines: Vector
+    sines: Floats
+    climbs: Floats
+    out: Floats
+    high: Floats
+    offset: Floats
+    formed: Bools
 
-    high = _STRONGEST * size / sum(_length(bolt) for bolt in bolts)
-    low = high
-    slide, stands = at(high)
-    bare, top = _slide(load, *shape.inward[:2], size), slide
-    # bolts so strong that they would lift the wedge off pull no more than keeps it on a joint
-    hangs = top.touches == (False, False) != bare.touches and not stands
-    guess = bare.driving / max(_resisting(bare, strength), _SMALL * size)
-    while hangs and not stands and low > 1e-3 * guess:
-        high, low = low, low / (2.0 if low > 30.0 * guess else _STRIDE)
-        slide, stands = at(low)
-    if not stands:
-        return top, None if top.touches == (False, False) else 0.0
-    while stands:
-        high, low = low, low / (2.0 if low > 30.0 * guess > 0.0 else _STRIDE)
-        slide, stands = at(low)
-        if low < 1.0 / _STRONGEST:
-            return slide, None
-    while True:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        below, stands = at(middle)
-        low, high, slide = (low, middle, slide) if stands else (middle, high, below)
-    return slide, 1.0 / high
+    def of(self, some: NDArray[np.intp]) -> "_Cut":
+        def part(values: Any) -> Any:
+            return tuple(map(part, values)) if isinstance(values, tuple) else values.take(some, axis=-1)
+
+        return _Cut(*map(part, self))
 
 
-def _resting(load: Vector, bolts: Sequence[Vector], shape: _Shape, size: float, reduction: float) -> _Slide:
-    """The slide that the bolts leave, each pulling between 0 and λ times its capacity so as to leave the least."""
-    pulls = [0.0] * len(bolts)
-    for _ in range(_ROUNDS):
-        before = list(pulls)
-        for k, bolt in enumerate(bolts):
+def _cut(columns: Columns, count: int) -> _Cut:
+    names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
+    angles = np.empty((2, len(names), count))
+    for plane, (dip, direction) in enumerate(names):
+        angles[0, plane], angles[1, plane] = columns[dip], columns[direction]
+    angles *= _RADIAN
+    sine, cosine = np.sin(angles), np.cos(angles)
+    normals = sine[0] * sine[1], sine[0] * cosine[1], cosine[0]
 
-            def along(pull: float, k: int = k, bolt: Vector = bolt) -> float:
-                slide = _slide(_pulled(load, bolts, [*pulls[:k], pull, *pulls[k + 1 :]]), *shape.inward[:2], size)
-                if slide.direction is None:
-                    return 0.0 if slide.status == "no_driving_force" else _dot(slide.load, bolt)
-                return _dot(slide.direction, bolt) * slide.driving
-
-            low, high = 0.0, reduction
-            if along(low) >= -_SQUARE * _length(bolt) * size:
-                pulls[k] = low
-            elif along(high) <= 0.0:
-                pulls[k] = high
-            else:
-                pulls[k] = _crossing(along, low, high)
-        if len(bolts) == 1 or all(abs(a - b) <= 1e-12 * reduction for a, b in zip(pulls, before, strict=True)):
-            break
-    return _slide(_pulled(load, bolts, pulls), *shape.inward[:2], size)
-
-
-def _crossing(slope: Callable[[float], float], low: float, high: float) -> float:
-    """Where a rising, piecewise linear function crosses zero, by the Illinois rule (Dowell & Jarratt 1971)."""
-    at_low, at_high = slope(low), slope(high)
-    for _ in range(60):
-        middle = high - at_high * (high - low) / (at_high - at_low)
-        here = slope(middle)
-        if here == 0.0 or not low < middle < high:
-            return middle
-        if here > 0.0:
-            high, at_high, at_low = middle, here, 0.5 * at_low
-        else:
-            low, at_low, at_high = middle, here, 0.5 * at_high
-        if high - low <= 1e-15 * high:
-            break
-    return high
+    lines = cross(rows(normals, _LEFT), rows(normals, _RIGHT))
+    sines = length(lines)
+    climbs = dot(rows(normals, _UPPER), rows(lines, slice(_CREST)))
+    out = dot(rows(normals, _FACE), rows(lines, _LINE))
+    trace1, rise = lines[2][J1], lines[2][_LINE]
+    high = columns["height_m"] / trace1
+    offset = dot(rows(normals, _UPPER), times(rows(lines, J1), high))
+    # into the rock the line climbs, out of the face and to the upper slope
+    least, toward = _DAYLIGHTS * sines[_LINE], np.copysign(1.0, out)
+    formed = (np.minimum.reduce(sines) >= _PARALLEL) & (np.abs(out) > least) & (rise * toward < -least)
+    formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= _PARALLEL) & (offset > 0.0)
+    formed &= np.abs(climbs[J2]) >= _PARALLEL * sines[J2]
+    return _Cut(normals, lines, sines, climbs, out, high, offset, formed)
 
 
-def _pressures(water: WedgeWater, shape: _Shape, has_crack: bool) -> tuple[float, float, float]:
+def _refused(cut: _Cut) -> Codes:
+    """Why planes cut no wedge: the first test that fails counts."""
+    sines, climbs, out, rise = cut.sines, cut.climbs, cut.out, cut.lines[2][_LINE]
+    least, toward = _DAYLIGHTS * sines[_LINE], np.copysign(1.0, out)
+    daylights = (np.abs(out) > least) & (rise * toward < -least) & (climbs[_LINE] * toward < -least)
+    codes = np.full(out.size, _E208)
+    for where, code in (
+        (np.abs(climbs[J2]) < _PARALLEL * sines[J2], _NUMBER["E206"]),
+        (cut.offset <= 0.0, _NUMBER["E209"]),
+        (np.abs(cut.lines[2][J1]) < _PARALLEL, _NUMBER["E206"]),
+        (~daylights, _hidden(rows(cut.lines, _LINE), rows(cut.normals, _FACE))),
+        ((sines[J1] < _PARALLEL) | (sines[J2] < _PARALLEL), _NUMBER["E206"]),
+        (sines[_CREST] < _PARALLEL, _NUMBER["E209"]),
+        (sines[_LINE] < _PARALLEL, _NUMBER["E201"]),
+    ):
+        codes = np.where(where, code, codes)
+    return codes
+
+
+def _hidden(line: Vector, face: Vector) -> Codes:
+    """Why lines of intersection do not daylight: E204 into the slope, E203 too steep, E205 too flat."""
+    down = np.where(line[2] > 0.0, -1.0, 1.0)
+    level, flat = np.hypot(line[0], line[1]), np.hypot(face[0], face[1])
+    plunge = np.arctan2(np.abs(line[2]), level)
+    ahead = np.where(flat < _SMALL, line[1], (line[0] * face[0] + line[1] * face[1]) * np.copysign(1.0, face[2]) / flat)
+    cosine = down * ahead / level
+    apparent = np.arctan(flat / np.abs(face[2]) * cosine)
+    codes = np.where(plunge >= apparent - math.radians(_ALONG), _NUMBER["E203"], _NUMBER["E205"])
+    codes[(plunge < math.radians(_ALONG)) | (cosine <= 0.0)] = _NUMBER["E204"]
+    for one in np.flatnonzero(np.abs(cosine) < _ALONG):
+        codes[one] = _along_the_slope(np.array([part[one] for part in line]), [float(part[one]) for part in face])
+    return codes
+
+
+def _along_the_slope(across: Floats, face: Sequence[float]) -> np.int8:
+    """E203 or E204 (or E205) of a line just along the slope, as those of round angles are: the last bit decides.
+
+    All is taken as geometry takes it, the length of the line by BLAS.
+    """
+    line = across / math.sqrt(float(across @ across))
+    east, north, up = (-line if line[2] > 0.0 else line).tolist()
+    plunge = math.degrees(math.atan2(-up, math.hypot(east, north)))
+    flat = math.hypot(face[0], face[1])
+    dip = (0.0, 1.0, 0.0) if flat < _SMALL else (face[0] * face[2] / flat, face[1] * face[2] / flat, -flat)
+    steep = math.degrees(math.atan2(-dip[2], math.hypot(dip[0], dip[1])))
+    trend, facing = (math.degrees(math.atan2(a, b)) % 360.0 for a, b in ((east, north), dip[:2]))
+    cosine = math.cos(math.radians(trend - facing))
+    if abs(plunge) < _ALONG or cosine <= 0.0:
+        return _NUMBER["E204"]
+    apparent = math.degrees(math.atan(math.tan(math.radians(steep)) * cosine))
+    return _NUMBER["E203" if plunge >= apparent - _ALONG else "E205"]
+
+
+# -- the wedge ----------------------------------------------------------------------------------------
+
+
+class _Shape(NamedTuple):
+    """Areas (2, m) or with a crack (3, m), and the normals of those planes that point into the wedge."""
+
+    areas: Floats
+    inward: Vector
+    volume: Floats
+    total_height: Floats
+    crack_depth: Floats | None
+    line: Vector
+    code: Codes | None  # where the volume vanishes E208, where the crack misses the wedge E207, else 0; None for all 0
+
+
+def _shape(columns: Columns, cut: _Cut) -> _Shape:
+    scales = np.empty_like(cut.climbs)
+    scales[J1] = cut.high
+    np.divide(cut.offset, cut.climbs[J2:], scales[J2:])
+    points = times(rows(cut.lines, slice(_CREST)), scales)
+    crests, back = rows(points, slice(2)), rows(points, 2)
+    spans = cross(crests, back)
+    areas = length(spans) / 2.0
+    volume = np.abs(dot(rows(crests, J1), rows(spans, J2))) / 6.0
+    joints = rows(cut.normals, slice(2))
+    inward = times(joints, np.copysign(1.0, dot(joints, rows(crests, slice(None, None, -1)))))
+    code = None if (volume > 0.0).all() else np.where(volume > 0.0, 0, _E208).astype(np.int8)
+    if "crack_dip_deg" in columns:
+        return _cracked(columns, cut, _Shape(areas, inward, volume, volume, None, back, code), crests)
+    return _Shape(areas, inward, volume, _reach(points[2]), None, back, code)
+
+
+def _cracked(columns: Columns, cut: _Cut, whole: _Shape, crests: Vector) -> _Shape:
+    """What is left in front of the crack."""
+    crack, upper, back = rows(cut.normals, _CRACK), rows(cut.normals, _UPPER), whole.line
+    crest1, distance = rows(crests, 0), columns["crack_distance_m"]
+    trace = less(back, crest1)
+    long = length(trace)
+    offset, crossing = dot(crack, plus(crest1, times(trace, distance / long))), dot(crack, back)
+    share = offset / crossing
+    meets = (share > 1e-9) & (share < 1.0 - 1e-9) & (distance < long)
+    meets &= np.abs(crossing) >= _PARALLEL * length(back)
+    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, _UPPER])))) >= _PARALLEL
+
+    bottom, ways = times(back, share), less(back, crests)
+    tops = plus(crests, times(ways, (offset - dot(crack, crests)) / dot(crack, ways)))
+    deep, high = less(bottom, back), less(tops, back)
+    behind = np.abs(dot(deep, cross(rows(high, 0), rows(high, 1)))) / 6.0
+    sides = less(tops, bottom)
+    own = length(cross(rows(sides, 0), rows(sides, 1))) / 2.0
+    turn = np.where(offset > 0.0, -1.0, 1.0)
+    inward = tuple(np.vstack([joints, row * turn]) for joints, row in zip(whole.inward, crack, strict=True))
+    code = np.where(meets, 0 if whole.code is None else whole.code, _E207).astype(np.int8)
+    return _Shape(
+        np.vstack([whole.areas - length(cross(deep, high)) / 2.0, own]), (inward[0], inward[1], inward[2]),
+        whole.volume - behind, _reach(np.vstack([crests[2], bottom[2], tops[2]])),
+        (cut.offset - dot(upper, bottom)) / upper[2], bottom, code,
+    )  # fmt: skip
+
+
+def _reach(heights: Floats) -> Floats:
+    """From the lowest to the highest of the corners (k, m), the toe at 0 among them."""
+    reach: Floats = np.maximum(np.maximum.reduce(heights), 0.0) - np.minimum(np.minimum.reduce(heights), 0.0)
+    return reach
+
+
+# -- how it moves -------------------------------------------------------------------------------------
+
+
+def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Floats | float]]:
+    """Outcomes, and the numbers of `ClosedFormWedges`, of wedges that the planes cut."""
+    shape = _shape(columns, cut)
+    weight = columns["unit_weight_kn_m3"] * shape.volume
+    pressures = _pressures(columns, shape)
+    load, size = _load(columns, cut, shape, weight, pressures)
+    line = times(rows(cut.lines, _LINE), 1.0 / cut.sines[_LINE])
+    joints = rows(shape.inward, slice(2))
+    between = dot(rows(joints, J1), rows(joints, J2))
+    strength = np.empty((2, 2, weight.size))
+    for joint, number in ((J1, 1), (J2, 2)):
+        strength[0, joint], strength[1, joint] = columns[f"cohesion{number}_kpa"], columns[f"friction{number}_deg"]
+    bed = Bed(
+        joints, line, between, 1.0 - between * between, strength[0] * shape.areas[:2], np.tan(strength[1] * _RADIAN),
+        size,
+    )  # fmt: skip
+
+    outcome, normal, driving, resisting, _ = bed.slide(load)
+    factor = resisting / driving
+    none = outcome > SLIDES_UP
+    if none.any():
+        factor[none], driving[none] = np.nan, 0.0
+    if bolts:
+        for one in np.flatnonzero(cut.formed & (outcome != STILL)).tolist():
+            alone = [float(np.broadcast_to(part, size.size)[one]) for part in load]
+            factor[one], last = with_bolts(bed.of(one), alone, bolts)
+            outcome[one], normal[:, one], resisting[one] = last.outcome[0], last.normal[:, 0], last.resisting[0]
+            driving[one] = 0.0 if outcome[one] > SLIDES_UP else last.driving[0]
+    if shape.code is not None:
+        outcome = np.where(shape.code, shape.code, outcome)
+    areas = shape.areas if len(shape.areas) == 3 else [*shape.areas, 0.0]
+    return outcome, [factor, *normal, driving, resisting, *areas, *pressures, shape.volume, weight, shape.total_height,
+                     *shape.line]  # fmt: skip
+
+
+def _pressures(columns: Columns, shape: _Shape) -> list[Value]:
     """Mean pressures on J1, J2 and the crack: γ_w H/6, with a crack γ_w h₅/3 on all three."""
-    full = water.unit_weight * shape.crack_depth / 3.0
-    own = None if water.crack_fill is None else water.crack_fill * full
-    if water.pressures:
-        u1, u2, u5 = (*water.pressures, 0.0)[:3]
-        return u1, u2, u5 if own is None else own
-    if has_crack:
-        mean = water.fill * full
-        return mean, mean, mean if own is None else own
-    mean = water.fill * water.unit_weight * shape.total_height / 6.0
-    return mean, mean, 0.0
+    full = 0.0 if shape.crack_depth is None else columns["water_unit_weight_kn_m3"] * shape.crack_depth / 3.0
+    own = columns["crack_fill"] * full if "crack_fill" in columns else None
+    if "pressure1_kpa" in columns:
+        given = columns.get("pressure3_kpa", 0.0)
+        return [columns["pressure1_kpa"], columns["pressure2_kpa"], given if own is None else own]
+    if shape.crack_depth is not None:
+        mean = columns["fill"] * full
+        return [mean, mean, mean if own is None else own]
+    mean = columns["fill"] * columns["water_unit_weight_kn_m3"] * shape.total_height / 6.0
+    return [mean, mean, 0.0]
 
 
-def _normal(plane: Plane) -> Vector:
-    dip, direction = math.radians(plane.dip_deg), math.radians(plane.dip_direction_deg)
-    return math.sin(dip) * math.sin(direction), math.sin(dip) * math.cos(direction), math.cos(dip)
+def _load(columns: Columns, cut: _Cut, shape: _Shape, weight: Floats, pressures: list[Value]) -> tuple[Vector, Floats]:
+    """The resultant of all loads, and the sum of their sizes."""
+    east, north, up = 0.0, 0.0, -weight
+    size = weight
+    if not _is_none(columns["seismic"]):
+        if "seismic_trend_deg" in columns:
+            trend = np.radians(columns["seismic_trend_deg"])
+        else:
+            down = np.where(cut.lines[2][_LINE] < 0.0, 1.0, -1.0)
+            trend = np.arctan2(cut.lines[0][_LINE] * down, cut.lines[1][_LINE] * down)
+        push = weight * columns["seismic"]
+        east, north = push * np.sin(trend), push * np.cos(trend)
+    for pressure, area, *normal in zip(pressures, shape.areas, *shape.inward, strict=False):
+        if not _is_none(pressure):
+            push = pressure * area
+            east, north, up = plus((east, north, up), times((normal[0], normal[1], normal[2]), push))
+            size = size + np.abs(push)
+    if _FORCE[0] in columns:
+        force = columns[_FORCE[0]], columns[_FORCE[1]], columns[_FORCE[2]]
+        east, north, up = plus((east, north, up), force)
+        size = size + length(force)
+    return (east, north, up), size
 
 
-def _where(start: Vector, end: Vector, normal: Vector, offset: float) -> Vector:
-    """Where the line from start to end crosses a plane."""
-    way = _add(end, start, -1.0)
-    return _add(start, way, (offset - _dot(normal, start)) / _dot(normal, way))
-
-
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _add(a: Sequence[float], b: Sequence[float], times: float) -> Vector:
-    return a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]
-
-
-def _scaled(a: Vector, by: float) -> Vector:
-    return a[0] * by, a[1] * by, a[2] * by
-
-
-def _length(a: Sequence[float]) -> float:
-    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+def _is_none(value: Value) -> bool:
+    return isinstance(value, float) and value == 0.0

@@ -135,7 +135,7 @@ def _closed_form(design: Design) -> Callable[[], Any] | None:
     if isinstance(design, PlaneDesign):
         from slopekit.analysis import plane
 
-        return partial(plane.closed_form, design, plane.section_of(design))
+        return partial(plane.closed_form, design)
     if isinstance(design, FootingDesign):
         from slopekit.analysis import footing
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.closed_form.wedge_arrays import OUTCOMES, WedgeArrays
+from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.joint_lists import JointList
 from slopekit.design.wedge import WedgeDesign
 from slopekit.studies.pair_shapes import PairShapes, SizeLimits, pair_shapes
@@ -90,8 +90,6 @@ def _part(
     joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
     second: Ints,
 ) -> Pairs:  # fmt: skip
-    from slopekit.closed_form.wedges import hoek_bray_wedges
-
     shapes = pair_shapes(joints.normals(), first, second, slope.face, slope.upper, slope.height_m, limits)
     one, two = shapes.first, shapes.second
     climbs = shapes.height_m > 0.0
@@ -107,12 +105,10 @@ def _part(
             pressures_kpa=slope.water.pressures_kpa[:2], water_unit_weight_kn_m3=slope.water_unit_weight_kn_m3,
             seismic=slope.seismic.coefficient, seismic_trend_deg=slope.seismic.trend_deg,
         ),
-        details=True,
     )  # fmt: skip
-    assert found.shapes is not None
-    outcome, volume = found.outcome.copy(), found.shapes.volume_m3
+    outcome, volume = found.outcome.copy(), found.volume_m3
     outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
     if limits.min_volume_m3:
         outcome[(outcome < _STATUSES) & (volume < limits.min_volume_m3)] = TOO_SMALL
     factor = np.where(np.isin(outcome, _SLIDES), found.factor, np.nan)
-    return Pairs(shapes, outcome, factor, volume, found.shapes.line_trend_deg, found.shapes.line_plunge_deg)
+    return Pairs(shapes, outcome, factor, volume, *found.line_trend_plunge_deg())

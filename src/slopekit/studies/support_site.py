@@ -19,7 +19,6 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
 from slopekit.studies.support_forces import Held
 
-_STATUSES = {"slides": "slides_on_J1"}
 _OUTCOMES = {
     Outcome.NO_DRIVING_FORCE: "no_driving_force", Outcome.LIFTED: "lifted", Outcome.NOT_CONVERGED: "not_converged",
 }  # fmt: skip
@@ -213,8 +212,8 @@ def _plane_site(design: PlaneDesign) -> Site:
 
     def closed_form(changed: Design) -> Answer:
         assert isinstance(changed, PlaneDesign)
-        found = plane.closed_form(changed, section)
-        return Answer(found.factor or None, _STATUSES.get(found.status, found.status))
+        found = plane.closed_form(changed)
+        return Answer(found.factor or None, found.status)
 
     return Site(
         design, block, block.faces[FACE], block.areas[FACE], (J1,), -_outward(block.faces[FACE]),

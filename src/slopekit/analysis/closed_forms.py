@@ -1,0 +1,83 @@
+"""What designs give to a closed form over arrays, and what it says of them."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.analysis.stages import ClosedForm
+from slopekit.arrays import Floats
+from slopekit.design.common import Design
+from slopekit.errors import Fault, GeometryError
+
+#: The arguments of a closed form by name; None for what a design does not have.
+Arguments: TypeAlias = dict[str, float | None]
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedForms:
+    """A closed form of n designs: names of outcomes, the number of each design's (n,), factors (n,) or nan."""
+
+    names: tuple[str, ...]
+    outcome: NDArray[np.int8]
+    factor: Floats
+
+    def of(self, design: int = 0) -> ClosedForm:
+        """One of them.
+
+        Raises
+        ------
+        GeometryError
+            Its planes cut no block.
+        """
+        name, factor = self.names[self.outcome[design]], float(self.factor[design])
+        if name.startswith("E"):
+            raise GeometryError([Fault(name, "the planes enclose no block")])
+        return ClosedForm(None if math.isnan(factor) else factor, name)
+
+
+def force_on(design: Design) -> Arguments:
+    """The sum of the forces and the active bolts: east, north, up; None without any."""
+    pulls: list[Sequence[float]] = [force.components_kn for force in design.forces]
+    pulls += _bolts(design, "active")
+    names = ("force_east", "force_north", "force_up")
+    return dict(zip(names, np.sum(pulls, axis=0).tolist(), strict=True)) if pulls else dict.fromkeys(names)
+
+
+def passive_bolts(design: Design) -> list[list[float]]:
+    """East, north and up of each passive bolt at full capacity, kN."""
+    return _bolts(design, "passive")
+
+
+def _bolts(design: Design, acts: str) -> list[list[float]]:
+    return [(bolt.force_kn * bolt.toward.vector()).tolist() for bolt in design.bolts if bolt.acts == acts]
+
+
+def answers(
+    designs: Sequence[Arguments], closed_forms: Callable[[Mapping[str, Any]], ClosedForms], nothing: str
+) -> list[tuple[float | None, str]]:
+    """Factor and status of each of several designs, in one call for all that have the same arguments.
+
+    Parameters
+    ----------
+    nothing : the status of planes that cut no block
+    """
+    alike: dict[tuple[str, ...], list[int]] = {}
+    for number, arguments in enumerate(designs):
+        alike.setdefault(tuple(name for name, value in arguments.items() if value is None), []).append(number)
+    found: dict[int, tuple[float | None, str]] = {}
+    for numbers in alike.values():
+        columns = {name: np.array([designs[number][name] for number in numbers]) for name in designs[numbers[0]]
+                   if designs[numbers[0]][name] is not None}  # fmt: skip
+        forms = closed_forms(dict.fromkeys(designs[numbers[0]]) | columns)
+        for place, number in enumerate(numbers):
+            try:
+                form = forms.of(place)
+            except GeometryError:
+                found[number] = None, nothing
+            else:
+                found[number] = form.factor, form.status
+    return [found[number] for number in range(len(designs))]
