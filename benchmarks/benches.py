@@ -92,8 +92,8 @@ def random_design(seed: int) -> dict[str, object] | None:
             "strength": {"j": {"c": cohesion, "phi": phi}}, "rock": {"unit_weight": 26},
             "cut": {"seed": seed},
         }  # fmt: skip
-        from slopekit.analysis.assembly_scene import assembly_scene
-        from slopekit.analysis.stages import Clock
+        from slopekit.kinds.many_blocks_scene import assembly_scene
+        from slopekit.kinds.one_block import Clock
 
         try:
             blocks = len(assembly_scene(sk.load(design), Clock()).assembly)

@@ -192,7 +192,7 @@ def show_multipliers(names: Iterable[str]) -> None:
 def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tuple[float | None, str, float]:
     """The part of a load at which F is 1 as `slopekit solve` finds it, the status there, and CPU seconds."""
     import slopekit as sk
-    from slopekit.analysis.assembly import load_multiplier
+    from slopekit.kinds.many_blocks import load_multiplier
 
     began = time.process_time()
     try:

@@ -28,11 +28,11 @@ from benchmarks.rivals import (
     siconos,
     slopekit_limit,
 )
-from slopekit.analysis import surface
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
+from slopekit.kinds import surface
+from slopekit.kinds.wedge import closed_form, prepare
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.model import build_model
 from slopekit.preie.slippage import slippable

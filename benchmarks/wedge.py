@@ -15,8 +15,8 @@ from collections.abc import Callable
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.design.reading import wedge_design
+from slopekit.kinds.wedge import closed_form, prepare
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import limit_analysis
 from tests.support import random_wedge

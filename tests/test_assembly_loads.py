@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock
 from slopekit.loads import PointForce, assembly_loads, drained
 
 BLOCKS = {

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import prepare
 from slopekit.design.common import Strength
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import SolverError
 from slopekit.explanations import EXPLANATIONS
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.kinds.wedge import prepare
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.limit import limit_analysis

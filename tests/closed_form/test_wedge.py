@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
 from slopekit.design.reading import wedge_design
+from slopekit.kinds.wedge import closed_form, prepare
 from slopekit.orientation import Plane
 from slopekit.preie.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.assembly import _geometry
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
 from slopekit.design.blocky import AssemblyDesign
+from slopekit.kinds.many_blocks import _geometry
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 #: Map coordinates of the toe, m.

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.columns import column_assembly
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.geometry.splitting import cut_bench
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock, joint_strength
 from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
 from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly

@@ -20,8 +20,8 @@ from scipy import sparse
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock, joint_strength
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock, joint_strength
 from slopekit.loads import assembly_loads
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.kinds.wedge import prepare
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength, Model
 

@@ -14,12 +14,12 @@ from scipy.optimize import linprog
 
 import slopekit as sk
 from benchmarks.wedge_paths import as_assembly, compared
-from slopekit.analysis.assembly_scene import assembly_scene, scene_loads
-from slopekit.analysis.stages import Clock, joint_strength
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
+from slopekit.kinds.many_blocks_scene import assembly_scene, scene_loads
+from slopekit.kinds.one_block import Clock, joint_strength
+from slopekit.kinds.wedge import prepare
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks

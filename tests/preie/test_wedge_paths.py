@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.wedge_paths import compared
-from slopekit.analysis.stages import Clock, find_limit
-from slopekit.analysis.wedge import scenes
 from slopekit.arrays import frozen
 from slopekit.design.reading import wedge_design
+from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.wedge import scenes
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.one_path import by_path, on_flat_contacts, range_of

@@ -12,9 +12,9 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.errors import SlopekitError
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock
 
 Mapping = dict[str, Any]
 

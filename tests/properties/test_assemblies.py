@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 
 import slopekit as sk
-from slopekit.analysis import assembly as room
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
+from slopekit.kinds import many_blocks as room
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock
 from slopekit.preie.ravelling import whole_model
 from tests.properties import changes
 from tests.properties.strategies import benches, bolted, bonds, bricks, columns, rows, shards, stacks

@@ -215,15 +215,15 @@ def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkey
 
     A limit that is too low is one that more than its forces would hold: said by the closed form and the node pairs.
     """
-    from slopekit import analysis
+    from slopekit import kinds
 
-    honest = analysis.analyse
+    honest = kinds.analyse
 
     def off(design):
         result = honest(design)
         return replace(result, fos=replace(result.fos, limit=result.fos.limit * by), difference=abs(by - 1.0))
 
-    monkeypatch.setattr(analysis, "analyse", off)
+    monkeypatch.setattr(kinds, "analyse", off)
     found = checked("paper-wedge", **{"analysis.agree_within": 0.1})
     failed = {one.name for one in found.findings if one.met is False}
     assert failed >= seen

@@ -72,8 +72,8 @@ def wedge(
     output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
-    from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
+    from slopekit.kinds.wedge import analyse_wedge
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)
@@ -100,7 +100,7 @@ def run(
     output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple."""
-    from slopekit.analysis import analyse
+    from slopekit.kinds import analyse
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)

@@ -163,7 +163,7 @@ def check(design: Design) -> Check:
     if isinstance(design, AssemblyDesign):
         result, ladder, others, unrefined = _blocks(design)
     else:
-        from slopekit.analysis import analyse
+        from slopekit.kinds import analyse
 
         result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
         ladder, others, unrefined = (), (), ""
@@ -186,7 +186,7 @@ def check(design: Design) -> Check:
 
 def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[float | None, ...], str]:
     """The result with its all-pairs factor, the ladder, the limit at other strengths, and why it has no meshes."""
-    from slopekit.analysis.assembly import all_pairs, solve_assembly, untied_search
+    from slopekit.kinds.many_blocks import all_pairs, solve_assembly, untied_search
 
     solved = solve_assembly(design)
     result = solved.result

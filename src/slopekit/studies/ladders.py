@@ -12,14 +12,14 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from slopekit.analysis.assembly import SolvedAssembly
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import joint_strength
 from slopekit.design.common import Design
 from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, GeometryError
 from slopekit.extents import SurfaceGeometry
+from slopekit.kinds.many_blocks import SolvedAssembly
+from slopekit.kinds.one_block import joint_strength
+from slopekit.kinds.scene import Scene
 from slopekit.onlooker import say
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_only_limit, limit_analysis, passes_limit
@@ -129,15 +129,15 @@ def block_ladder(design: Design, result: Result) -> tuple[Rung, ...]:
 
 def _closed_form(design: Design) -> Callable[[], Any] | None:
     if isinstance(design, WedgeDesign):
-        from slopekit.analysis import wedge
+        from slopekit.kinds import wedge
 
         return partial(wedge.closed_form, design)
     if isinstance(design, PlaneDesign):
-        from slopekit.analysis import plane
+        from slopekit.kinds import plane
 
         return partial(plane.closed_form, design, plane.section_of(design))
     if isinstance(design, FootingDesign):
-        from slopekit.analysis import footing
+        from slopekit.kinds import footing
 
         return partial(footing.closed_form, design, footing.weight_of(design))
     return None
@@ -146,19 +146,19 @@ def _closed_form(design: Design) -> Callable[[], Any] | None:
 def _stages(design: Design) -> tuple[Callable[[int], Scene], int, Callable[[Model], LimitAnalysis]]:
     """How a kind comes to its node pairs by refinement, where it starts, and how it is solved."""
     if isinstance(design, WedgeDesign):
-        from slopekit.analysis import wedge
+        from slopekit.kinds import wedge
 
         return lambda refine: wedge.prepare(design, refine), design.refine, limit_analysis
     if isinstance(design, PlaneDesign):
-        from slopekit.analysis import plane
+        from slopekit.kinds import plane
 
         return lambda refine: plane.prepare(design, refine), design.refine, limit_analysis
     if isinstance(design, FootingDesign):
-        from slopekit.analysis import footing
+        from slopekit.kinds import footing
 
         return lambda refine: footing.prepare(design, refine), 0, limit_analysis
     if isinstance(design, SurfaceDesign):
-        from slopekit.analysis import surface
+        from slopekit.kinds import surface
 
         return lambda _: surface.prepare(design), 0, curved_limit_analysis
     raise TypeError(f"no ladder for {type(design).__name__}")
@@ -197,7 +197,7 @@ def _limit_rung(scene: Scene, analyse: Callable[[Model], LimitAnalysis], setting
 
 def _surface_meshes(design: SurfaceDesign, result: Result) -> Iterator[Rung]:
     """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
-    from slopekit.analysis import surface
+    from slopekit.kinds import surface
 
     geometry = result.geometry
     if design.slip.shape == "mesh" or not isinstance(geometry, SurfaceGeometry):
@@ -227,7 +227,7 @@ def normals_rungs(design: Design, result: Result, ladder: Sequence[Rung]) -> tup
     geometry = result.geometry
     if not isinstance(design, SurfaceDesign) or not isinstance(geometry, SurfaceGeometry):
         return ()
-    from slopekit.analysis import surface
+    from slopekit.kinds import surface
 
     own, is_mesh = design.slip.normals, design.slip.shape == "mesh"
     if own == "facet":

@@ -5,10 +5,10 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from slopekit.analysis.factors import Factors, factors_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import SlopekitError
+from slopekit.kinds.factors import Factors, factors_of
 from slopekit.studies.running import Record
 
 _BUG = "E599"

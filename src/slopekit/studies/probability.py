@@ -12,12 +12,12 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from slopekit.analysis.factors import has_closed_form
-from slopekit.analysis.stages import Clock
 from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Design
 from slopekit.design.quantities import quantity_of
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds.factors import has_closed_form
+from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.estimates import Share, Summary, share_of, summary_of

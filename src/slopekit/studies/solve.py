@@ -17,10 +17,10 @@ from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
-from slopekit.analysis.factors import Factors, closed_form_of, has_closed_form
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault
+from slopekit.kinds.factors import Factors, closed_form_of, has_closed_form
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Point
@@ -304,8 +304,8 @@ def _by_load(asked: _Asked) -> tuple[float, str] | None:
     """The value of a load of many blocks, and the status, straight from the elastic path in it; None: it has none."""
     if not _LOAD.fullmatch(asked.key.path):
         return None
-    from slopekit.analysis.assembly import load_multiplier
     from slopekit.design.blocky import AssemblyDesign
+    from slopekit.kinds.many_blocks import load_multiplier
 
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)

@@ -14,11 +14,11 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.analysis import analyse
 from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_table
 from slopekit.design.blocky import ToppleDesign
 from slopekit.design.files import load
 from slopekit.errors import SlopekitError
+from slopekit.kinds import analyse
 from slopekit.result import METHODS, Result
 from slopekit.studies.references import Case, Reference, chosen, document, half_unit
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.factors import factors_of
-from slopekit.analysis.stages import Clock, find_limit
 from slopekit.arrays import Floats
 from slopekit.design.common import Bolt, Design, Force, Strength
 from slopekit.design.kinds import PlaneDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, Fault
 from slopekit.geometry.cutting import Block, cut_wedge
+from slopekit.kinds.factors import factors_of
+from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.orientation import Line, line_of
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
@@ -141,7 +141,7 @@ def pre_ie(design: Design) -> Answer:
 
 def pre_ie_coarse(design: Design) -> Answer:
     """PRE-IE's answer on the coarsest node pairs, which take a tenth of the time: to look where the target lies."""
-    from slopekit.analysis import plane, wedge
+    from slopekit.kinds import plane, wedge
 
     scenes = wedge.scenes(design) if isinstance(design, WedgeDesign) else plane.scenes(_as_plane(design))
     refine = design.refine if isinstance(design, WedgeDesign | PlaneDesign) else 0
@@ -179,8 +179,8 @@ def strengths_of(design: Design) -> list[Strength]:
 
 
 def _wedge_site(design: WedgeDesign) -> Site:
-    from slopekit.analysis import wedge
     from slopekit.geometry.rockmass import FACE, J1, J2, wedge_rock_mass
+    from slopekit.kinds import wedge
 
     model = wedge.prepare(design, 0).model
     crack = design.crack
@@ -202,8 +202,8 @@ def _wedge_site(design: WedgeDesign) -> Site:
 
 
 def _plane_site(design: PlaneDesign) -> Site:
-    from slopekit.analysis import plane
     from slopekit.geometry.section import FACE, J1
+    from slopekit.kinds import plane
 
     section = plane.section_of(design)
     model = plane.prepare(design, 0).model

@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 from slopekit._version import __version__
-from slopekit.analysis.factors import has_closed_form
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds.factors import has_closed_form
 from slopekit.orientation import number
 from slopekit.studies.journal import Journal
 from slopekit.studies.keys import Key, key_of, values_of

@@ -11,13 +11,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from slopekit.analysis.plane import WIDEST_DEG
 from slopekit.arrays import Floats
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.design.kinds import PlaneDesign
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
+from slopekit.kinds.plane import WIDEST_DEG
 
 #: The flat arguments of a closed form; None for what a design does not have.
 Arguments: TypeAlias = dict[str, float | None]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from slopekit.analysis.assembly_scene import AssemblyScene
-from slopekit.analysis.assembly_states import states_of_part
 from slopekit.arrays import Floats
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.kinds.many_blocks_scene import AssemblyScene
+from slopekit.kinds.many_blocks_states import states_of_part
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes

@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.analysis.plane import section_bedding, section_geometry
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import (
+from slopekit.closed_form.footing import ClosedFormFooting, footing
+from slopekit.design.kinds import FootingDesign
+from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.section import J1, Section, footing_section, line_pairs
+from slopekit.kinds.one_block import (
     Clock,
     ClosedForm,
     block_status,
@@ -16,10 +18,8 @@ from slopekit.analysis.stages import (
     result,
     solve,
 )
-from slopekit.closed_form.footing import ClosedFormFooting, footing
-from slopekit.design.kinds import FootingDesign
-from slopekit.errors import Fault, GeometryError
-from slopekit.geometry.section import J1, Section, footing_section, line_pairs
+from slopekit.kinds.plane import section_bedding, section_geometry
+from slopekit.kinds.scene import Scene
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import Interface
 from slopekit.result import Forces, Result

@@ -10,9 +10,9 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.errors import DesignError, GeometryError
+from slopekit.kinds.many_blocks_scene import assembly_scene
+from slopekit.kinds.one_block import Clock
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
@@ -276,9 +276,9 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
-    from slopekit.analysis import assembly as room
-    from slopekit.analysis.motions import mechanism
-    from slopekit.analysis.stages import ClosedForm
+    from slopekit.kinds import many_blocks as room
+    from slopekit.kinds.motions import mechanism
+    from slopekit.kinds.one_block import ClosedForm
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
     scene = assembly_scene(design, Clock())

@@ -17,23 +17,23 @@ def analyse(design: Design) -> Result:
     from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 
     if isinstance(design, WedgeDesign):
-        from slopekit.analysis.wedge import analyse_wedge
+        from slopekit.kinds.wedge import analyse_wedge
 
         return analyse_wedge(design)
     if isinstance(design, PlaneDesign):
-        from slopekit.analysis.plane import analyse_plane
+        from slopekit.kinds.plane import analyse_plane
 
         return analyse_plane(design)
     if isinstance(design, FootingDesign):
-        from slopekit.analysis.footing import analyse_footing
+        from slopekit.kinds.footing import analyse_footing
 
         return analyse_footing(design)
     if isinstance(design, SurfaceDesign):
-        from slopekit.analysis.surface import analyse_surface
+        from slopekit.kinds.surface import analyse_surface
 
         return analyse_surface(design)
     if isinstance(design, AssemblyDesign):
-        from slopekit.analysis.assembly import analyse_assembly
+        from slopekit.kinds.many_blocks import analyse_assembly
 
         return analyse_assembly(design)
     raise TypeError(f"no analysis for {type(design).__name__}")

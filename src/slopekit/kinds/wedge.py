@@ -6,8 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.analysis.scene import Bedding, Scene
-from slopekit.analysis.stages import (
+from slopekit.arrays import frozen
+from slopekit.closed_form.wedge import ClosedFormWedge, WedgeWater, hoek_bray_wedge
+from slopekit.design.common import Strength
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import GeometryError
+from slopekit.extents import WedgeGeometry
+from slopekit.geometry.cutting import Block, cut_wedge
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.kinds.one_block import (
     Clock,
     ClosedForm,
     block_status,
@@ -20,15 +28,7 @@ from slopekit.analysis.stages import (
     solve,
     water_forces,
 )
-from slopekit.arrays import frozen
-from slopekit.closed_form.wedge import ClosedFormWedge, WedgeWater, hoek_bray_wedge
-from slopekit.design.common import Strength
-from slopekit.design.wedge import WedgeDesign
-from slopekit.errors import GeometryError
-from slopekit.extents import WedgeGeometry
-from slopekit.geometry.cutting import Block, cut_wedge
-from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.kinds.scene import Bedding, Scene
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface, wedge_notices
 from slopekit.orientation import Line, Plane, line_of

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from slopekit.analysis.assembly_scene import AssemblyScene
-from slopekit.analysis.stages import joint_stiffness, joint_strength
-from slopekit.analysis.states import CLOSED, SLIPS, TURNS
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.design.blocky import AssemblyDesign
+from slopekit.kinds.many_blocks_scene import AssemblyScene
+from slopekit.kinds.one_block import joint_stiffness, joint_strength
+from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.ravelling import Part, whole_model
 from slopekit.preie.settlement import settlement

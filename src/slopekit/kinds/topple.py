@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from slopekit.analysis.stages import ClosedForm
 from slopekit.closed_form.toppling import ColumnSlope, TopplingTable, toppling_factor_of_safety, toppling_table
 from slopekit.design.blocky import ToppleDesign
 from slopekit.errors import DesignError
 from slopekit.findings import Column, Mechanism
+from slopekit.kinds.one_block import ClosedForm
 
 _BEYOND = 1e-6  # the table is that of columns which just fail
 _MODES = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "lift"}

@@ -7,8 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import (
+from slopekit.arrays import Floats, frozen
+from slopekit.closed_form import columns as lem
+from slopekit.closed_form.rotation import rotational_failure
+from slopekit.design.kinds import SurfaceDesign
+from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.extents import SurfaceGeometry
+from slopekit.geometry.cutting import Block
+from slopekit.geometry.interfaces import NodePairs
+from slopekit.geometry.meshes import read_mesh
+from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
+from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
+from slopekit.kinds.one_block import (
     Clock,
     ClosedForm,
     Solved,
@@ -21,17 +31,7 @@ from slopekit.analysis.stages import (
     result,
     solve,
 )
-from slopekit.arrays import Floats, frozen
-from slopekit.closed_form import columns as lem
-from slopekit.closed_form.rotation import rotational_failure
-from slopekit.design.kinds import SurfaceDesign
-from slopekit.errors import Fault, GeometryError, Notice
-from slopekit.extents import SurfaceGeometry
-from slopekit.geometry.cutting import Block
-from slopekit.geometry.interfaces import NodePairs
-from slopekit.geometry.meshes import read_mesh
-from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
-from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
+from slopekit.kinds.scene import Scene
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line

@@ -6,8 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.analysis.scene import Bedding, Scene
-from slopekit.analysis.stages import (
+from slopekit.arrays import Floats, frozen
+from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
+from slopekit.design.common import Strength, Water
+from slopekit.design.kinds import PlaneDesign
+from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.extents import SectionGeometry
+from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
+from slopekit.kinds.one_block import (
     Clock,
     ClosedForm,
     block_status,
@@ -20,13 +26,7 @@ from slopekit.analysis.stages import (
     solve,
     water_forces,
 )
-from slopekit.arrays import Floats, frozen
-from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
-from slopekit.design.common import Strength, Water
-from slopekit.design.kinds import PlaneDesign
-from slopekit.errors import Fault, GeometryError, Notice
-from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
+from slopekit.kinds.scene import Bedding, Scene
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
-from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Force, Strength
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
+from slopekit.kinds.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
+from slopekit.kinds.movements import mechanism_of, movement_of, series_of, turned, turned_back
+from slopekit.kinds.one_block_states import arrows, opening_pairs, pair_state
+from slopekit.kinds.scene import Scene
 from slopekit.loads import Loads, PointForce
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.onlooker import say

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from slopekit.analysis.stages import Clock, point_force
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, ToppleDesign
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.geometry.patches import BEDROCK, Assembly
+from slopekit.kinds.one_block import Clock, point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 from slopekit.orientation import Line
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene, scene_loads
-from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state, at_full_strength
-from slopekit.analysis.motions import mechanism
-from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.kinds.many_blocks_scene import AssemblyScene, assembly_scene, scene_loads
+from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength
+from slopekit.kinds.motions import mechanism
+from slopekit.kinds.one_block import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
 from slopekit.preie.balance import Balance, balance, of_blocks
@@ -274,7 +274,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
     """Goodman & Bray's columns, where their method applies."""
     if not isinstance(design, ToppleDesign):
         return ClosedForm(None, "", "there is no closed form for these blocks"), ()
-    from slopekit.analysis.columns import goodman_bray
+    from slopekit.kinds.topple import goodman_bray
 
     return goodman_bray(design, found[0] if found else None)
 

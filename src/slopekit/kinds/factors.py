@@ -6,11 +6,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import Clock, ClosedForm, block_status, compare, find_limit
 from slopekit.design.common import Design
 from slopekit.design.kinds import FootingDesign, PlaneDesign
 from slopekit.design.wedge import WedgeDesign
+from slopekit.kinds.one_block import Clock, ClosedForm, block_status, compare, find_limit
+from slopekit.kinds.scene import Scene
 from slopekit.preie.passes import Outcome
 
 _STATUSES = {"slides": "slides_on_J1"}
@@ -60,19 +60,19 @@ def closed_form_of(design: Design) -> ClosedForm | None:
         Where no block can be formed. Heads and lengths of bolts are not looked at.
     """
     if isinstance(design, WedgeDesign):
-        from slopekit.analysis import wedge
+        from slopekit.kinds import wedge
 
         wedge.check_forms(design)
         found = wedge.closed_form(design)
         return ClosedForm(found.factor or None, found.status, _DILATES if any(design.dilation_deg) else "")
     if isinstance(design, PlaneDesign):
-        from slopekit.analysis import plane
+        from slopekit.kinds import plane
 
         slide = plane.closed_form(design, plane.section_of(design))
         why_not = _DILATES if design.strength.dilation_deg else ""
         return ClosedForm(slide.factor or None, _STATUSES.get(slide.status, slide.status), why_not)
     if isinstance(design, FootingDesign):
-        from slopekit.analysis import footing
+        from slopekit.kinds import footing
 
         press = footing.closed_form(design, footing.weight_of(design))
         why_not = _DILATES if design.strength.dilation_deg else ""
@@ -102,11 +102,11 @@ def factors_of(design: Design, pre_ie: bool = True) -> Factors:
         return Factors(closed.status, None, closed.status, closed.factor, None, None, False, True)
     stages = _stages(design)
     if closed is None or stages is None:
-        from slopekit.analysis import analyse
         from slopekit.design.blocky import AssemblyDesign
+        from slopekit.kinds import analyse
 
         if isinstance(design, AssemblyDesign):
-            from slopekit.analysis.assembly import assembly_factors
+            from slopekit.kinds.many_blocks import assembly_factors
 
             status, factor, beside, settled = assembly_factors(design)
             difference, agree = compare(factor, status, beside, design.agree_within)
@@ -135,15 +135,15 @@ def _stages(design: Design) -> tuple[Callable[[int], Scene], int, Sequence[int]]
     from slopekit.geometry import rockmass, section
 
     if isinstance(design, WedgeDesign):
-        from slopekit.analysis import wedge
+        from slopekit.kinds import wedge
 
         return wedge.scenes(design), design.refine, (rockmass.J1, rockmass.J2)
     if isinstance(design, PlaneDesign):
-        from slopekit.analysis import plane
+        from slopekit.kinds import plane
 
         return plane.scenes(design), design.refine, (section.J1,)
     if isinstance(design, FootingDesign):
-        from slopekit.analysis import footing
+        from slopekit.kinds import footing
 
         return footing.scenes(design), 0, (section.J1,)
     return None
