@@ -205,11 +205,10 @@ def blocks_of(design: Design) -> int:
     """How many blocks a bench has; 2 where none can be cut or none can move."""
     import slopekit as sk
     from slopekit.errors import SlopekitError
-    from slopekit.kinds.many_blocks_scene import assembly_scene
-    from slopekit.kinds.one_block import Clock
+    from slopekit.kinds import cut
 
     try:
-        return len(assembly_scene(sk.load(design), Clock()).assembly)
+        return len(cut(sk.load(design)).assembly)
     except SlopekitError:
         return 2
 

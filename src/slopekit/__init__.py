@@ -84,10 +84,9 @@ def wedge(
         With every fault of the input. GeometryError where the planes cut no wedge.
     """
     from slopekit.design.reading import wedge_design
-    from slopekit.kinds.wedge import analyse_wedge
 
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "analyse_wedge", "wedge_design")}
-    return analyse_wedge(wedge_design(given | unknown))
+    given = {key: value for key, value in locals().items() if key not in ("unknown", "wedge_design")}
+    return analyse(wedge_design(given | unknown))
 
 
 def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str, Any] | None" = None) -> "Design":

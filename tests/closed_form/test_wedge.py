@@ -8,7 +8,8 @@ import pytest
 import slopekit as sk
 from slopekit.closed_form.wedge import WedgeWater, hoek_bray_wedge
 from slopekit.design.reading import wedge_design
-from slopekit.kinds.wedge import closed_form, prepare
+from slopekit.kinds import cut
+from slopekit.kinds.wedge import closed_form
 from slopekit.orientation import Plane
 from slopekit.preie.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge
@@ -91,7 +92,8 @@ def loaded(rng: np.random.Generator) -> dict:
     wedge = {**random_wedge(rng), "bolts": None}
     wedge["water"] = f"{rng.uniform(0, 100):.3f}%"
     wedge["seismic"] = f"{rng.uniform(0, 0.2):.4f}@{rng.uniform(0, 360):.2f}"
-    weight = prepare(wedge_design(wedge | {"water": "dry", "seismic": None}), 0).model.force_scale  # nothing else acts
+    alone = wedge_design(wedge | {"water": "dry", "seismic": None})
+    weight = cut(alone).scene_at(0).model.force_scale
     wedge["forces"] = [(rng.normal(size=3) * 0.05 * weight).tolist()]
     wedge["bolts"] = [
         {
@@ -104,7 +106,7 @@ def loaded(rng: np.random.Generator) -> dict:
     plane = ((wedge["face"][1] + rng.uniform(-20, 20)) % 360.0, rng.uniform(60, 90))
     cracked = {**wedge, "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]}}
     try:
-        prepare(wedge_design(cracked), 0)
+        cut(wedge_design(cracked)).scene_at(0)
     except sk.GeometryError:
         return wedge
     return cracked
@@ -117,7 +119,7 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
     for _ in range(30):
         wedge = loaded(rng)
         design = wedge_design(wedge)
-        model, closed = prepare(design, 0).model, closed_form(design).factor
+        model, closed = cut(design).scene_at(0).model, closed_form(design).factor
         alone = forces_only_limit(model).factor
         cracks += "crack" in wedge
         if not closed:

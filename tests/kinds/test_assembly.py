@@ -11,8 +11,7 @@ import trimesh
 
 import slopekit as sk
 from slopekit.errors import DesignError, GeometryError
-from slopekit.kinds.many_blocks_scene import assembly_scene
-from slopekit.kinds.one_block import Clock
+from slopekit.kinds import cut
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
@@ -199,7 +198,7 @@ def test_a_bench_is_the_same_for_the_same_seed() -> None:
     first, again = sk.run(scattered), sk.run(scattered)
     assert first.to_dict()["assembly"] == again.to_dict()["assembly"]
     assert "W336" in codes(first)
-    other = assembly_scene(sk.load(scattered, set={"cut.seed": 4}), Clock())  # cut, not solved
+    other = cut(sk.load(scattered, set={"cut.seed": 4}))  # cut, not solved
     assert len(other.assembly) != first.findings.blocks
 
 
@@ -277,11 +276,12 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
     from slopekit.kinds import many_blocks as room
-    from slopekit.kinds.motions import mechanism
-    from slopekit.kinds.one_block import ClosedForm
+    from slopekit.kinds.blocks import OWN
+    from slopekit.kinds.many_blocks_states import mechanism
+    from slopekit.kinds.protocol import ClosedForm
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
-    scene = assembly_scene(design, Clock())
+    scene = cut(design)
     strength = room.joint_strength(scene.strengths)
     loads = room.scene_loads(scene)
     ravelling_ = room.ravel(scene.assembly, loads, strength)
@@ -292,7 +292,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
         sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-        notices = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
+        notices = room._notices(OWN, design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
         return {notice.code: notice.message for notice in notices}
 
     assert said() == {}

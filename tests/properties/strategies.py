@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 import slopekit as sk
 from slopekit.errors import SlopekitError
-from slopekit.kinds.many_blocks_scene import assembly_scene
-from slopekit.kinds.one_block import Clock
+from slopekit.kinds import cut
 
 Mapping = dict[str, Any]
 
@@ -253,6 +252,6 @@ def benches(draw, most: int = 60) -> Mapping:
 def _blocks_of(design: Mapping) -> int:
     """How many blocks a bench has; 2 where none can move."""
     try:
-        return len(assembly_scene(sk.load(design), Clock()).assembly)
+        return len(cut(sk.load(design)).assembly)
     except SlopekitError:
         return 2

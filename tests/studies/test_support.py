@@ -18,7 +18,7 @@ from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Notice
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
-from slopekit.kinds.factors import factors_of
+from slopekit.kinds import factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line

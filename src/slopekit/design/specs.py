@@ -1,8 +1,13 @@
 """Which keys a design file of each kind may have: the language of UX.md as data."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, Spec
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Design
+    from slopekit.design.inputs import Inputs
 
 VERSION = 1
 _NUMBER = Leaf(number=True)
@@ -132,7 +137,7 @@ def _blocky(own: Mapping[str, Spec], pressures: Spec, required: tuple[str, ...])
     return _kind(loads | dict(own), (*required, "strength"), _ANALYSIS_OF_BLOCKS)
 
 
-SPECS: Mapping[str, Section] = {
+SPECS: dict[str, Section] = {
     "wedge": _kind(
         {
             "slope": Section({"face": _PLANE, "upper": _PLANE, "height": Leaf(number=True, example="64.89 m"),
@@ -235,3 +240,5 @@ SPECS: Mapping[str, Section] = {
         Named(_NUMBER, pairs=True, example="{B1/B2: 5 kPa}"), ("blocks",),
     ),
 }  # fmt: skip
+#: From the values of a file to the design of its kind; those of slopekit's own are in `files`.
+READERS: "dict[str, Callable[[Inputs], Design]]" = {}

@@ -1,89 +1,46 @@
-"""The footing on a weak plane (Sheng et al. 2023, §3.3): from its design to its result."""
+"""The footing on a weak plane (Sheng et al. 2023, §3.3)."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from slopekit.closed_form.footing import ClosedFormFooting, footing
+from slopekit.closed_form.footing import footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
-from slopekit.kinds.one_block import (
-    Clock,
-    ClosedForm,
-    block_status,
-    driving_and_resisting,
-    normal_forces,
-    result,
-    solve,
-)
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.plane import section_bedding, section_geometry
-from slopekit.kinds.scene import Scene
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import Interface
-from slopekit.result import Forces, Result
+from slopekit.result import Result, Words
 
 NAME = "weak plane"
 
 
-def analyse_footing(design: FootingDesign) -> Result:
-    """Load the block above the weak plane, find its factor of safety twice, and compare.
-
-    Raises
-    ------
-    GeometryError
-        E219 the load stands beside the block.
-    """
-    clock = Clock()
-    with clock("cut"):
-        section, loads = _loaded(design)
-    with clock("closed_form"):
-        weight = float(-loads.parts["weight"][2])
-        closed = _closed_form(design, weight)
-    with clock("governs"):
-        governs = _governs(design, weight)
-    solved = solve(design, lambda refine: _scene(design, section, loads, refine), 0, clock)
-    status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
-    forces = Forces(
-        float(-loads.parts["weight"][2]), normal_forces(solved, {J1: NAME}), {}, *driving_and_resisting(solved)
-    )
+def cut(design: FootingDesign) -> Cut:
+    """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
+    section, acting = _loaded(design)
+    bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
     left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
-    why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
-    status_of = {"slides": "slides_on_J1"}
-    return result(
-        design, solved, status, ClosedForm(closed.factor, status_of.get(closed.status, closed.status), why_not),
-        section_geometry(section, NAME), forces, [Interface(J1, NAME, design.strength)], left_out, clock,
-        governs=governs, loads=loads,
+    return Cut(
+        section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
+        [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
     )  # fmt: skip
 
 
-def prepare(design: FootingDesign, refine: int) -> Scene:
-    """The stages before the solver, from a design to its node pairs and its model.
-
-    Parameters
-    ----------
-    refine : how often the parts between the node pairs are halved
-    """
-    return scenes(design)(refine)
-
-
-def scenes(design: FootingDesign) -> Callable[[int], Scene]:
-    """The stages before the solver, as `prepare`: loaded once, for any number of parts."""
-    section, loads = _loaded(design)
-    return lambda refine: _scene(design, section, loads, refine)
-
-
-def weight_of(design: FootingDesign) -> float:
-    """The weight of the block above the weak plane, kN per metre."""
-    return float(-_loaded(design)[1].parts["weight"][2])
-
-
-def closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:
-    """The design by limit equilibrium; weight in kN per metre."""
-    return _closed_form(design, weight)
+def closed_form(design: FootingDesign) -> ClosedForm:
+    """The design by limit equilibrium."""
+    strength, weight = design.strength, float(-_loaded(design)[1].parts["weight"][2])
+    found = footing(
+        design.load_kn, design.dip_deg, design.length_m, strength.cohesion_kpa, strength.friction_angle_deg, weight
+    )
+    status = "slides_on_J1" if found.status == "slides" else found.status
+    return ClosedForm(found.factor, status, DILATES if strength.dilation_deg else "")
 
 
 def _loaded(design: FootingDesign) -> tuple[Section, Loads]:
@@ -97,20 +54,7 @@ def _loaded(design: FootingDesign) -> tuple[Section, Loads]:
     return section, block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
 
 
-def _scene(design: FootingDesign, section: Section, loads: Loads, refine: int) -> Scene:
-    pairs = line_pairs(section, (design.pairs - 1) // 2 * 2**refine)
-    return section_bedding(section, loads, design.strength).scene(pairs)
-
-
-def _closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:
-    return footing(
-        design.load_kn, design.dip_deg, design.length_m, design.strength.cohesion_kpa,
-        design.strength.friction_angle_deg, weight,
-    )  # fmt: skip
-
-
-def _governs(design: FootingDesign, weight: float) -> tuple[tuple[str, float | None, str], ...]:
-    """What a few changes of the input do to the closed form."""
+def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
     strength = design.strength
     changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
     if strength.friction_angle_deg < 88.0:
@@ -121,4 +65,24 @@ def _governs(design: FootingDesign, weight: float) -> tuple[tuple[str, float | N
         changes.append(("c +10 %", replace(design, strength=firmer)))
     if design.dip_deg < 88.0:
         changes.append(("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)))
-    return tuple((name, _closed_form(changed, weight).factor, "slides_on_J1") for name, changed in changes)
+    return changes
+
+
+def _slope(design: FootingDesign, result: Result) -> Iterator[SheetPart]:
+    long = size_number(design.length_m)
+    words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_short(design.strength)}"
+    yield SheetPart("PLANES", [words])
+    yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
+    off = design.eccentricity_m
+    place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
+    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *water_in_words(design)], result)
+
+
+KIND = kind_of_one_block(
+    "footing",
+    Words(
+        "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
+        {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",
+    ),
+    cut, closed_form, changes=_changes, strengths=lambda design: [design.strength], slope=_slope,
+)  # fmt: skip

@@ -1,7 +1,7 @@
-"""Plane failure per metre of slope: from its design to its result."""
+"""Plane failure per metre of slope (Hoek & Bray)."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -12,99 +12,51 @@ from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
-from slopekit.kinds.one_block import (
-    Clock,
-    ClosedForm,
-    block_status,
-    bolt_forces,
-    driving_and_resisting,
-    joint_strength,
-    normal_forces,
-    point_force,
-    result,
-    solve,
-    water_forces,
-)
-from slopekit.kinds.scene import Bedding, Scene
+from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
+from slopekit.kinds.one_block import DILATES, Cut, bolt_forces, joint_strength, kind_of_one_block, point_force
+from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
 from slopekit.preie.model import build_model
-from slopekit.result import Forces, Result
+from slopekit.result import Result, Words
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
-_STATUSES = {"slides": "slides_on_J1"}
 _OUT = 1e-9
 
 
-def analyse_plane(design: PlaneDesign) -> Result:
-    """Cut the section, load it, find its factor of safety twice, and compare.
+def cut(design: PlaneDesign) -> Cut:
+    """Cut the section and load it.
 
     Raises
     ------
     GeometryError
         Where the plane forms no block that can slide out; E213 where it strikes across the slope.
     """
-    clock = Clock()
-    with clock("cut"):
-        section = _section(design)
-        loads = _loads(design, section)
-    with clock("closed_form"):
-        closed = _closed_form(design, section)
-    with clock("governs"):
-        governs = _governs(design)
-    solved = solve(design, lambda refine: _scene(design, section, loads, refine), design.refine, clock)
-    status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
-    name = design.joint_name
-    faces = {J1: name} | ({CRACK: "crack"} if section.crack_depth is not None else {})
-    forces = Forces(
-        float(-loads.parts["weight"][2]), normal_forces(solved, {J1: name}), water_forces(loads, faces),
-        *driving_and_resisting(solved),
-    )  # fmt: skip
-    why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
-    against = ClosedForm(closed.factor, _STATUSES.get(closed.status, closed.status), why_not)
+    section = section_of(design)
+    acting, name, axes = _loads(design, section), design.joint_name, _axes(design.face)
+    bed = section_bedding(section, acting, design.strength)
+    is_cracked = section.crack_depth is not None
     left_out = ["bedrock (no unknowns)", "face and upper slope (free)", "the ends of the slope (per metre)",
                 "deformation of the rock"]  # fmt: skip
-    left_out += ["contact across the tension crack"] if section.crack_depth is not None else []
-    if design.strength.tension_kpa:
-        left_out.append("tensile strength at the limit (it is lost where a joint opens)")
-    return result(
-        design, solved, status, against, section_geometry(section, name, _axes(design.face)), forces,
-        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), loads=loads,
-        governs=governs, turn=_axes(design.face), wet=faces,
+    left_out += ["contact across the tension crack"] if is_cracked else []
+    left_out += (
+        ["tensile strength at the limit (it is lost where a joint opens)"] if design.strength.tension_kpa else []
+    )
+    return Cut(
+        section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
+        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
+        {J1: name} | ({CRACK: "crack"} if is_cracked else {}), FACE, design.refine, axes=axes,
     )  # fmt: skip
 
 
-def prepare(design: PlaneDesign, refine: int) -> Scene:
-    """The stages before the solver, from a design to its node pairs and its model.
-
-    Parameters
-    ----------
-    refine : how often the plane's parts are halved
-    """
-    return scenes(design)(refine)
-
-
-def scenes(design: PlaneDesign) -> Callable[[int], Scene]:
-    """The stages before the solver, as `prepare`: cut and loaded once, for any number of parts."""
-    section = _section(design)
-    loads = _loads(design, section)
-    return lambda refine: _scene(design, section, loads, refine)
-
-
-def section_of(design: PlaneDesign) -> Section:
-    """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
-    return _section(design)
-
-
-def closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
-    """The design by Hoek & Bray's plane failure."""
-    return _closed_form(design, section)
-
-
-def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:
-    return section_bedding(section, loads, design.strength).scene(line_pairs(section, 2**refine))
+def compared(design: PlaneDesign) -> ClosedForm:
+    """The closed form as PRE-IE is compared with it."""
+    found = closed_form(design, section_of(design))
+    status = "slides_on_J1" if found.status == "slides" else found.status
+    return ClosedForm(found.factor, status, DILATES if design.strength.dilation_deg else "")
 
 
 def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
@@ -134,7 +86,8 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
     return plane.dip_deg if same else -plane.dip_deg
 
 
-def _section(design: PlaneDesign) -> Section:
+def section_of(design: PlaneDesign) -> Section:
+    """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = _strikes_apart(plane, design.face)
         if apart > WIDEST_DEG and plane.dip_deg > 0.0:
@@ -222,7 +175,8 @@ def _strongest(design: PlaneDesign) -> float:
     return max(bolt.force_kn for bolt in design.bolts)
 
 
-def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
+def closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
+    """The design by Hoek & Bray's plane failure."""
     _, deep, peak = _water(design, section)
     axes = _axes(design.face)
 
@@ -246,10 +200,8 @@ def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
     )  # fmt: skip
 
 
-def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
-    """What a few changes of the input do to the closed form."""
-    strength, found = design.strength, list[tuple[str, float | None, str]]()
-    changes = []
+def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
+    strength, changes = design.strength, []
     if design.water.mode == "dry" or design.water.fill < 1.0:
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
@@ -262,14 +214,7 @@ def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
         changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
-    for name, changed in changes:
-        try:
-            answer = _closed_form(changed, _section(changed))
-        except GeometryError:
-            found.append((name, None, "no block"))
-            continue
-        found.append((name, answer.factor, _STATUSES.get(answer.status, answer.status)))
-    return tuple(found)
+    return changes
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
@@ -294,3 +239,36 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
         found.append(Notice("W323", message))
     return tuple(found)
+
+
+def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
+    geometry, name = result.geometry, design.joint_name
+    entries = [
+        f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_short(design.strength)}  "
+        f"{size_number(geometry.areas_m2[name])} m long",
+        f"face {design.face}  {design.face.in_words()}",
+        f"upper {design.upper}  {design.upper.in_words()}",
+    ]
+    assert isinstance(geometry, SectionGeometry)
+    if geometry.crack_depth_m is not None and geometry.crack_distance_m is not None:
+        off = geometry.crack_distance_m
+        where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
+        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}")
+    yield SheetPart("PLANES", entries)
+    total = size_number(geometry.total_height_m)
+    yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
+    crack = design.crack.water_m if design.crack is not None else None
+    in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
+    yield loads_part(water_in_words(design) or in_crack, result)
+
+
+KIND = kind_of_one_block(
+    "plane",
+    Words(
+        "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
+        "Hoek & Bray: forces only",
+        {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
+    ),
+    cut, compared, changes=_changes, strengths=lambda design: [design.strength], slope=_slope, notices=_notices,
+    has_site=True,
+)  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
-from slopekit.kinds.factors import Factors
+from slopekit.kinds.protocol import Factors
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Point
 

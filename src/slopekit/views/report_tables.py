@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from slopekit.findings import MOTIONS
+from slopekit.kinds import status_text
+from slopekit.kinds.words import line_in_words, size_number
 from slopekit.orientation import line_of
-from slopekit.result import STATUSES, status_text
+from slopekit.result import STATUSES
 from slopekit.views.report_blocks import block_table, factor, happens, in_names
 from slopekit.views.report_inputs import Table
 from slopekit.views.report_words import limit_of
-from slopekit.views.words import line_in_words, size_number
 
 Document = Mapping[str, Any]
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from slopekit.views.assembly_words import path_in_words
+from slopekit.views.assembly_sheet import path_in_words
 from slopekit.views.report_blocks import factor
 
 _KINDS = {

@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.block_scene import MODES, OPEN
 from slopekit.errors import DesignError, Fault
 from slopekit.findings import MOTIONS
-from slopekit.result import status_text
+from slopekit.kinds import status_text
 from slopekit.views.layers import (
     arrows,
     blocks_layer,
