@@ -15,7 +15,7 @@ from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.geometry.splitting import cut_bench
 from slopekit.kinds import cut
-from slopekit.kinds.one_block import joint_strength
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
 from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly

@@ -21,7 +21,7 @@ from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 
 import slopekit as sk
 from slopekit.kinds import cut
-from slopekit.kinds.one_block import joint_strength
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import assembly_loads
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 

@@ -19,7 +19,7 @@ from slopekit.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds import cut
 from slopekit.kinds.many_blocks_scene import scene_loads
-from slopekit.kinds.one_block import joint_strength
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks

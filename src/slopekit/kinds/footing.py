@@ -10,8 +10,8 @@ from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
-from slopekit.kinds.plane import section_bedding, section_geometry
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import section_bedding, section_geometry
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads
 from slopekit.notices import Interface

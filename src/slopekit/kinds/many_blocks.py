@@ -18,8 +18,9 @@ from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
-from slopekit.kinds.one_block import Clock, joint_stiffness, joint_strength
+from slopekit.kinds.one_block import Clock
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind, compare
+from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
     SheetPart,
     counted,

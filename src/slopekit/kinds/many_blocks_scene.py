@@ -10,7 +10,7 @@ from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.geometry.patches import BEDROCK, Assembly
-from slopekit.kinds.one_block import point_force
+from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 from slopekit.orientation import Line
 

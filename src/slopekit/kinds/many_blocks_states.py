@@ -10,8 +10,8 @@ from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.kinds.many_blocks_scene import AssemblyScene
-from slopekit.kinds.one_block import joint_stiffness, joint_strength
 from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
+from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome

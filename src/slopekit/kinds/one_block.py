@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.design.common import Design, Force, Strength
+from slopekit.design.common import Design, Strength
 from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
@@ -27,16 +27,16 @@ from slopekit.kinds.one_block_states import (
     turned_back,
 )
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
-from slopekit.loads import Loads, PointForce
+from slopekit.loads import Loads
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.onlooker import say
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
-from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
-from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
@@ -55,7 +55,6 @@ from slopekit.result import (
 if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder
 
-CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 DILATES = "the closed form knows no dilation: it is printed, not compared"
 _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
@@ -428,62 +427,6 @@ def _under_moments(
         rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
         max(rules.numbers), rules.runs, evidence,
     )  # fmt: skip
-
-
-# -- from a design to the arrays of the solver --------------------------------------------------------
-
-
-def joint_stiffness(design: Design) -> JointStiffness:
-    """The contact stiffness of a design."""
-    law = design.stiffness.shear_kn_m3
-    if law is not None:
-        return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=law)
-    given = design.stiffness.hyperbola
-    hyperbola = CloughDuncan(
-        given.modulus_number, given.exponent, given.failure_ratio, given.friction_angle_deg,
-        water_unit_weight=design.water_unit_weight_kn_m3,
-    )  # fmt: skip
-    return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=hyperbola)
-
-
-def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
-    """Strengths of the interfaces 0, 1, ... as arrays."""
-    return JointStrength(
-        np.array([strength.cohesion_kpa for strength in strengths]),
-        np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
-        np.tan(np.radians([strength.dilation_deg for strength in strengths])),
-        np.array([strength.tension_kpa for strength in strengths]),
-    )
-
-
-def bolt_forces(
-    design: Design, origin: Floats, check: CheckBolt, turn: Floats | None = None
-) -> tuple[list[PointForce], list[PointForce]]:
-    """Active and passive bolts as forces, each checked against the block where its head is known.
-
-    Parameters
-    ----------
-    check : refuses a bolt by its name, head (3,), direction (3,), length and place
-    turn : (3, 3) from the user's axes to the local ones
-    """
-    axes = np.eye(3) if turn is None else turn
-    active: list[PointForce] = []
-    passive: list[PointForce] = []
-    for k, bolt in enumerate(design.bolts, 1):
-        direction = axes @ bolt.toward.vector()
-        head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
-        if head is not None:
-            where = "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
-            check(f"bolt {k}", head, direction, bolt.length_m, where)
-        (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
-    return active, passive
-
-
-def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:
-    """A force of the design in local axes."""
-    axes = np.eye(3) if turn is None else turn
-    at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
-    return PointForce(axes @ np.array(force.components_kn), at)
 
 
 # -- reading the answer -------------------------------------------------------------------------------

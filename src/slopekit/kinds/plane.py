@@ -6,21 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.arrays import Floats
 from slopekit.closed_form.plane import ClosedFormPlane, plane_failure
-from slopekit.design.common import Strength, Water
+from slopekit.design.common import Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
-from slopekit.kinds.one_block import DILATES, Cut, bolt_forces, joint_strength, kind_of_one_block, point_force
-from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
-from slopekit.preie.model import build_model
 from slopekit.result import Result, Words
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
@@ -57,27 +56,6 @@ def compared(design: PlaneDesign) -> ClosedForm:
     found = closed_form(design, section_of(design))
     status = "slides_on_J1" if found.status == "slides" else found.status
     return ClosedForm(found.factor, status, DILATES if design.strength.dilation_deg else "")
-
-
-def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
-    """The plane of a section as the bed of the block on it."""
-    strength, centroid = joint_strength([given]), section.block.centroid
-    return Bedding(
-        {J1: np.array([np.zeros(3), section.bottom])}, centroid,
-        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=True),
-    )  # fmt: skip
-
-
-def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:
-    """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
-    areas = {name: section.length}
-    if section.crack_depth is not None:
-        areas["crack"] = section.crack_depth
-    height = float(np.ptp(section.outline[:, 1]))
-    return SectionGeometry(
-        section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
-        section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
-    )  # fmt: skip
 
 
 def _signed_dip(plane: Plane, face: Plane) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -24,15 +24,13 @@ from slopekit.kinds.one_block import (
     Cut,
     Solved,
     block_status,
-    bolt_forces,
     forces_of,
-    joint_strength,
-    point_force,
     result,
     solve,
 )
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
@@ -47,6 +45,7 @@ from slopekit.result import Result, Words
 if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 
+Normals = Literal["true", "smoothed", "facet"]
 NAME = "slip surface"
 _EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
 _FACET_EDGES = (4.0, 2.0, 1.0)  # the same for facet normals: they show a trend, no answer
@@ -410,26 +409,40 @@ def _ladder(design: SurfaceDesign) -> "Ladder":
     return replace(found, normals=normals_rungs(design, found.result, found.rungs))
 
 
-def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
-    """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
-    from slopekit.kinds.ladders import MOST_PAIRS, limit_rung
+def _meshed(
+    design: SurfaceDesign, result: Result, edges: Sequence[float], normals: Normals
+) -> Iterator[tuple[int, float, Scene, float]]:
+    """Scenes with edges so many times as long as the result's, with their number, the edge wanted and the mean edge.
+
+    A mesh file is what it is; what has too many node pairs, and edges too coarse to cut this mass, are left out.
+    """
+    from slopekit.kinds.ladders import MOST_PAIRS
 
     geometry = result.geometry
-    if design.slip.shape == "mesh" or not isinstance(geometry, SurfaceGeometry):
+    assert isinstance(geometry, SurfaceGeometry)
+    for level, times in enumerate(edges):
+        if result.model.node_pairs / times**2 > MOST_PAIRS:
+            return
+        wanted = None if design.slip.shape == "mesh" else times * _ROOM * geometry.edge_m
+        say(f"{normals} normals, edges of {times * geometry.edge_m:.3g} m", head=True)
+        try:
+            scene, edge = prepare_meshed(replace(design, slip=replace(design.slip, edge_m=wanted, normals=normals)))
+        except (DesignError, GeometryError):
+            continue
+        yield level, times * geometry.edge_m, scene, edge
+
+
+def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
+    """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
+    from slopekit.kinds.ladders import limit_rung
+
+    if design.slip.shape == "mesh":
         return
     rungs: list[Rung] = []
-    for level, times in enumerate(_EDGES):
-        if result.model.node_pairs / times**2 > MOST_PAIRS:
-            break
-        other = replace(design, slip=replace(design.slip, edge_m=times * _ROOM * geometry.edge_m))
-        say(f"ladder, edges of {times * geometry.edge_m:.3g} m", head=True)
-        try:
-            scene, edge = prepare_meshed(other)
-        except (DesignError, GeometryError):  # too coarse to cut this mass
-            continue
+    for level, wanted, scene, edge in _meshed(design, result, _EDGES, design.slip.normals):
         if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
             rungs.pop()
-        setting = f"edges of {times * geometry.edge_m:.3g} m"
+        setting = f"edges of {wanted:.3g} m"
         rungs.append(replace(limit_rung(scene, curved_limit_analysis, setting, level), edge_m=edge))
     yield from rungs
 
@@ -439,36 +452,24 @@ def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]
 
     Empty where the design itself has facet normals.
     """
-    geometry = result.geometry
-    assert isinstance(geometry, SurfaceGeometry)
-    from slopekit.kinds.ladders import MOST_PAIRS, NormalsRung, kept_bonds_factor
+    from slopekit.kinds.ladders import NormalsRung, kept_bonds_factor
 
-    own, is_mesh = design.slip.normals, design.slip.shape == "mesh"
+    own, geometry = design.slip.normals, result.geometry
     if own == "facet":
         return ()
+    assert isinstance(geometry, SurfaceGeometry)
     found = [
         NormalsRung(own, rung.edge_m, rung.node_pairs, rung.factor)
         for rung in ladder if rung.edge_m is not None and rung.node_pairs is not None
-    ]  # fmt: skip
-    if not found:
-        found.append(NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit))
+    ] or [NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit)]  # fmt: skip
     edges: list[float] = []
-    for times in (1.0,) if is_mesh else _FACET_EDGES:
-        if result.model.node_pairs / times**2 > MOST_PAIRS:
-            break
-        wanted = None if is_mesh else times * _ROOM * geometry.edge_m
-        say(f"facet normals, edges {times:g} times as long", head=True)
-        try:
-            scene, edge = prepare_meshed(replace(design, slip=replace(design.slip, edge_m=wanted, normals="facet")))
-        except (DesignError, GeometryError):  # too coarse to cut this mass
-            continue
+    for _, _, scene, edge in _meshed(design, result, (1.0,) if design.slip.shape == "mesh" else _FACET_EDGES, "facet"):
         if edge in edges:  # the coarsest mesh there is, once more
             continue
         edges.append(edge)
         limit = curved_limit_analysis(scene.model).governing
         factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
-        cohesive = kept_bonds_factor(scene.model)
-        found.append(NormalsRung("facet", edge, len(scene.pairs), factor, cohesive))
+        found.append(NormalsRung("facet", edge, len(scene.pairs), factor, kept_bonds_factor(scene.model)))
     return tuple(found)
 
 

@@ -15,9 +15,10 @@ from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
-from slopekit.kinds.one_block import DILATES, Cut, bolt_forces, joint_strength, kind_of_one_block, point_force
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.words import SheetPart, line_in_words, loads_part, size_number, size_part, water_in_words
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
