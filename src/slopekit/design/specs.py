@@ -97,6 +97,11 @@ def _analysis(*more: str) -> Section:
     return Section(keys | dict.fromkeys(more, _SETTING))
 
 
+def keys_of_kind(own: Mapping[str, Spec], required: tuple[str, ...]) -> Section:
+    """What files of a kind of one block may hold: its own keys beside those that all kinds share."""
+    return _kind({"loads": _LOADS} | dict(own), required, _analysis())
+
+
 def _kind(own: Mapping[str, Spec], required: tuple[str, ...], analysis: Section) -> Section:
     shared: dict[str, Spec] = {
         "slopekit": Leaf(example=str(VERSION)), "kind": Leaf(example="wedge"), "title": Leaf(),

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit.design.common import Design
-from slopekit.result import Result
+from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -92,6 +92,12 @@ def cut(design: Design) -> Any:
     return kind_of(design).cut(design)
 
 
+def words_named(kind: str) -> Words:
+    """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
+    is_known = kind in MODULES or kind in _FROM_OUTSIDE
+    return kind_named(kind).words if is_known else Words(kind, "block", "", "", "", {})
+
+
 def status_text(kind: str, status: str) -> str:
     """A status as a sentence, in the words of the kind of design."""
-    return kind_named(kind).words.status(status)
+    return words_named(kind).status(status)
