@@ -13,7 +13,7 @@ from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
-from slopekit.loads import Loads, PointForce, block_loads
+from slopekit.loads import PointForce, block_loads
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
@@ -22,7 +22,9 @@ NAME = "weak plane"
 
 def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
-    section, acting = _loaded(design)
+    section, at = _block(design)
+    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
+    acting = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
@@ -35,7 +37,7 @@ def cut(design: FootingDesign) -> Cut:
 
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
-    strength, weight = design.strength, float(-_loaded(design)[1].parts["weight"][2])
+    strength, weight = design.strength, design.unit_weight_kn_m3 * _block(design)[0].block.volume
     found = footing(
         design.load_kn, design.dip_deg, design.length_m, strength.cohesion_kpa, strength.friction_angle_deg, weight
     )
@@ -43,15 +45,15 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     return ClosedForm(found.factor, status, DILATES if strength.dilation_deg else "")
 
 
-def _loaded(design: FootingDesign) -> tuple[Section, Loads]:
+def _block(design: FootingDesign) -> tuple[Section, float]:
+    """The block and the place of the load on it, m from the face."""
     section = footing_section(design.dip_deg, design.length_m)
     width = -float(section.bottom[0])
     at = width / 2.0 if design.load_at_m is None else design.load_at_m
     if not 0.0 <= at <= width:
         message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
         raise GeometryError([Fault("E219", message)])
-    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
-    return section, block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+    return section, at
 
 
 def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:

@@ -91,7 +91,7 @@ class Stage:
     @property
     def in_section(self) -> bool:
         """Whether everything repeats along the strike, and one slice shows it all."""
-        if self._given("geometry", "thickness_m") is None:
+        if self._given("geometry", "thickness_m") is None or not self.free.any():
             return False
         y = self.scene.shapes.centroids[self.free, 1]
         return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
