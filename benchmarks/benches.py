@@ -92,11 +92,10 @@ def random_design(seed: int) -> dict[str, object] | None:
             "strength": {"j": {"c": cohesion, "phi": phi}}, "rock": {"unit_weight": 26},
             "cut": {"seed": seed},
         }  # fmt: skip
-        from slopekit.analysis.assembly_scene import assembly_scene
-        from slopekit.analysis.stages import Clock
+        from slopekit.kinds import cut
 
         try:
-            blocks = len(assembly_scene(sk.load(design), Clock()).assembly)
+            blocks = len(cut(sk.load(design)).assembly)
         except SlopekitError:
             spacing *= 0.8
             continue

@@ -192,12 +192,14 @@ def show_multipliers(names: Iterable[str]) -> None:
 def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tuple[float | None, str, float]:
     """The part of a load at which F is 1 as `slopekit solve` finds it, the status there, and CPU seconds."""
     import slopekit as sk
-    from slopekit.analysis.assembly import load_multiplier
+    from slopekit.kinds import kind_of
 
     began = time.process_time()
     try:
         with _within(seconds):
-            found = load_multiplier(sk.load(without), sk.load(unit), 1.0)
+            design = sk.load(without)
+            at_load = kind_of(design).at_load
+            found = None if at_load is None else at_load(design, sk.load(unit), 1.0)
     except TimeoutError:
         return None, "time", time.process_time() - began
     value, status = (None, "none") if found is None else found

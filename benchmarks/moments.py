@@ -14,8 +14,8 @@ import time
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis import wedge
 from slopekit.geometry.rockmass import J1, J2
+from slopekit.kinds import wedge
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
 

@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 SRC = "src/slopekit/"
 _ONE_BLOCK = ("tests/preie/test_limit.py", "tests/validation", "tests/test_random_wedges.py")
-_BLOCKS = ("tests/preie/test_blocks.py", "tests/analysis/test_assembly.py", "tests/validation/test_goodman_bray.py")
+_BLOCKS = ("tests/preie/test_blocks.py", "tests/kinds/test_assembly.py", "tests/validation/test_goodman_bray.py")
 _REST = ("tests/preie/test_contact.py", "tests/preie/test_settlement.py", "tests/validation/test_sheng_2023.py")
-_MODEL = ("tests/preie/test_assembly.py", "tests/preie/test_blocks.py", "tests/analysis/test_assembly.py")
-_CURVED = ("tests/geometry/test_sliding_mass.py", "tests/analysis/test_surface.py", "tests/preie/test_curved_limit.py")
-_LOADS = ("tests/test_loads.py", "tests/test_assembly_loads.py", "tests/analysis/test_assembly.py", "tests/validation")
-_PLANE = ("tests/analysis/test_plane.py", "tests/properties/test_kinds.py")
+_MODEL = ("tests/preie/test_assembly.py", "tests/preie/test_blocks.py", "tests/kinds/test_assembly.py")
+_CURVED = ("tests/geometry/test_sliding_mass.py", "tests/kinds/test_surface.py", "tests/preie/test_curved_limit.py")
+_LOADS = ("tests/test_loads.py", "tests/test_assembly_loads.py", "tests/kinds/test_assembly.py", "tests/validation")
+_PLANE = ("tests/kinds/test_plane.py", "tests/properties/test_kinds.py")
 _TOPPLING = ("tests/closed_form/test_toppling.py", "tests/validation/test_goodman_bray.py")
 _BOUND = ("tests/preie/test_bound.py", "tests/validation", "tests/preie/test_blocks.py")
 _PAIRS = ("tests/preie/test_assembly.py", "tests/properties/test_assemblies.py")
-_ARMS = ("tests/analysis/test_footing.py", "tests/analysis/test_plane.py", *_ONE_BLOCK)
-_WATER = ("tests/analysis/test_water_on_one_block.py",)
+_ARMS = ("tests/kinds/test_footing.py", "tests/kinds/test_plane.py", *_ONE_BLOCK)
+_WATER = ("tests/kinds/test_water_on_one_block.py",)
 _KEY_BLOCKS = ("tests/preie/test_key_blocks.py",)
 _UNITS = ("tests/design/test_unit_factors.py",)
 
@@ -166,18 +166,18 @@ MUTATIONS = (
          _LOADS),
         ("force that drains", "loads.py", "push = sign * water[own, None]", "push = 1.01 * sign * water[own, None]",
          _LOADS),
-        ("wedge, joints", "analysis/wedge.py", "float(np.ptp(block.corners[:, 2])) / 6.0",
+        ("wedge, joints", "kinds/wedge.py", "float(np.ptp(block.corners[:, 2])) / 6.0",
          "1.01 * float(np.ptp(block.corners[:, 2])) / 6.0", _WATER),
-        ("wedge, crack", "analysis/wedge.py", "full = design.water_unit_weight_kn_m3 * depth / 3.0",
+        ("wedge, crack", "kinds/wedge.py", "full = design.water_unit_weight_kn_m3 * depth / 3.0",
          "full = 1.01 * design.water_unit_weight_kn_m3 * depth / 3.0",
          (*_ONE_BLOCK, "tests/hard_cases/test_listed.py")),
-        ("plane, thrust", "analysis/plane.py", "np.array([0.5 * weight * deep * deep, 0.0, 0.0])",
+        ("plane, thrust", "kinds/plane.py", "np.array([0.5 * weight * deep * deep, 0.0, 0.0])",
          "np.array([0.505 * weight * deep * deep, 0.0, 0.0])", _PLANE),
-        ("plane, uplift", "analysis/plane.py", "PointForce(0.5 * weight * deep * section.length * up",
+        ("plane, uplift", "kinds/plane.py", "PointForce(0.5 * weight * deep * section.length * up",
          "PointForce(0.505 * weight * deep * section.length * up", _PLANE),
-        ("plane, no crack", "analysis/plane.py", "PointForce(0.5 * peak * section.length * up",
+        ("plane, no crack", "kinds/plane.py", "PointForce(0.5 * peak * section.length * up",
          "PointForce(0.505 * peak * section.length * up", _PLANE),
-        ("plane, given pressure", "analysis/plane.py", "PointForce(pressures[0] * section.length * up",
+        ("plane, given pressure", "kinds/plane.py", "PointForce(pressures[0] * section.length * up",
          "PointForce(1.01 * pressures[0] * section.length * up", _WATER),
         ("closed form of the wedge, joints", "closed_form/wedge.py", "water.unit_weight * shape.total_height / 6.0",
          "1.01 * water.unit_weight * shape.total_height / 6.0", ("tests/closed_form/test_wedge.py", *_ONE_BLOCK)),
@@ -213,7 +213,7 @@ MUTATIONS = (
          ("tests/closed_form/test_plane.py",)),
         ("footing, normal force", "closed_form/footing.py", "normal = total * math.cos",
          "normal = 1.01 * total * math.cos",
-         ("tests/closed_form/test_footing.py", "tests/analysis/test_footing.py")),
+         ("tests/closed_form/test_footing.py", "tests/kinds/test_footing.py")),
         ("footing, cohesion", "closed_form/footing.py", "resisting = cohesion_kpa * length_m",
          "resisting = 1.01 * cohesion_kpa * length_m", ("tests/closed_form/test_footing.py",)),
         ("toppling, sliding", "closed_form/toppling.py", "push * locks + down - off * base - bond",

@@ -204,12 +204,11 @@ def _bench_of(rng: np.random.Generator, cohesion: float, most: int) -> Design | 
 def blocks_of(design: Design) -> int:
     """How many blocks a bench has; 2 where none can be cut or none can move."""
     import slopekit as sk
-    from slopekit.analysis.assembly_scene import assembly_scene
-    from slopekit.analysis.stages import Clock
     from slopekit.errors import SlopekitError
+    from slopekit.kinds import cut
 
     try:
-        return len(assembly_scene(sk.load(design), Clock()).assembly)
+        return len(cut(sk.load(design)).assembly)
     except SlopekitError:
         return 2
 

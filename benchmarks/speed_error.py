@@ -28,11 +28,11 @@ from benchmarks.rivals import (
     siconos,
     slopekit_limit,
 )
-from slopekit.analysis import surface
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
+from slopekit.kinds import cut, surface
+from slopekit.kinds.wedge import closed_form
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.model import build_model
 from slopekit.preie.slippage import slippable
@@ -136,7 +136,7 @@ def wedge(quick: bool) -> list[Row]:
     exact = closed_form(design).factor
     rows: list[Row] = []
     for refine in (0,) if quick else (0, 1, 2):
-        contacts = OneBlock(prepare(design, refine).model)
+        contacts = OneBlock(cut(design).scene_at(refine).model)
         pairs = len(contacts.control_area)
         entrants = [
             (CLOSED, "", lambda: Answer(closed_form(design).factor)),
@@ -161,7 +161,7 @@ def wedge(quick: bool) -> list[Row]:
 
 
 def surface_contacts(normals: str, edge: float) -> OneBlock:
-    """The model of the paper's ellipsoid that `analysis.surface` would solve: its stages, without its result."""
+    """The model of the paper's ellipsoid that `kinds.surface` would solve: its stages, without its result."""
     design = sk.load(path_of("paper-ellipsoid"), set={"slip.normals": normals, "slip.edge": edge})
     cut = surface._cut(design)
     loads = surface._loads(design, cut)

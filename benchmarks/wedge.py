@@ -15,8 +15,9 @@ from collections.abc import Callable
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import cut
+from slopekit.kinds.wedge import closed_form
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import limit_analysis
 from tests.support import random_wedge
@@ -39,11 +40,11 @@ def median_ms(work: Callable[[], object], repeat: int = 101) -> float:
 def stages() -> None:
     print("\n## One wedge in process (median ms)")
     design = wedge_design(PAPER)
-    scene = prepare(design, 0)
+    scene = cut(design).scene_at(0)
     limit = limit_analysis(scene.model).governing
     rows = {
         "closed form": lambda: closed_form(design),
-        "read, cut, load, mesh: design to model": lambda: prepare(wedge_design(PAPER), 0),
+        "read, cut, load, mesh: design to model": lambda: cut(wedge_design(PAPER)).scene_at(0),
         "model to limit": lambda: limit_analysis(scene.model),
         "static bound": lambda: static_bound(scene.model, limit.velocity_of(scene.model), limit.factor),
         "orientation to checked result (all of it)": lambda: sk.wedge(**PAPER),

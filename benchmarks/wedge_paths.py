@@ -11,11 +11,11 @@ from collections import Counter
 
 import numpy as np
 
-from slopekit.analysis.stages import Clock, find_limit
-from slopekit.analysis.wedge import prepare, scenes
 from slopekit.design.reading import wedge_design
 from slopekit.errors import SlopekitError
 from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.kinds import cut
+from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.blocks import limit_of_blocks
@@ -74,7 +74,7 @@ def compared(rng: np.random.Generator, passive: bool = False) -> tuple[str, floa
         if not passive or any(bolt["acts"] == "passive" for bolt in wedge.get("bolts", ())):
             break
     try:
-        scene = prepare(wedge_design(wedge), 0)
+        scene = cut(wedge_design(wedge)).scene_at(0)
         whole, model = as_assembly(scene)
     except SlopekitError as error:
         return error.faults[0].code, 0.0
@@ -100,7 +100,7 @@ def moments(count: int) -> None:
         wedge = {**random_wedge(rng), "c": [0.0, 0.0]}
         try:
             design = wedge_design(wedge)
-            scene_at = scenes(design)
+            scene_at = cut(design).scene_at
             found = find_limit(design, scene_at, 0, Clock())
         except SlopekitError:
             continue

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis import surface
 from slopekit.geometry.shapes import Cutter, Ellipsoid, profile_prism
+from slopekit.kinds import surface
 from slopekit.preie.model import Model, build_model
 from slopekit.preie.slippage import Slippage, slippable
 

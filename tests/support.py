@@ -5,6 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from slopekit import kinds
+from slopekit.design.specs import READERS, SPECS
+
 PAPER = {"dips": ("45/115", "45/245")}
 
 
@@ -66,3 +69,10 @@ def _back_corner(joints: Any, face: Any, upper: Any, height: float) -> tuple[flo
         return None
     highest = max(crest1[2], crest2[2], back[2])
     return abs(float(np.linalg.det([crest1, crest2, back]))) / 6.0, highest
+
+
+def forget_kinds() -> None:
+    """Take the kinds from outside away again."""
+    for table in (kinds._FROM_OUTSIDE, SPECS, READERS):
+        for name in set(table) - set(kinds.MODULES):
+            del table[name]

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
+from slopekit.kinds import cut
 from slopekit.loads import PointForce, assembly_loads, drained
 
 BLOCKS = {
@@ -23,7 +22,7 @@ DESIGN = {
 
 @pytest.fixture
 def scene():
-    return assembly_scene(sk.load(DESIGN), Clock())
+    return cut(sk.load(DESIGN))
 
 
 def sides(scene) -> np.ndarray:
@@ -57,7 +56,7 @@ def test_uplift_on_part_of_a_base_turns_its_block() -> None:
     """A block that overhangs: 1 of its 3 m rests on the base."""
     low = {"base": {"polygon": [[-9, -1], [1, -1], [1, 0], [-9, 0]], "fixed": True},
            "A": {"polygon": [[0, 0], [3, 0], [3, 1], [0, 1]]}}  # fmt: skip
-    scene = assembly_scene(sk.load(DESIGN | {"blocks": low}), Clock())
+    scene = cut(sk.load(DESIGN | {"blocks": low}))
     found = assembly_loads(scene.assembly, scene.unit_weights, np.zeros(3), np.array([5.0]))
     assert found.forces[1] == pytest.approx([0.0, 0.0, -75.0 + 5.0])
     assert found.moments[1, 1] == pytest.approx(-(0.5 - 1.5) * 5.0)

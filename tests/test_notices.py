@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import prepare
 from slopekit.design.common import Strength
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import SolverError
 from slopekit.explanations import EXPLANATIONS
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.kinds import cut
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.limit import limit_analysis
@@ -83,7 +83,7 @@ def test_a_plain_design_is_told_nothing() -> None:
 def facts(**changes) -> tuple[set[str], str]:
     """The codes said of the paper's wedge with some of the facts changed, and all that was said."""
     design = wedge_design({"dips": DIPS})
-    scene = prepare(design, 0)
+    scene = cut(design).scene_at(0)
     analysis = limit_analysis(scene.model)
     if "change" in changes:
         governing = replace(analysis.governing, change=changes.pop("change"))
@@ -92,7 +92,7 @@ def facts(**changes) -> tuple[set[str], str]:
         half = np.where(np.arange(len(scene.pairs)) % 2, analysis.governing.normal_force, 0.0)
         analysis = replace(analysis, governing=replace(analysis.governing, normal_force=half))
         changes.pop("idle")
-    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, True, None, False, "")
+    found = Facts("slides_on_both", analysis, scene.pairs, scene.model, True, None, False, "", "wedge")
     interfaces = [Interface(0, "J1", Strength(50, 20)), Interface(1, "J2", Strength(50, 20))]
     said = list(notices(design, interfaces, replace(found, **changes)))
     return {notice.code for notice in said}, "\n".join(map(str, said))

@@ -7,7 +7,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.result import Result
-from tests.analysis.test_factors import same
+from tests.kinds.test_factors import same
 from tests.support import random_wedge
 
 COUNT = 75
@@ -42,7 +42,7 @@ def test_limit_equals_the_closed_form_or_moments_lower_it(results) -> None:
 
 
 def test_status_is_the_closed_forms_where_forces_govern(results) -> None:
-    from slopekit.analysis.wedge import closed_form
+    from slopekit.kinds.wedge import closed_form
 
     for result in results:
         if not result.moments_govern:

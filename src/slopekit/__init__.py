@@ -83,11 +83,10 @@ def wedge(
     DesignError
         With every fault of the input. GeometryError where the planes cut no wedge.
     """
-    from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
 
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "analyse_wedge", "wedge_design")}
-    return analyse_wedge(wedge_design(given | unknown))
+    given = {key: value for key, value in locals().items() if key not in ("unknown", "wedge_design")}
+    return analyse(wedge_design(given | unknown))
 
 
 def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str, Any] | None" = None) -> "Design":
@@ -109,7 +108,7 @@ def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str
 
 def analyse(design: "Design") -> "Result":
     """Analyse a loaded design of any kind. Raises GeometryError where no block can be formed."""
-    from slopekit.analysis import analyse as analyse_design
+    from slopekit.kinds import analyse as analyse_design
 
     return analyse_design(design)
 

@@ -19,6 +19,11 @@ class Geometry(Protocol):
         ...
 
     @property
+    def total_height_m(self) -> float:
+        """From its lowest to its highest point."""
+        ...
+
+    @property
     def areas_m2(self) -> Mapping[str, float]:
         """Area of each interface."""
         ...

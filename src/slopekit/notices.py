@@ -8,15 +8,12 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Strength
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.orientation import Plane
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 
-_BLOCKS = {"wedge": "wedge", "surface": "mass"}
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _FAR_M = 1e4  # coordinates beyond this are a map's
@@ -41,7 +38,7 @@ class Facts:
     Attributes
     ----------
     bound_is_proved : or not asked for; mesh_change : what the last refinement did
-    unsettled : no equilibrium at full strength; why_not : why the closed form is not compared
+    unsettled : no equilibrium at full strength; why_not : why the closed form is not compared; block : what moves
     seismic : (3,) the way it acts, local axes; None without
     by_rules : moments open part of a contact with cohesion, and the limit is that of a rule on it
     span : lowest and highest factor of the mechanism, whatever forces are locked in
@@ -55,24 +52,10 @@ class Facts:
     mesh_change: float | None
     unsettled: bool
     why_not: str
+    block: str
     seismic: Floats | None = None
     by_rules: bool = False
     span: tuple[float | None, float | None] = (None, None)
-
-
-def wedge_notices(design: WedgeDesign) -> Iterator[Notice]:
-    """What a reader must know of the planes and the water of a wedge."""
-    cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
-    apart = math.degrees(math.acos(min(1.0, cosine)))
-    if apart < _NEARLY_PARALLEL_DEG:
-        yield Notice("W301", _parallel_note(design, apart))
-    water = design.water
-    if design.crack and water.mode == "pressures" and len(water.pressures_kpa) < 3 and water.crack_fill is None:
-        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
-    if water.mode == "dry" and water.crack_fill:
-        yield Notice("W319", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
-    if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
-        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
@@ -94,7 +77,7 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
 
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
-    analysis, model, block = facts.analysis, facts.model, _BLOCKS.get(design.kind, "block")
+    analysis, model, block = facts.analysis, facts.model, facts.block
     for name, value in design.assumed:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
     if design.left_out:
@@ -192,19 +175,3 @@ def _idle_share(limit: Limit, model: Model) -> float:
     idle = bonded & (limit.normal_force <= 1e-9 * limit.normal_force.sum()) & (model.cohesion > 0.0)
     area = model.control_area
     return float(area[idle].sum() / max(float(area[bonded].sum()), 1e-300))
-
-
-def _parallel_note(design: WedgeDesign, apart: float) -> str:
-    """How far one degree of one joint moves the line of intersection."""
-    first, second = design.joints
-    normals = second.normal()
-    line = np.cross(first.normal(), normals)
-    moved = 0.0
-    for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
-        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
-        sizes = math.sqrt(float(line @ line) * float(other @ other))
-        if sizes > 0.0:
-            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
-    return (
-        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
-    )

@@ -30,38 +30,43 @@ STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: nothing drives it",
     "not_converged": "the analysis did not converge: no number",
 }
-#: Kinds of many blocks.
-ASSEMBLIES = ("bench", "blocks", "topple")
-#: Where another kind than the wedge means something else by a status.
-_OF_KIND: Mapping[tuple[str, str], str] = {
-    ("plane", "slides_on_J1"): "slides on its plane",
-    ("plane", "lifted"): "is pushed off its plane",
-    ("footing", "slides_on_J1"): "slides on the weak plane",
-    ("footing", "lifted"): "is pushed off the weak plane",
-    ("surface", "slides_on_J1"): "slides on its slip surface without turning",
-    ("surface", "rotates"): "turns on its slip surface",
-    ("surface", "lifted"): "is pushed off its slip surface",
-} | {
-    (kind, status): text
-    for kind in ASSEMBLIES
-    for status, text in {
-        "slides": "blocks slide",
-        "topples": "blocks topple",
-        "rotates": "blocks turn as they slide",
-        "falls": "blocks fall: no strength that was tried holds them",
-        "lifted": "blocks are lifted off: no strength that was tried holds them",
-        "no_driving_force": "stands: every block stands without any strength",
-    }.items()
-}
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """What a kind of design calls things.
+
+    Attributes
+    ----------
+    title : the kind in a few words; block : what moves
+    seismic : the way a seismic load acts where the design gives no trend
+    closed_form : what it is called; rests_on : its source or assumption; both "" where the kind has none
+    statuses : those that are not as in `STATUSES`
+    no_closed_form : why there is none for a design
+    assumes : what the limit takes for granted beside PRE-IE
+    horizontal : the way that movements are told in
+    along : the status says toward where the block slides; turns : it is asked whether the block turns first
+    """
+
+    title: str
+    block: str
+    seismic: str
+    closed_form: str
+    rests_on: str
+    statuses: Mapping[str, str]
+    no_closed_form: str = "there is none here (see NOTE)"
+    assumes: str = ""
+    horizontal: str = "horizontal"
+    along: bool = False
+    turns: bool = True
+
+    def status(self, status: str) -> str:
+        """A status as a sentence."""
+        return self.statuses.get(status, STATUSES[status])
 
 
 #: The closed forms of columns by the names that results and rules have for them.
 METHODS = ("fellenius", "janbu", "bishop", "all_equilibrium")
-
-
-def status_text(kind: str, status: str) -> str:
-    """A status as a sentence, in the words of the kind of design."""
-    return _OF_KIND.get((kind, status), STATUSES[status])
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +236,7 @@ class Result:
     """
 
     design: Design
+    words: Words
     status: str
     fos: FactorsOfSafety
     difference: float | None
@@ -264,7 +270,7 @@ class Result:
     @property
     def status_text(self) -> str:
         """The status as a sentence."""
-        return status_text(self.kind, self.status)
+        return self.words.status(self.status)
 
     @property
     def criterion_fos(self) -> float | None:
@@ -305,7 +311,7 @@ class Result:
     @property
     def scene(self) -> BlockScene:
         """The blocks, interfaces, node pairs and movements, for pictures and files of other programs."""
-        shapes = self.geometry.shapes(_BLOCKS.get(self.kind, self.kind))
+        shapes = self.geometry.shapes(self.words.block)
         count = len(shapes.names)
         velocity, order, factor = np.zeros((count, 6)), np.zeros(count, dtype=np.int64), np.full(count, np.nan)
         displacement = None
@@ -341,7 +347,7 @@ class Result:
         if self.mechanism is None:
             return None
         return {
-            "blocks": [_BLOCKS.get(self.kind, self.kind)],
+            "blocks": [self.words.block],
             "displacement": self.mechanism.displacement.tolist(),
             "rotation": self.mechanism.rotation.tolist(),
         }
@@ -421,6 +427,3 @@ class Result:
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),
         }  # fmt: skip
-
-
-_BLOCKS = {"wedge": "wedge", "plane": "block", "footing": "block", "surface": "mass"}

@@ -1,7 +1,7 @@
 """Plane failures over arrays against the scalar functions, one by one: the same outcomes, the same factors to 1e-12.
 
 Independent source: `geometry.section.plane_section`, then `scalar_plane.plane_failure` with the water that
-`analysis.plane` gives it. Cutting the block takes milliseconds, and only the height of its outline goes into the closed
+`kinds.plane` gives it. Cutting the block takes milliseconds, and only the height of its outline goes into the closed
 form: where blocks are many, the points between which each lies stand for it; the cut itself is made for a few.
 """
 
@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis import plane as analysis
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import GeometryError
 from slopekit.geometry import section
 from slopekit.geometry.section import LEFT, plane_section
+from slopekit.kinds import plane as analysis
 from tests.closed_form.scalar_plane import ClosedFormPlane, plane_failure
 
 REL = 1e-12

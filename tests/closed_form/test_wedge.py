@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import closed_form, prepare
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import cut
+from slopekit.kinds.wedge import closed_form
 from slopekit.orientation import Plane
 from slopekit.preie.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge
@@ -102,7 +103,8 @@ def loaded(rng: np.random.Generator) -> dict:
     wedge = {**random_wedge(rng), "bolts": None}
     wedge["water"] = f"{rng.uniform(0, 100):.3f}%"
     wedge["seismic"] = f"{rng.uniform(0, 0.2):.4f}@{rng.uniform(0, 360):.2f}"
-    weight = prepare(wedge_design(wedge | {"water": "dry", "seismic": None}), 0).model.force_scale  # nothing else acts
+    alone = wedge_design(wedge | {"water": "dry", "seismic": None})
+    weight = cut(alone).scene_at(0).model.force_scale
     wedge["forces"] = [(rng.normal(size=3) * 0.05 * weight).tolist()]
     wedge["bolts"] = [
         {
@@ -115,7 +117,7 @@ def loaded(rng: np.random.Generator) -> dict:
     plane = ((wedge["face"][1] + rng.uniform(-20, 20)) % 360.0, rng.uniform(60, 90))
     cracked = {**wedge, "crack": {"plane": (plane[1], plane[0]), "distance": 0.05 * wedge["height"]}}
     try:
-        prepare(wedge_design(cracked), 0)
+        cut(wedge_design(cracked)).scene_at(0)
     except sk.GeometryError:
         return wedge
     return cracked
@@ -128,7 +130,7 @@ def test_forces_alone_equal_the_closed_form_under_every_load() -> None:
     for _ in range(30):
         wedge = loaded(rng)
         design = wedge_design(wedge)
-        model, closed = prepare(design, 0).model, closed_form(design).factor
+        model, closed = cut(design).scene_at(0).model, closed_form(design).factor
         alone = forces_only_limit(model).factor
         cracks += "crack" in wedge
         if not closed:

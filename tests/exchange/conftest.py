@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.assembly import _geometry
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
 from slopekit.design.blocky import AssemblyDesign
+from slopekit.kinds import cut
+from slopekit.kinds.many_blocks import _geometry
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 #: Map coordinates of the toe, m.
@@ -21,7 +20,7 @@ EAST, NORTH = 4_000_000.0, 5_500_000.0
 
 def unsolved(design: AssemblyDesign) -> dict[str, Any]:
     """The JSON of an assembly that was cut and not solved: no node pairs, no factor."""
-    geometry = _geometry(assembly_scene(design, Clock()))
+    geometry = _geometry(cut(design))
     shapes = geometry.shapes("block")
     count = len(shapes.names)
     none, whole = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock, joint_strength
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.columns import column_assembly
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.geometry.splitting import cut_bench
+from slopekit.kinds import cut
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
 from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly
@@ -285,6 +285,6 @@ def random_bench(seed: int) -> tuple[Scene, float]:
 
 def first_part(design: Mapping[str, Any], ranged: bool = False) -> Part:
     """The component of a bench that fails first, its contacts as fine as its twist asks for, with its limit."""
-    scene = assembly_scene(sk.load(dict(design)), Clock())
+    scene = cut(sk.load(dict(design)))
     loads = assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
     return ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=ranged).failures[0].parts[0]

@@ -20,15 +20,15 @@ from scipy import sparse
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock, joint_strength
+from slopekit.kinds import cut
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import assembly_loads
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 
 
 def model_of(design: Mapping[str, Any], refine: int = 0) -> AssemblyModel:
     """The model of a design with all of its blocks free."""
-    scene = assembly_scene(sk.load(dict(design)), Clock())
+    scene = cut(sk.load(dict(design)))
     blocks, patches = scene.assembly, scene.assembly.patches
     loads = assembly_loads(blocks, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes)
     touched = np.zeros(len(blocks) + 1, dtype=bool)

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.patches import BEDROCK, Patches
+from slopekit.kinds import cut
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength, Model
 
@@ -108,7 +108,7 @@ def paper_wedge() -> tuple[AssemblyModel, Model]:
 
     It is a tetrahedron on two triangles, whose corners come first among their node pairs.
     """
-    scene = prepare(wedge_design({"dips": ("45/115", "45/245")}), 0)
+    scene = cut(wedge_design({"dips": ("45/115", "45/245")})).scene_at(0)
     pairs, model = scene.pairs, scene.model
     starts = np.flatnonzero(np.diff(pairs.interface, prepend=-1))
     parts = [(pairs.points[k : k + 3], pairs.normals[k]) for k in starts]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import cut
 from slopekit.preie.balance import balance, of_blocks, of_one_block
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis
@@ -33,7 +33,7 @@ def test_forces_balance_and_are_admissible(name) -> None:
 
 @pytest.fixture
 def solved():
-    model = prepare(wedge_design(SCENES["turns"]), 1).model
+    model = cut(wedge_design(SCENES["turns"])).scene_at(1).model
     return model, limit_analysis(model)
 
 

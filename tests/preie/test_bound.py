@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import cut
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import curved_limit_analysis, limit_analysis
 from tests.preie import conic_oracle
@@ -94,7 +94,7 @@ JAMS = {
 
 def test_where_the_joints_jam_newton_is_not_trusted() -> None:
     """A little more strength and forces however large balance: the distance is a step there. Bisection, to 1e-6."""
-    model = prepare(wedge_design(JAMS), 0).model
+    model = cut(wedge_design(JAMS)).scene_at(0).model
     limit = limit_analysis(model).governing
     found = static_bound(model, limit.velocity_of(model), limit.factor)
     assert found.factor == pytest.approx(conic_oracle.sparse_static_bound(model, limit.factor), rel=1e-6)

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis import moments, wedge
-from slopekit.analysis.moments import judge, opens_cohesive
-from slopekit.analysis.wedge import scenes
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rockmass import J1, J2
+from slopekit.kinds import cut, moments, wedge
+from slopekit.kinds.moments import judge, opens_cohesive
 from slopekit.loads import Loads
 from slopekit.preie.cracked import cracked_base, cracked_limit
 from slopekit.preie.limit import limit_analysis
@@ -112,7 +111,7 @@ def opened_by_moments(count: int, seed: int) -> list[tuple[dict, object, object]
         inputs = random_wedge(rng)
         if any(bolt["acts"] == "passive" for bolt in inputs.get("bolts", [])):
             continue
-        scene = scenes(wedge_design(inputs))(0)
+        scene = cut(wedge_design(inputs)).scene_at(0)
         analysis = limit_analysis(scene.model)
         if opens_cohesive(scene, analysis):
             found.append((inputs, scene, analysis))
@@ -199,7 +198,7 @@ def test_the_cracked_base_converges_with_its_triangles(opened) -> None:
 def test_bond_gone_converges_with_the_pairs_and_by_mechanism_sinks_to_it() -> None:
     """A wedge whose motion leaves a line of each joint closed: 1.83, 1.63, 1.47, 1.38 ... toward 1.28."""
     inputs = turning_on_two_edges()
-    at = scenes(wedge_design(inputs))
+    at = cut(wedge_design(inputs)).scene_at
     motions = [limit_analysis(at(refine).model).governing.factor for refine in range(4)]
     gone = [moments._bond_gone(at(refine).model).factor for refine in range(3)]
     assert gone == pytest.approx([gone[0]] * 3, rel=1e-4)
@@ -297,7 +296,7 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
     """Neither the plain wedge nor one that has lost all contact on one joint."""
-    monkeypatch.setattr("slopekit.analysis.stages.judge", judge_never)
+    monkeypatch.setattr("slopekit.kinds.one_block.judge", judge_never)
     for water in ((0, 0), (290, 0)):
         result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=water)
         assert result.cohesion_under_moments is None

@@ -342,7 +342,7 @@ def test_full_dilation(slip, c) -> None:
 
 def test_the_turned_moment_of_water_on_an_uneven_ground(tmp_path) -> None:
     """Pressure on the slip surface balances the same pressure on the ground above it: force and moment (to O(h²))."""
-    from slopekit.analysis import surface
+    from slopekit.kinds import surface
 
     top = np.array([[-60, -60, 10], [60, -60, 0], [60, 60, 25], [-60, 60, 60]], dtype=float)
     vertices = np.concatenate([top, top * [1, 1, 0] + [0, 0, -80]])

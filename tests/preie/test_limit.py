@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.kinds import cut
 from slopekit.loads import Loads
 from slopekit.orientation import Plane
 from slopekit.preie.bound import static_bound
@@ -74,7 +74,7 @@ def test_dilation_of_one_plane(psi) -> None:
 
 
 def paper_model(c=(50, 50), phi=(20, 20), **more) -> Model:
-    return prepare(wedge_design({"dips": ("45/115", "45/245"), "c": c, "phi": phi, **more}), 0).model
+    return cut(wedge_design({"dips": ("45/115", "45/245"), "c": c, "phi": phi, **more})).scene_at(0).model
 
 
 @pytest.mark.parametrize("c", [50.0, 0.0])
@@ -126,7 +126,7 @@ def random_models(count: int, seed: int):
     rng = np.random.default_rng(seed)
     while count:
         design = wedge_design({**random_wedge(rng), "bolts": None})
-        model = prepare(design, 0).model
+        model = cut(design).scene_at(0).model
         analysis = limit_analysis(model)
         if analysis.governing.factor:
             count -= 1
@@ -175,10 +175,10 @@ FOLLOWED = {  # two of 400 random wedges, rounded
 def test_turning_is_followed_to_finer_pairs_where_the_forces_alone_govern_on_coarse_ones(name) -> None:
     """On the coarsest pairs turning lies above the forces alone; on finer ones it sinks below (25 % in one case)."""
     wedge = FOLLOWED[name]
-    coarse = limit_analysis(prepare(wedge_design(wedge), 0).model)
+    coarse = limit_analysis(cut(wedge_design(wedge)).scene_at(0).model)
     assert not coarse.moments_govern
     assert coarse.with_turning.factor > coarse.forces_only.factor
-    fine = limit_analysis(prepare(wedge_design(wedge), 4).model)
+    fine = limit_analysis(cut(wedge_design(wedge)).scene_at(4).model)
     assert fine.moments_govern
     result = sk.wedge(**wedge)
     assert result.moments_govern

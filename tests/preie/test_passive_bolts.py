@@ -14,12 +14,12 @@ from scipy.optimize import linprog
 
 import slopekit as sk
 from benchmarks.wedge_paths import as_assembly, compared
-from slopekit.analysis.assembly_scene import assembly_scene, scene_loads
-from slopekit.analysis.stages import Clock, joint_strength
-from slopekit.analysis.wedge import prepare
 from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
+from slopekit.kinds import cut
+from slopekit.kinds.many_blocks_scene import scene_loads
+from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
@@ -65,7 +65,7 @@ def bolt(force: float, block: str = "A", steeper: float = 0.0, **more: Any) -> d
 
 
 def model_of(given: dict[str, Any]) -> AssemblyModel:
-    scene = assembly_scene(sk.load(given), Clock())
+    scene = cut(sk.load(given))
     model = whole_model(scene.assembly, scene_loads(scene), joint_strength(scene.strengths))
     assert model is not None
     return model
@@ -139,7 +139,7 @@ def test_the_papers_wedge_as_one_block_and_as_an_assembly() -> None:
     """1e-9: what the path settles to in space."""
     for force, toward in ((1e6, (0.0, 10.0)), (5e5, (20.0, 40.0)), (3e6, (340.0, -15.0))):
         wedge = {"dips": ("45/115", "45/245"), "bolts": [{"force": force, "toward": toward, "acts": "passive"}]}
-        scene = prepare(wedge_design(wedge), 0)
+        scene = cut(wedge_design(wedge)).scene_at(0)
         whole, one = as_assembly(scene)
         analysis = limit_analysis(one)
         assert not analysis.moments_govern
@@ -483,13 +483,13 @@ def test_columns_in_rows_keep_their_bolts(length: float | None) -> None:
         "rock": {"unit_weight": 25}, "analysis": {"mechanisms": 2},
     }  # fmt: skip
     alone = sk.run(given).fos.limit
-    scene = assembly_scene(sk.load(given), Clock())
+    scene = cut(sk.load(given))
     head = scene.assembly.centroids[1]
     held = {"force": 400, "toward": "090/20", "acts": "passive", "head": [float(head[0]), 0.0, float(head[2])]}
     if length is not None:
         held["length"] = 2.5
     two = {**given, "columns": columns | {"rows": 2}, "support": {"bolts": [held | {"block": "C2-2"}]}}
-    (toe,) = assembly_scene(sk.load(two), Clock()).bolts.toe
+    (toe,) = cut(sk.load(two)).bolts.toe
     assert toe == (-1 if length is None else 6)
     result = sk.run(two)
     assert result.fos.limit == pytest.approx(alone, rel=1e-9)

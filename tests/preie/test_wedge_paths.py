@@ -7,11 +7,10 @@ import pytest
 
 import slopekit as sk
 from benchmarks.wedge_paths import compared
-from slopekit.analysis import analyse
-from slopekit.analysis.stages import Clock, find_limit
-from slopekit.analysis.wedge import scenes
 from slopekit.arrays import frozen
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import analyse, cut
+from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.one_path import by_path, on_flat_contacts, range_of
@@ -45,7 +44,7 @@ def history(model: Model, start: float) -> path_oracle.History:
 @pytest.mark.parametrize(("number", "passes"), [(30, True), (47, False), (70, True)])
 def test_of_several_limit_states_the_one_that_a_history_comes_to(number: int, passes: bool) -> None:
     """To 1e-5 on the coarsest node pairs: the history slips step by step, and shares no line with the path."""
-    model = scenes(without_cohesion(5, {number})[0])(0).model
+    model = cut(without_cohesion(5, {number})[0]).scene_at(0).model
     first = limit_analysis(model)
     limit = by_path(model, first).governing
     told = history(model, 2.0 / limit.factor)
@@ -73,7 +72,7 @@ def test_the_number_of_a_wedge_that_moments_govern_is_that_of_the_path() -> None
     """To 1e-3: the number stands on finer node pairs than the path was asked on."""
     governed = 0
     for design in without_cohesion(5, {4, 15, 17, 21, 30, 39, 55, 106}):
-        found = find_limit(design, scenes(design), 0, Clock())
+        found = find_limit(design, cut(design).scene_at, 0, Clock())
         factor = found.analysis.governing.factor
         told = history(found.bounded.model, 2.0 / factor)
         assert told.end == "settled"
@@ -85,7 +84,7 @@ def test_the_number_of_a_wedge_that_moments_govern_is_that_of_the_path() -> None
 def test_a_block_that_rests_at_no_strength_topples() -> None:
     """Wedge 92 of seed 5: forces that balance exist (the passes find some), but no elastic block comes to them."""
     (design,) = without_cohesion(5, {92})
-    found = find_limit(design, scenes(design), 0, Clock())
+    found = find_limit(design, cut(design).scene_at, 0, Clock())
     assert found.analysis.governing.outcome is Outcome.NO_REST
     model = found.scene.model
     assert limit_analysis(model).governing.factor
@@ -138,7 +137,7 @@ def test_bolts_and_joints_are_the_rows_of_the_model() -> None:
     rng = np.random.default_rng(3)
     while "bolts" not in (wedge := random_wedge(rng)) or wedge["bolts"][0]["acts"] != "passive":
         pass
-    model = scenes(wedge_design(wedge))(0).model
+    model = cut(wedge_design(wedge)).scene_at(0).model
     whole = on_flat_contacts(model)
     motion = frozen(rng.normal(size=6))
     contacts = whole.plus_motion @ motion

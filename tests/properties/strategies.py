@@ -12,9 +12,8 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.errors import SlopekitError
+from slopekit.kinds import cut
 
 Mapping = dict[str, Any]
 
@@ -253,6 +252,6 @@ def benches(draw, most: int = 60) -> Mapping:
 def _blocks_of(design: Mapping) -> int:
     """How many blocks a bench has; 2 where none can move."""
     try:
-        return len(assembly_scene(sk.load(design), Clock()).assembly)
+        return len(cut(sk.load(design)).assembly)
     except SlopekitError:
         return 2

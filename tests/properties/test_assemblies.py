@@ -7,9 +7,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 
 import slopekit as sk
-from slopekit.analysis import assembly as room
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
+from slopekit.kinds import cut
+from slopekit.kinds import many_blocks as room
 from slopekit.preie.ravelling import whole_model
 from tests.properties import changes
 from tests.properties.strategies import benches, bolted, bonds, bricks, columns, rows, shards, stacks
@@ -68,7 +67,7 @@ def keeps_its_evidence(design) -> None:
         assert result.fos.limit <= result.fos.static_bound * (1.0 + 1e-9)
     if "solids" in design:
         return
-    scene = assembly_scene(sk.load(design), Clock())
+    scene = cut(sk.load(design))
     loads = room.scene_loads(scene)
     model = whole_model(scene.assembly, loads, room.joint_strength(scene.strengths))
     assert model is not None

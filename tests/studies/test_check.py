@@ -9,10 +9,10 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from slopekit.kinds import ladders, many_blocks
+from slopekit.kinds.ladders import Rung, timed
 from slopekit.studies import check as module
-from slopekit.studies import ladders
 from slopekit.studies.check import Check, Finding, check
-from slopekit.studies.ladders import Rung, timed
 from slopekit.views.check_sheet import check_line
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
@@ -200,7 +200,7 @@ def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> N
         limit = solved.result.fos.limit
         return (Rung("stiffness", "", 1, 0.1, None, 0.0), Rung("stiffness", "", 1, 1.0, limit * lost["factor"], 0.0))
 
-    monkeypatch.setattr(module, "assembly_ladder", ladder)
+    monkeypatch.setattr(many_blocks, "_rungs", ladder)
     one = finding(check(sk.load(BONDED_ROW)), "stiffness ratio")
     assert (one.met, one.value) == (None, None)
     assert "none with k_t/k_n 0.1" in one.words
@@ -215,15 +215,15 @@ def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkey
 
     A limit that is too low is one that more than its forces would hold: said by the closed form and the node pairs.
     """
-    from slopekit import analysis
+    from slopekit.kinds import one_block
 
-    honest = analysis.analyse
+    honest = one_block.result
 
-    def off(design):
-        result = honest(design)
+    def off(*given, **more):
+        result = honest(*given, **more)
         return replace(result, fos=replace(result.fos, limit=result.fos.limit * by), difference=abs(by - 1.0))
 
-    monkeypatch.setattr(analysis, "analyse", off)
+    monkeypatch.setattr(one_block, "result", off)
     found = checked("paper-wedge", **{"analysis.agree_within": 0.1})
     failed = {one.name for one in found.findings if one.met is False}
     assert failed >= seen
@@ -256,7 +256,7 @@ def test_another_strength_leads_to_the_same_limit_state() -> None:
 
 def test_a_limit_that_is_not_the_only_one_is_found_out(monkeypatch) -> None:
     """Half the strength with less than half the factor: the number hangs on the way there."""
-    monkeypatch.setattr(module, "assembly_at_other_strengths", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
+    monkeypatch.setattr(many_blocks, "_others", lambda solved: (0.9 * solved.result.fos.limit,) * 2)
     found = check(sk.load(ROUGH_COLUMNS))
     assert finding(found, "other strengths").value > 0.05
     assert "not unique" in finding(found, "other strengths").words
@@ -273,7 +273,7 @@ def test_acceptance_is_judged() -> None:
 
 def test_a_surface_without_finer_pairs_is_not_judged_by_its_own(monkeypatch) -> None:
     """Beyond so many pairs no finer mesh is tried: nothing is said of convergence."""
-    monkeypatch.setattr(ladders, "_MOST_PAIRS", 250)
+    monkeypatch.setattr(ladders, "MOST_PAIRS", 250)
     found = checked("sphere", **{"slip.edge": 6})
     assert finding(found, "node pairs").met is None
     assert "finer" in finding(found, "node pairs").words

@@ -9,9 +9,9 @@ from statistics import NormalDist
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.factors import factors_of
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Fault
+from slopekit.kinds import factors_of
 from slopekit.studies.solve import factor_at, level_of, solve
 from slopekit.studies.solve_notices import notices
 from slopekit.studies.solve_probability import Estimate, solve_probability

@@ -11,6 +11,7 @@ from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.design.templates import path_of
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
+from slopekit.kinds import kind_of
 from slopekit.result import FactorsOfSafety, Forces, ModelSize, Result
 
 NONE, NONE3, WHOLE = np.zeros(0), np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
@@ -68,7 +69,7 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
         "acting": Arrows((), WHOLE, WHOLE, NONE3, NONE3),
         "findings": findings, "timing_s": {"cut": 0.012, "contacts": 0.003, "solve": 12.5, "total": 12.6},
     }  # fmt: skip
-    return Result(design, status, fos, **(settings | more))
+    return Result(design, kind_of(design).words, status, fos, **(settings | more))
 
 
 def goodman_bray(heights: list[float] | None = None) -> Result:

@@ -7,8 +7,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from slopekit.kinds import kind_of
+from slopekit.kinds.words import first_and_last, in_order, names_in_runs
 from slopekit.result import FactorsOfSafety
-from slopekit.views.assembly_words import design_in_words, first_and_last, in_order, names_in_runs
 from slopekit.views.sheet import sheet
 from tests.views.scenes import bench, goodman_bray, interfaces, mechanism, motions, result, two_blocks
 
@@ -305,8 +306,9 @@ def test_the_users_blocks_and_their_strengths() -> None:
 
 
 def test_columns_in_rows_with_two_strengths() -> None:
-    design = sk.load(path_of("topple"), set={"columns.rows": 3, "columns.heights": [5, 5], "columns.base_step": 0})
-    words = " ".join(design_in_words(design, {}).entries)
+    rows = {"columns.rows": 3, "columns.heights": [5, 5], "columns.base_step": 0}
+    found = sk.run(path_of("topple"), set=rows)
+    words = " ".join(kind_of(found.design).slope(found.design, found)[0].entries)
     assert "2 columns in each of 3 rows side by side, C1 at the toe" in words
     assert "bases dip 16° out of the slope, in one plane heights all 5 m" in words
     assert "bases  bedding: c 0 kPa  φ 36° sides  joint: c 0 kPa  φ 40°" in words

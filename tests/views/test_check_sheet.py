@@ -6,7 +6,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
-from slopekit.studies import ladders
+from slopekit.kinds import ladders
 from slopekit.studies.check import check
 from slopekit.views.check_sheet import check_line, check_sheet
 from tests.commands import slopekit

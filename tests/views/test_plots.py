@@ -9,8 +9,9 @@ import pytest
 import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
+from slopekit.kinds import ladders
+from slopekit.kinds.surface import normals_rungs
 from slopekit.orientation import Line
-from slopekit.studies import ladders
 from slopekit.views.stereonet import project
 
 pytest.importorskip("matplotlib")
@@ -171,7 +172,7 @@ def test_facet_normals_against_true_ones() -> None:
     """METHOD.md: facets interlock. With cohesion kept they lie above the surface's factor, falling with the edge."""
     design = sk.load(path_of("cylinder"), set={"slip.edge": 4})
     result = sk.analyse(design)
-    rungs = ladders.normals_rungs(design, result, [
+    rungs = normals_rungs(design, result, [
         ladders.Rung("mesh", "as analysed", result.model.node_pairs, 0, result.fos.limit, 0.1, result.geometry.edge_m)
     ])  # fmt: skip
     facets = sorted((rung.edge_m, rung.cohesive, rung.factor) for rung in rungs if rung.normals == "facet")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.stages import compare
 from slopekit.block_scene import packed
 from slopekit.design.templates import path_of
+from slopekit.kinds.protocol import compare
 from slopekit.views import picture
 from slopekit.views import report as room
 from slopekit.views import viewer_data as viewer

@@ -72,8 +72,8 @@ def wedge(
     output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
-    from slopekit.analysis.wedge import analyse_wedge
     from slopekit.design.reading import wedge_design
+    from slopekit.kinds import analyse
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)
@@ -86,7 +86,7 @@ def wedge(
     }  # fmt: skip
     read = wedge_design(given, _option)
     with watched():
-        result = analyse_wedge(read)
+        result = analyse(read)
     _finish(result, folder, image, no_pictures, as_json, quiet)
 
 
@@ -100,7 +100,7 @@ def run(
     output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple."""
-    from slopekit.analysis import analyse
+    from slopekit.kinds import analyse
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)

@@ -4,7 +4,7 @@ Every value keeps its place, so that each fault names its line and column, whate
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from slopekit.design.named_files import beside, mesh_file
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reading import wedge_design
-from slopekit.design.specs import SPECS, VERSION
+from slopekit.design.specs import READERS, SPECS, VERSION
 from slopekit.design.structure import check_structure
 from slopekit.errors import DesignError, Fault
 from slopekit.units import is_unit_of, unit_of
@@ -133,7 +133,7 @@ def _read(inputs: Inputs) -> Design:
     """Read all that is there; the kind's reader raises what is wrong with the values."""
     inputs.shared()
     try:
-        design = _KINDS[inputs.kind](inputs)
+        design = READERS[inputs.kind](inputs)
     except DesignError as error:
         inputs.faults += error.faults
         raise DesignError(inputs.faults) from None
@@ -352,9 +352,9 @@ def _blocks(inputs: Inputs) -> Design:
     return blocks_design(inputs)
 
 
-_KINDS: Mapping[str, Callable[[Inputs], Design]] = {
+READERS.update({
     "wedge": _wedge, "plane": _plane, "footing": _footing, "surface": _surface, "topple": _topple, "bench": _bench,
     "blocks": _blocks,
-}  # fmt: skip
+})  # fmt: skip
 
 __all__ = ["design_of", "load", "with_values"]

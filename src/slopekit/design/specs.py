@@ -1,8 +1,13 @@
 """Which keys a design file of each kind may have: the language of UX.md as data."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, Spec
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Design
+    from slopekit.design.inputs import Inputs
 
 VERSION = 1
 _NUMBER = Leaf(number=True)
@@ -92,6 +97,11 @@ def _analysis(*more: str) -> Section:
     return Section(keys | dict.fromkeys(more, _SETTING))
 
 
+def keys_of_kind(own: Mapping[str, Spec], required: tuple[str, ...]) -> Section:
+    """What files of a kind of one block may hold: its own keys beside those that all kinds share."""
+    return _kind({"loads": _LOADS} | dict(own), required, _analysis())
+
+
 def _kind(own: Mapping[str, Spec], required: tuple[str, ...], analysis: Section) -> Section:
     shared: dict[str, Spec] = {
         "slopekit": Leaf(example=str(VERSION)), "kind": Leaf(example="wedge"), "title": Leaf(),
@@ -132,7 +142,7 @@ def _blocky(own: Mapping[str, Spec], pressures: Spec, required: tuple[str, ...])
     return _kind(loads | dict(own), (*required, "strength"), _ANALYSIS_OF_BLOCKS)
 
 
-SPECS: Mapping[str, Section] = {
+SPECS: dict[str, Section] = {
     "wedge": _kind(
         {
             "slope": Section({"face": _PLANE, "upper": _PLANE, "height": Leaf(number=True, example="64.89 m"),
@@ -235,3 +245,5 @@ SPECS: Mapping[str, Section] = {
         Named(_NUMBER, pairs=True, example="{B1/B2: 5 kPa}"), ("blocks",),
     ),
 }  # fmt: skip
+#: From the values of a file to the design of its kind; those of slopekit's own are in `files`.
+READERS: "dict[str, Callable[[Inputs], Design]]" = {}

@@ -108,14 +108,13 @@ def _water(pressures: Mapping[Pair, float]) -> list[str]:
 
 def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[str]]:
     """Seismic load and forces; active bolts act as forces."""
-    arrows, names, kind = source.scene.loads, source.scene.shapes.names, source.document["kind"]
-    own_water = kind in ("bench", "blocks", "topple")
+    arrows, names = source.scene.loads, source.scene.shapes.names
     forces, seismic = [], np.zeros(3)
     passive: dict[str, str] = {}
     bolts, away = source.document["inputs"].get("bolts", ()), []
     for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
         word, name = arrows.names[what], names[block]
-        if word == "weight" or (own_water and word == "water"):
+        if word == "weight" or (source.has_many and word == "water"):
             continue
         if word == "seismic":
             seismic = force

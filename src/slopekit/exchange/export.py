@@ -268,7 +268,7 @@ def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[N
             message = f"binary STL holds float32: {path.name} rounds coordinates by up to {rounding:.2g} m"
             found.append(Notice("W370", f"{message}, the smallest block is {smallest:.3g} m in size"))
     true = float((source.document.get("geometry") or {}).get("volume_m3") or 0.0)
-    if source.document.get("kind") == "surface" and chosen.bodies and true > 0.0:
+    if source.is_curved and chosen.bodies and true > 0.0:
         flat = sum(body.volume for body in chosen.bodies)
         share, word = abs(1.0 - flat / true), "less" if flat < true else "more"
         if share > _SMOOTH:

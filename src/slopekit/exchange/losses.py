@@ -6,8 +6,6 @@ from typing import Any
 from slopekit.exchange.source import Source
 from slopekit.exchange.strengths import Joint, Pair
 
-#: Kinds of one block, whose bedrock stands in slabs.
-ONE_BLOCK = ("wedge", "plane", "footing")
 #: What acceptance can name in a design of kind blocks; the last only where its criterion is asked for.
 _RULES = ("fos", "fos.limit", "fos.static_bound")
 _ALL_PAIRS = "fos.all_pairs_failed"
@@ -30,8 +28,7 @@ def acceptance(inputs: Mapping[str, Any]) -> tuple[list[str], list[str]]:
 
 def lost_of_criterion(source: Source) -> list[str]:
     """The all-pairs factor of one block is sought in another way than that of many."""
-    inputs, kind = source.document["inputs"], source.document["kind"]
-    if inputs.get("criterion") != "all-pairs" or kind not in ONE_BLOCK:
+    if source.document["inputs"].get("criterion") != "all-pairs" or source.has_many:
         return []
     found = (source.document.get("fos") or {}).get("all_pairs_failed")
     here = "here none was found" if found is None else f"here it is {found:.6g}"

@@ -26,6 +26,16 @@ class Source:
     scene: BlockScene
 
     @property
+    def has_many(self) -> bool:
+        """Whether there are many blocks, bedrock among them; one block has none."""
+        return self.document.get("assembly") is not None
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether the block lies on a curved slip surface."""
+        return "slip" in (self.document.get("inputs") or {})
+
+    @property
     def is_section(self) -> bool:
         """Whether the blocks are drawn out of a vertical section."""
         return (self.document.get("geometry") or {}).get("thickness_m") is not None

@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.exchange.design_text import design_text
-from slopekit.exchange.losses import ONE_BLOCK
 from slopekit.exchange.picking import Body, Picked
 from slopekit.exchange.source import Source
 from slopekit.exchange.strengths import joints_of
@@ -18,7 +17,6 @@ from slopekit.exchange.text import write_obj, write_stl
 
 DESIGN = "blocks.yaml"
 _SLAB = 0.25  # thickness of the bedrock behind a joint, in parts of the block's size
-_ASSEMBLIES = ("bench", "blocks", "topple")
 _COMPARE = (
     f"run {DESIGN} and compare the factor: the node pairs differ, and the limit state may not be the only one"
 )  # fmt: skip
@@ -56,7 +54,7 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
             lost.append(f"{len(fixed) - len(chosen.bodies)} of {len(fixed)} blocks, which were not chosen")
         if lost:
             notices.append(Notice("W376", f"{DESIGN} does not carry over: {'; '.join(lost)}"))
-        if not polygons and source.document.get("kind") in _ASSEMBLIES:
+        if not polygons and source.has_many:
             notices.append(Notice("W376", _COMPARE))
     paths = [folder / files[body.name] for body in bodies]
     write = write_obj if suffix == ".obj" else write_stl
@@ -83,7 +81,7 @@ def _polygons(source: Source, chosen: Picked) -> dict[str, Floats]:
 
 
 def _why_no_design(source: Source, is_fixed: Mapping[str, bool]) -> str:
-    if source.document.get("kind") == "surface":
+    if source.is_curved:
         return "the slip surface is curved, its normals are not those of the triangles (kind surface reads meshes too)"
     if all(is_fixed.values()):
         return "all of these blocks are bedrock"
@@ -107,7 +105,7 @@ def _file_names(names: Sequence[str], suffix: str) -> dict[str, str]:
 
 def _slabs(source: Source, bodies: Sequence[Body]) -> dict[int, Body]:
     """Bedrock behind each joint of a single convex block, by the index of the contact."""
-    if source.document.get("kind") not in ONE_BLOCK or len(bodies) != 1:
+    if source.has_many or source.is_curved or len(bodies) != 1:
         return {}
     shapes = source.scene.shapes
     contacts, joints = shapes.contacts, joints_of(source)

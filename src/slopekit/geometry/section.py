@@ -5,6 +5,7 @@ Their interfaces are lines: node pairs by Simpson's rule, exact for linear tract
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class Section:
     outline: Floats
 
 
+@lru_cache(maxsize=8)  # one design asks for its section several times: cut, closed form, support
 def plane_section(
     plane_dip: float, face_dip: float, upper_dip: float, height: float,
     crack_depth: float | None = None, crack_distance: float | None = None,

@@ -10,24 +10,17 @@
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.design.blocky import AssemblyDesign
 from slopekit.design.common import Design
-from slopekit.onlooker import say
-from slopekit.result import Result
-from slopekit.studies.ladders import (
+from slopekit.kinds import kind_of
+from slopekit.kinds.ladders import (
     NormalsRung,
     Rung,
-    assembly_at_other_strengths,
-    assembly_ladder,
-    block_at_other_strengths,
-    block_ladder,
-    normals_rungs,
-    refines,
 )
+from slopekit.result import Result
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
@@ -160,45 +153,29 @@ def check(design: Design) -> Check:
         As `slopekit.analyse`.
     """
     began = time.perf_counter()
-    if isinstance(design, AssemblyDesign):
-        result, ladder, others, unrefined = _blocks(design)
-    else:
-        from slopekit.analysis import analyse
-
-        result = replace(analyse(replace(design, criterion="all-pairs")), design=design)
-        ladder, others, unrefined = (), (), ""
-        if result.fos.limit:
-            ladder, others = block_ladder(design, result), block_at_other_strengths(design, result)
+    found = kind_of(design).ladder(design)
+    result, ladder = found.result, found.rungs
     reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = tuple(_findings(result, ladder, orders, others, unrefined))
+    findings = tuple(_findings(result, ladder, orders, found.others, found.unrefined))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
-    normals = normals_rungs(design, result, ladder)
     return Check(
-        result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began, normals
+        result,
+        ladder,
+        errors,
+        reference,
+        against,
+        orders,
+        cheapest,
+        findings,
+        time.perf_counter() - began,
+        found.normals,
     )
-
-
-def _blocks(design: AssemblyDesign) -> tuple[Result, tuple[Rung, ...], tuple[float | None, ...], str]:
-    """The result with its all-pairs factor, the ladder, the limit at other strengths, and why it has no meshes."""
-    from slopekit.analysis.assembly import all_pairs, solve_assembly, untied_search
-
-    solved = solve_assembly(design)
-    result = solved.result
-    few = result.model.moving_blocks <= _MOST_UNTIED
-    if few and result.fos.limit and result.all_pairs is None:
-        say("all pairs", head=True)
-        search = untied_search(design, solved.scene, solved.loads, result.fos.limit)
-        if search is not None:
-            fos = replace(result.fos, all_pairs_failed=search.factor)
-            result = replace(result, fos=fos, all_pairs=all_pairs(search))
-    ends = "" if refines(solved) else "a flat contact of a section slips as one, and its ends turn it"
-    return result, assembly_ladder(solved), assembly_at_other_strengths(solved), ends
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:

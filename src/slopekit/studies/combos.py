@@ -269,7 +269,7 @@ def _looked_at(asked: PairInputs, pairs: Pairs, chosen: Ints, crew: Crew, advanc
 
 def both_methods(design: WedgeDesign) -> dict[str, Any]:
     """Both factors of safety of a wedge as JSON values: what a worker does."""
-    from slopekit.analysis.factors import factors_of
+    from slopekit.kinds import factors_of
 
     found = factors_of(design)
     return {

@@ -5,10 +5,11 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from slopekit.analysis.factors import Factors, factors_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import SlopekitError
+from slopekit.kinds import factors_of
+from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
 
 _BUG = "E599"

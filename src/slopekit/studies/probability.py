@@ -12,12 +12,12 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from slopekit.analysis.factors import has_closed_form
-from slopekit.analysis.stages import Clock
 from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Design
 from slopekit.design.quantities import quantity_of
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds import kind_of
+from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.estimates import Share, Summary, share_of, summary_of
@@ -249,7 +249,7 @@ def _asked(
         faults.append(Fault("E308", f"{method} is not a way to draw samples", "", f"Known: {', '.join(METHODS)}."))
     if by not in (None, "closed-form", "pre-ie"):
         faults.append(Fault("E308", f"{by} is not a method", "", "Known: closed-form, pre-ie."))
-    known = has_closed_form(design)
+    known = kind_of(design).closed_form is not None
     if by == "closed-form" and not known:
         faults.append(Fault("E308", f"a {design.kind} has no closed form to sample", "", "Take pre-ie."))
     chosen: By = "pre-ie" if by == "pre-ie" or not known or (by is None and _dilates(design)) else "closed-form"

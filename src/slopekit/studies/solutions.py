@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from slopekit._version import __version__
-from slopekit.analysis.factors import Factors
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
+from slopekit.kinds.protocol import Factors
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Point
 

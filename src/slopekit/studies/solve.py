@@ -17,10 +17,11 @@ from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
-from slopekit.analysis.factors import Factors, closed_form_of, has_closed_form
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault
+from slopekit.kinds import dilates, kind_of
+from slopekit.kinds.protocol import Factors
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Point
@@ -90,7 +91,7 @@ def solve(
     closed: Answers | None = None
     direct: tuple[float, str] | None = None
     asked = _Asked(design, one, low, high, target, crew, advance)
-    if has_closed_form(design):
+    if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
         _look_closely(quick, asked)
         crossings = _crossings(quick)
@@ -227,7 +228,7 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
         width = _BRACKET * max(abs(root), 1e-6 * search.span)
         if abs(_level(sample)) < _BESIDE:
             taken |= {place for place in (root - width, root + width) if asked.low <= place <= asked.high}
-    everywhere = _dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
+    everywhere = dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
     stretches = list(_stretches(quick.samples, everywhere))
     if not crossings and stretches:
         taken |= {min(quick.defined, key=_level).at, max(quick.defined, key=_level).at}
@@ -270,11 +271,6 @@ def _level(sample: Sample[Point]) -> float:
     return sample.level or 0.0
 
 
-def _dilates(design: Design) -> bool:
-    closed = closed_form_of(design) if has_closed_form(design) else None
-    return closed is not None and bool(closed.why_not)
-
-
 def _moments(sample: Sample[Point]) -> bool:
     return sample.found.factors is not None and sample.found.factors.moments_govern
 
@@ -302,17 +298,13 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
 
 def _by_load(asked: _Asked) -> tuple[float, str] | None:
     """The value of a load of many blocks, and the status, straight from the elastic path in it; None: it has none."""
-    if not _LOAD.fullmatch(asked.key.path):
+    at_load = kind_of(asked.design).at_load
+    if at_load is None or not _LOAD.fullmatch(asked.key.path):
         return None
-    from slopekit.analysis.assembly import load_multiplier
-    from slopekit.design.blocky import AssemblyDesign
-
     without, unit = (
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
-    if not isinstance(without, AssemblyDesign) or not isinstance(unit, AssemblyDesign):
-        return None
-    found = load_multiplier(without, unit, asked.target)
+    found = at_load(without, unit, asked.target)
     if found is None or not asked.low <= found[0] * _UNIT_LOAD <= asked.high:
         return None
     return found[0] * _UNIT_LOAD, found[1]

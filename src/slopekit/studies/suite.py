@@ -14,11 +14,9 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.analysis import analyse
-from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_table
-from slopekit.design.blocky import ToppleDesign
 from slopekit.design.files import load
 from slopekit.errors import SlopekitError
+from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
 from slopekit.studies.references import Case, Reference, chosen, document, half_unit
 
@@ -309,8 +307,9 @@ def _value(result: Result, reference: Reference) -> float | str | None:
     if quantity == "critical_friction_deg":  # c = 0 and one φ: strength divided by F is friction of tan φ / F
         factor = result.fos.limit
         return None if not factor else math.degrees(math.atan(math.tan(math.radians(of or 0.0)) / factor))
-    if quantity in ("column_force_kn", "toe_force_kn"):
-        return _of_columns(result, reference)
+    figures = kind_of(result.design).figures
+    if quantity in figures:
+        return figures[quantity](result.design, of)
     if quantity in ("failed_pairs", "displacement_x_mm", "displacement_z_mm"):
         step = next((step for step in result.series if step.factor == of), None)
         if step is None:
@@ -319,24 +318,5 @@ def _value(result: Result, reference: Reference) -> float | str | None:
             return float(step.failed_pairs)
         axis = 0 if quantity == "displacement_x_mm" else 2
         return None if step.movement is None else 1e3 * float(step.movement.displacement[axis])
-    found: float | None = getattr(result.fos, quantity)
+    found: float | None = getattr(result.fos, quantity, None)
     return found
-
-
-def _of_columns(result: Result, reference: Reference) -> float | None:
-    """Goodman & Bray's table at full strength: P of a column, or the toe force that a factor of 1 needs.
-
-    The result has the table at the factor where the columns are at their limit.
-    """
-    design = result.design
-    if not isinstance(design, ToppleDesign):
-        return None
-    slope = ColumnSlope(
-        heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
-        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
-        friction_angle_deg=design.strength(design.base).friction_angle_deg,
-        side_friction_angle_deg=design.strength(design.sides).friction_angle_deg,
-    )  # fmt: skip
-    if reference.quantity == "toe_force_kn":
-        return toe_force_required(slope)
-    return float(toppling_table(slope).force_kn[int(reference.of or 1) - 1])

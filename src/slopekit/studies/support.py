@@ -20,6 +20,7 @@ import numpy as np
 from slopekit.arrays import Floats, Ints
 from slopekit.design.common import Bolt, Design
 from slopekit.errors import Notice
+from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.orientation import Line
 from slopekit.studies.support_directions import NO_STRENGTH, Optimum, Way, Ways
@@ -27,7 +28,7 @@ from slopekit.studies.support_options import Options, read_options
 from slopekit.studies.support_pattern import Layout, centre_of, groups, layout, too_short
 from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, Which, built_way, enough
 from slopekit.studies.support_search import Found, least_force
-from slopekit.studies.support_site import Answer, Site, pre_ie, pre_ie_coarse, site_of, strengths_of
+from slopekit.studies.support_site import Answer, Site, pre_ie, pre_ie_coarse, site_of
 
 _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
@@ -78,7 +79,7 @@ def support(
     weight = design.unit_weight_kn_m3 * site.block.volume
     return Support(
         design, options.target, options, bare, bare_limit, cases, None if stands else study.pressure(), weight,
-        site.area, site.unit, tuple(common_notices(design, strengths_of(design))), study.dilates,
+        site.area, site.unit, tuple(common_notices(design, kind_of(design).strengths(design))), study.dilates,
         time.perf_counter() - began,
     )  # fmt: skip
 
@@ -106,7 +107,7 @@ class _Study:
     def __init__(self, site: Site, options: Options, bare: Answer, bare_limit: Answer) -> None:
         self.site, self.options, self.bare, self.bare_limit = site, options, bare, bare_limit
         self.target = options.target
-        self.dilates = any(strength.dilation_deg for strength in strengths_of(site.design))
+        self.dilates = dilates(site.design)
         self.aim = self.target * (1.0 + _AIM)
         self.factor = self.aim  # that the forces alone have to reach
         if bare.level >= self.target:

@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.factors import factors_of
-from slopekit.analysis.stages import Clock, find_limit
 from slopekit.arrays import Floats
-from slopekit.design.common import Bolt, Design, Force, Strength
-from slopekit.design.kinds import PlaneDesign
-from slopekit.design.wedge import WedgeDesign
+from slopekit.design.common import Bolt, Design, Force
 from slopekit.errors import DesignError, Fault
-from slopekit.geometry.cutting import Block, cut_wedge
+from slopekit.geometry.cutting import Block
+from slopekit.kinds import cut, factors_of, kind_of
+from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.orientation import Line, line_of
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
@@ -140,11 +138,8 @@ def pre_ie(design: Design) -> Answer:
 
 def pre_ie_coarse(design: Design) -> Answer:
     """PRE-IE's answer on the coarsest node pairs, which take a tenth of the time: to look where the target lies."""
-    from slopekit.analysis import plane, wedge
-
-    scenes = wedge.scenes(design) if isinstance(design, WedgeDesign) else plane.scenes(_as_plane(design))
-    refine = design.refine if isinstance(design, WedgeDesign | PlaneDesign) else 0
-    found = find_limit(design, scenes, refine, Clock(), most_refined=refine)
+    made = cut(design)
+    found = find_limit(design, made.scene_at, made.refine, Clock(), most_refined=made.refine)
     limit = found.analysis.governing
     status = _OUTCOMES.get(limit.outcome, "slides")
     return Answer(limit.factor or None, status, found.analysis.moments_govern)
@@ -160,70 +155,25 @@ def site_of(design: Design) -> Site:
     GeometryError
         Where no block can be formed.
     """
-    if isinstance(design, WedgeDesign):
-        return _wedge_site(design)
-    if isinstance(design, PlaneDesign):
-        return _plane_site(design)
-    message = f"support is for a wedge or a plane, this design is a {design.kind}"
-    advice = "sweep and solve change the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
-    raise DesignError([Fault("E320", message, "", advice)])
-
-
-def strengths_of(design: Design) -> list[Strength]:
-    """The strengths of the joints of a wedge or a plane."""
-    if isinstance(design, WedgeDesign):
-        parts = (design.cohesion_kpa, design.friction_angle_deg, design.dilation_deg, design.tension_kpa)
-        return [Strength(*values) for values in zip(*parts, strict=True)]
-    return [design.strength] if isinstance(design, PlaneDesign) else []
-
-
-def _wedge_site(design: WedgeDesign) -> Site:
-    from slopekit.analysis import wedge
-    from slopekit.geometry.rockmass import FACE, J1, J2, wedge_rock_mass
-
-    model = wedge.prepare(design, 0).model
-    crack = design.crack
-    rock = wedge_rock_mass(
-        np.array([plane.normal() for plane in design.joints]), design.face.normal(), design.upper.normal(),
-        design.height_m, crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
-    )  # fmt: skip
-    block = cut_wedge(rock)
+    kind = kind_of(design)
+    if not kind.has_site or kind.closed_form is None:
+        message = f"support is for a wedge or a plane, this design is a {design.kind}"
+        advice = (
+            "sweep and solve change the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
+        )
+        raise DesignError([Fault("E320", message, "", advice)])
+    made, asked = kind.cut(design), kind.closed_form
+    model, block = made.scene_at(0).model, made.block
 
     def closed_form(changed: Design) -> Answer:
-        assert isinstance(changed, WedgeDesign)
-        found = wedge.closed_form(changed)
+        found = asked(changed)
         return Answer(found.factor or None, found.status)
 
     return Site(
-        design, block, block.faces[FACE], block.areas[FACE], (J1, J2), -_outward(block.faces[FACE]), np.eye(3),
-        np.array(design.origin_m), False, model, closed_form, _normals(block),
+        design, block, block.faces[made.face], block.areas[made.face], made.joints, -_outward(block.faces[made.face]),
+        np.eye(3) if made.axes is None else made.axes, made.origin, model.translations == 2, model, closed_form,
+        _normals(block),
     )  # fmt: skip
-
-
-def _plane_site(design: PlaneDesign) -> Site:
-    from slopekit.analysis import plane
-    from slopekit.geometry.section import FACE, J1
-
-    section = plane.section_of(design)
-    model = plane.prepare(design, 0).model
-    block = section.block
-    out = Line(design.face.dip_direction_deg, 0.0).vector()
-    up = np.array([0.0, 0.0, 1.0])
-
-    def closed_form(changed: Design) -> Answer:
-        assert isinstance(changed, PlaneDesign)
-        found = plane.closed_form(changed)
-        return Answer(found.factor or None, found.status)
-
-    return Site(
-        design, block, block.faces[FACE], block.areas[FACE], (J1,), -_outward(block.faces[FACE]),
-        np.array([out, np.cross(up, out), up]), np.zeros(3), True, model, closed_form, _normals(block),
-    )  # fmt: skip
-
-
-def _as_plane(design: Design) -> PlaneDesign:
-    assert isinstance(design, PlaneDesign)
-    return design
 
 
 def _normals(block: Block) -> dict[int, Floats]:

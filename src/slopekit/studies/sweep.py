@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 from slopekit._version import __version__
-from slopekit.analysis.factors import has_closed_form
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds import kind_of
 from slopekit.orientation import number
 from slopekit.studies.journal import Journal
 from slopekit.studies.keys import Key, key_of, values_of
@@ -291,7 +291,7 @@ def evaluated(
     plain = design.source.root.plain() if design.source is not None else None
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
     journal = Journal.of(folder or Path.cwd(), study, run, streamed=folder is not None)
-    at_once = 64 if methods == "closed-form" else 1 if not has_closed_form(design) else 8
+    at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
     with bar("points", len(tasks)) as advance:
         work = Evaluation(design, methods != "closed-form")
         records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
@@ -316,7 +316,7 @@ def check_methods(design: Design, methods: str) -> None:
     if methods not in get_args(Methods):
         advice = f"Known: {', '.join(get_args(Methods))}."
         raise DesignError([Fault("E313", f"{methods} is not a choice of methods", "", advice)])
-    if methods == "closed-form" and not has_closed_form(design):
+    if methods == "closed-form" and kind_of(design).closed_form is None:
         message = f"a {design.kind} has no closed form that could be asked alone"
         raise DesignError([Fault("E313", message, "", "Leave --closed-form out: PRE-IE answers.")])
 

@@ -20,8 +20,8 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Point
 from slopekit.studies.ranges import Within, parse_within
@@ -257,14 +257,13 @@ def _why_not(design: Design, key: Key) -> str:
 
 def _counts_by_default(design: Design, key: Key) -> bool:
     """Whether a default stands for a number of the slope: those that a wedge takes."""
-    if not isinstance(design, WedgeDesign):
-        return False
-    if key.path in ("rock.density", "rock.unit_weight"):
+    paper_keys = kind_of(design).paper_keys
+    if paper_keys and key.path in ("rock.density", "rock.unit_weight"):
         root = design.source.root if design.source is not None else None
         rock = root.get("rock") if root is not None else None
         says = rock is not None and (rock.get("density") is not None or rock.get("unit_weight") is not None)
         return key.path == "rock.density" and not says
-    return key.path.startswith(("slope.", "strength."))
+    return key.path.startswith(paper_keys)
 
 
 def _quantiles(key: Key) -> tuple[float, float]:

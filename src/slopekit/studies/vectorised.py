@@ -11,14 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.analysis import plane, wedge
-from slopekit.analysis.closed_forms import Arguments, ClosedForms
 from slopekit.arrays import Floats
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.design.kinds import PlaneDesign
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
+from slopekit.kinds import kind_of
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -44,13 +42,14 @@ class Line:
 class Vectorised:
     """A closed form over samples (n, k): arguments that are the same for all, and those that follow a column."""
 
-    closed_form: Callable[[Mapping[str, Any]], ClosedForms]
+    on_arrays: OnArrays[Any]
     fixed: Arguments
     lines: Mapping[str, Line]
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample."""
-        found = self.closed_form(self.fixed | {name: line.at(values) for name, line in self.lines.items()})
+        arguments = self.fixed | {name: line.at(values) for name, line in self.lines.items()}
+        found = self.on_arrays.closed_forms(arguments, ())
         if len(found.factor) == len(values):
             return found
         # nothing that scatters is an argument: all samples are alike
@@ -64,10 +63,9 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     ----------
     values : (n, k) samples; values_at : the values of the design's file at one of them, by its number
     """
-    kind = next((known for known in _KINDS if isinstance(design, known)), None)
-    if kind is None or any(bolt.acts == "passive" for bolt in design.bolts):
+    on_arrays = kind_of(design).on_arrays
+    if on_arrays is None or any(bolt.acts == "passive" for bolt in design.bolts):
         return None
-    arguments_of, closed_form = _KINDS[kind]
     rows, read = [], []
     for row in _probes(values):
         try:
@@ -75,7 +73,7 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
         except DesignError:
             continue  # a sample that no design can have
         rows.append(row)
-        read.append(arguments_of(changed))
+        read.append(on_arrays.arguments(changed))
     if len(rows) < min(_FEWEST, len(values)):
         return None
     fixed: Arguments = {}
@@ -89,7 +87,7 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
         if line is None:
             return None
         lines[name] = line
-    return Vectorised(closed_form, fixed, lines)
+    return Vectorised(on_arrays, fixed, lines)
 
 
 def _probes(values: Floats) -> Iterable[int]:
@@ -114,9 +112,3 @@ def _line(values: Floats, found: Floats) -> Line | None:
         if np.allclose(constant + slope * x, found, rtol=_EXACT, atol=_EXACT * float(np.abs(found).max())):
             return Line(column, constant, slope)
     return None
-
-
-_KINDS: Mapping[type[Design], tuple[Callable[[Any], Arguments], Callable[[Mapping[str, Any]], ClosedForms]]] = {
-    WedgeDesign: (wedge.arguments, wedge.closed_forms),
-    PlaneDesign: (plane.arguments, plane.closed_forms),
-}

@@ -4,37 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from slopekit.design.blocky import BenchDesign
 from slopekit.findings import MOTIONS, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.kinds import dilates
+from slopekit.kinds.words import SheetPart, counted, first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
-from slopekit.result import Result, status_text
-from slopekit.views.assembly_words import (
-    Part,
-    counted,
-    design_in_words,
-    first_and_last,
-    in_order,
-    in_section,
-    names_in_runs,
-    path_in_words,
-    water_in_words,
-)
-from slopekit.views.entries import (
-    OWN_WAY,
-    WEIGHT_ONLY,
-    accept,
-    all_pairs,
-    bolt_text,
-    factor_text,
-    force_text,
-    governs,
-    methods,
-    seismic,
-    series,
-    verdict,
-)
+from slopekit.result import Result
+from slopekit.views.entries import accept, all_pairs, factor_text, governs, methods, series, verdict
 from slopekit.views.toppling_rows import toppling_rows
-from slopekit.views.words import dilates, line_in_words, size_number, weight_in_words
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -42,13 +18,6 @@ _WAYS = {
     "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
 }  # fmt: skip
 _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
-_CLOSED_FORMS = {"topple": "Goodman & Bray closed form", "bench": "closed form", "blocks": "closed form"}
-_NO_CLOSED_FORM = {
-    "topple": "Goodman & Bray's method does not take this design (see NOTE)",
-    "bench": "there is none for blocks cut by joint sets",
-    "blocks": "there is none for blocks of any shape",
-}
-_MOST_LOADS = 8
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
@@ -66,69 +35,33 @@ _MEASURED = 1e-2  # what is as large is no rounding error
 _UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
 
 
-def assembly_parts(result: Result, findings: Findings) -> Iterator[Part]:
-    """The parts of the sheet below its head line, in order; those without entries print nothing."""
+def assembly_parts(result: Result, findings: Findings) -> Iterator[SheetPart]:
+    """The parts of the sheet below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield design_in_words(result.design, result.geometry.areas_m2)
-    yield Part("SIZE", _size(result, findings))
-    yield Part("LOADS", _loads(result))
-    yield Part("FORCES", _forces(result))
-    yield Part("STATUS", [_status(result, findings, order)])
-    yield Part("FoS", _factors(result))
-    yield Part("ALL PAIRS", all_pairs(result))
-    yield Part("ACCEPT", accept(result))
-    yield Part("MOVES", _moves(result, first))
-    yield Part("NEXT", _next(result, findings, order), hang=32)
-    yield Part("BY BLOCK", _by_block(findings, order))
-    yield Part("TABLE", toppling_rows(result, findings.table))
-    yield Part("METHODS", methods(result))
-    yield Part("SERIES", series(result))
-    yield Part("CHECKS", _checks(result, findings, first))
-    yield Part("MODEL", _model(result))
-    yield Part("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield Part("GOVERNS", governs(result))
-    yield Part("DEFAULTS", _defaults(result))
-    yield Part("NOTE", [str(notice) for notice in result.warnings])
+    yield SheetPart("FORCES", _forces(result))
+    yield SheetPart("STATUS", [_status(result, findings, order)])
+    yield SheetPart("FoS", _factors(result))
+    yield SheetPart("ALL PAIRS", all_pairs(result))
+    yield SheetPart("ACCEPT", accept(result))
+    yield SheetPart("MOVES", _moves(result, first))
+    yield SheetPart("NEXT", _next(result, findings, order), hang=32)
+    yield SheetPart("BY BLOCK", _by_block(findings, order))
+    yield SheetPart("TABLE", toppling_rows(result, findings.table))
+    yield SheetPart("METHODS", methods(result))
+    yield SheetPart("SERIES", series(result))
+    yield SheetPart("CHECKS", _checks(result, findings, first))
+    yield SheetPart("MODEL", _model(result))
+    yield SheetPart("TIME", [_time(result.timing_s)] if result.timing_s else [])
+    yield SheetPart("GOVERNS", governs(result))
+    yield SheetPart("DEFAULTS", _defaults(result))
+    yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _order(result: Result) -> dict[str, int]:
     geometry = result.geometry
     names = geometry.names if isinstance(geometry, AssemblyGeometry) else ()
     return {name: k for k, name in enumerate(names)}
-
-
-# -- what it is -----------------------------------------------------------------------------------------------------
-
-
-def _size(result: Result, findings: Findings) -> list[str]:
-    geometry = result.geometry
-    volume = f"volume {size_number(geometry.volume_m3)} m³"
-    height = ""
-    if isinstance(geometry, AssemblyGeometry):
-        height = f"height {size_number(geometry.total_height_m)} m  "
-    moving = findings.blocks - findings.fixed
-    bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
-    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
-    said = {one.name for one in result.design.sets} if isinstance(result.design, BenchDesign) else set()
-    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in said]
-    shown, rest, _ = first_and_last(areas, 6, 0)
-    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
-    return [
-        f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
-        f"{height}{volume}  {weight_in_words(result)}",
-        *([f"contact area  {listed}"] if listed else []),
-    ]
-
-
-def _loads(result: Result) -> list[str]:
-    design = result.design
-    entries = water_in_words(design) + seismic(design, in_section(design))
-    forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
-    for texts, what in ((forces, "force"), (bolts, "bolt")):
-        shown, rest, _ = first_and_last(texts, _MOST_LOADS, 0)
-        entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
-    return entries or [WEIGHT_ONLY]
 
 
 def _forces(result: Result) -> list[str]:
@@ -190,11 +123,11 @@ def _factors(result: Result) -> list[str]:
     entries = [limit]
     if compared:
         zero = ", zero dilation" if dilating else ""
-        closed = f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}"
+        closed = f"{factor_text(fos.closed_form)}  {result.words.closed_form}{zero}"
         entries.append(f"{closed}       {verdict(result)}")
     else:
         instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
-        entries.append(f"  none  closed form: {_NO_CLOSED_FORM[result.kind]}{instead}")
+        entries.append(f"  none  closed form: {result.words.no_closed_form}{instead}")
     if fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
         entries.append(f"{ends}  same mechanism, whatever forces are locked in")
@@ -240,7 +173,9 @@ def _moves(result: Result, first: Mechanism | None) -> list[str]:
     fastest = first.blocks[0]
     goes = ""
     if float(np.abs(fastest.displacement).max()) > 0.0:
-        axis = " (x is 090)" if in_section(result.design) else ""
+        geometry = result.geometry
+        in_section = isinstance(geometry, AssemblyGeometry) and geometry.thickness_m is not None
+        axis = " (x is 090)" if in_section else ""
         goes = f" toward {line_in_words(line_of(fastest.displacement))}{axis}"
     entries = [f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}"]
     entries += _governing(first.interfaces)
@@ -313,7 +248,7 @@ def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[
         bound = "none" if one.static_bound is None else factor_text(one.static_bound)
         text = _motions(one, order)
         if one.fos is None or not text:
-            text = _joined(status_text(result.kind, one.status), text)
+            text = _joined(result.words.status(one.status), text)
         way = _WAYS.get(one.status, one.status)
         rows.append(f"{k:>3}{factor_text(one.fos):>9}{bound:>9}  {way:<8} " + ("at once: " if at_once else "") + text)
         highest = one.fos if highest is None else max(highest, one.fos or highest)
@@ -407,7 +342,28 @@ def _time(timing_s: Mapping[str, float]) -> str:
 def _defaults(result: Result) -> list[str]:
     ours = {
         "upper": "upper slope (level)", "length": "length (twice the height)", "depth": "depth (the height)",
-        "seismic.trend": f"seismic trend ({OWN_WAY[result.kind]})",
+        "seismic.trend": f"seismic trend ({result.words.seismic})",
     }  # fmt: skip
     names = [ours.get(name, name) for name in result.design.defaults]
     return [", ".join(names)] if names else []
+
+
+def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
+    """What a factor of many blocks is.
+
+    Parameters
+    ----------
+    basis, change : as of `findings.Mechanism`; ratio : k_t / k_n of the elastic joints, None where it is not known
+
+    >>> path_in_words("limit", 0.4)
+    'limit of the elastic path (k_t/k_n 0.4)'
+    >>> path_in_words("peak", 0.4, 1.6, 0.005)
+    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
+    """
+    path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
+    if basis != "peak":
+        return f"limit of {path}" + (", settled" if basis == "settled" else "")
+    runs = ""
+    if fos is not None and change > 0.0:
+        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
+    return f"peak of {path}: last state at rest{runs}"

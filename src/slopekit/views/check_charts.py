@@ -6,7 +6,7 @@ Need the extra `plot`.
 from collections.abc import Mapping
 from typing import Any
 
-from slopekit.studies.ladders import METHODS
+from slopekit.kinds.ladders import METHODS
 from slopekit.views.charts import Curve, draw_speed_error
 from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, Damaged, dressed, nothing, short, title_of
 from slopekit.views.entries import factor_text

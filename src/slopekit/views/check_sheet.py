@@ -51,7 +51,7 @@ def _factors(checked: Check) -> list[str]:
         lines.insert(2, f"{ends}  same mechanism, whatever forces are locked in")
     if checked.result.moments_govern:
         lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
-    if checked.result.kind == "surface" and fos.limit is not None:
+    if checked.result.words.assumes and fos.limit is not None:
         lines.append(
             "on a curved surface equilibrium alone does not fix the factor: this is that of a rigid mass on an even "
             "elastic bed; judge by all that is given"

@@ -5,12 +5,13 @@ import io
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.kinds import kind_named
+from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
 from slopekit.studies.combos import Combos, PairCheck
 from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.pair_shapes import LIMITED_BY
-from slopekit.views.entries import OWN_WAY, WEIGHT_ONLY, WIDTH, block, factor_text
-from slopekit.views.words import size_number
+from slopekit.views.entries import WIDTH, block, factor_text
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -126,7 +127,7 @@ def _loads(found: Combos) -> list[str]:
         entries.append(f"water {slope.water.in_words()} (mean γw H/6, H the total height of each wedge)")
     if slope.seismic.coefficient:
         trend = slope.seismic.trend_deg
-        toward = OWN_WAY["wedge"] if trend is None else f"toward {trend:03.0f}"
+        toward = kind_named("wedge").words.seismic if trend is None else f"toward {trend:03.0f}"
         entries.append(f"seismic {slope.seismic.coefficient:.4g} g {toward}")
     return entries or [WEIGHT_ONLY.replace(", no forces, no bolts", "")]
 
@@ -284,7 +285,7 @@ def _defaults(found: Combos) -> list[str]:
     slope = found.given.slope
     names = {
         "upper": "upper slope level", "height": f"height {slope.height_m:g} m", "density": "density 2600 kg/m³",
-        "seismic.trend": f"seismic trend ({OWN_WAY['wedge']})",
+        "seismic.trend": f"seismic trend ({kind_named('wedge').words.seismic})",
     }  # fmt: skip
     return [", ".join(names[name] for name in found.given.defaults)] if found.given.defaults else []
 

@@ -90,9 +90,9 @@ def _sphere() -> tuple[str, bool]:
 
 def _both(name: str, within: float) -> tuple[str, bool]:
     """Both methods on a template."""
-    from slopekit.analysis import analyse
     from slopekit.design.files import load
     from slopekit.design.templates import path_of
+    from slopekit.kinds import analyse
 
     fos = analyse(load(path_of(name))).fos
     if fos.limit is None or fos.closed_form is None:

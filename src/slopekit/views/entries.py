@@ -3,10 +3,8 @@
 import textwrap
 
 from slopekit.arrays import Floats
-from slopekit.design.common import Bolt, Design, Force, Rule
-from slopekit.design.kinds import FootingDesign, PlaneDesign
-from slopekit.result import STATUSES, Result, status_text
-from slopekit.views.words import line_in_words, size_number
+from slopekit.design.common import Rule
+from slopekit.result import STATUSES, Result
 
 WIDTH = 100
 LABEL = 10
@@ -14,13 +12,6 @@ LABEL = 10
 RULES = {
     "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
     "forces_alone": "forces only",
-}  # fmt: skip
-WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
-#: The way a seismic load acts where the design gives no trend.
-OWN_WAY = {
-    "wedge": "along the trend of the line of intersection", "plane": "out of the slope", "footing": "out of the face",
-    "surface": "the way the profile falls", "bench": "the way the face dips", "topple": "out of the slope",
-    "blocks": "the way the file says",
 }  # fmt: skip
 
 
@@ -32,51 +23,6 @@ def block(label: str, entries: list[str], hang: int = 3) -> list[str]:
         indent = " " * (LABEL + hang)
         lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
     return lines
-
-
-def loads(result: Result) -> list[str]:
-    """What acts on one block beside its weight."""
-    design = result.design
-    entries = []
-    if isinstance(design, FootingDesign):
-        off = design.eccentricity_m
-        place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
-        entries.append(f"footing {size_number(design.load_kn)} kN, {place}")
-    if design.water.mode != "dry" or design.water.crack_fill:
-        entries.append(f"water {design.water.in_words()}")
-    elif isinstance(design, PlaneDesign) and design.crack is not None and design.crack.water_m:
-        entries.append(f"water {design.crack.water_m:.4g} m deep in the crack, falling to nothing at the toe")
-    entries += seismic(design, result.kind == "surface")
-    entries += [force_text(force) for force in design.forces]
-    entries += [bolt_text(bolt) for bolt in design.bolts]
-    return entries or [WEIGHT_ONLY]
-
-
-def seismic(design: Design, in_section: bool) -> list[str]:
-    """The seismic load, if there is one."""
-    if not design.seismic.coefficient:
-        return []
-    trend = design.seismic.trend_deg
-    toward = f"toward {trend:03.0f}" if trend is not None else OWN_WAY[design.kind]
-    toward += " (x is 090)" if trend is not None and in_section else ""
-    return [f"seismic {design.seismic.coefficient:.4g} g {toward}"]
-
-
-def force_text(force: Force) -> str:
-    """A force by its components, and where it acts."""
-    on = "" if force.block is None else f" on {force.block}"
-    at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
-    size = max(abs(part) for part in force.components_kn)
-    parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
-    return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
-
-
-def bolt_text(bolt: Bolt) -> str:
-    """A bolt by its force, its direction, and how it acts."""
-    role = "a load" if bolt.acts == "active" else "capacity divided by F"
-    on = "" if bolt.block is None else f" on {bolt.block}"
-    at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
-    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
 
 
 def methods(result: Result) -> list[str]:
@@ -93,7 +39,7 @@ def series(result: Result) -> list[str]:
     """Displacements and failed pairs by strength reduction factor (the paper's Table 3)."""
     if not result.series:
         return []
-    horizontal = "x" if result.kind == "footing" else "horizontal"
+    horizontal = result.words.horizontal
     entries = [f"factor   {horizontal + ' / mm':>16}{'up / mm':>12}{'failed of ' + str(result.model.node_pairs):>14}"]
     for step in result.series:
         if step.movement is None:
@@ -212,7 +158,7 @@ def governs(result: Result) -> list[str]:
     base = result.fos.closed_form
     for name, factor, status in result.governs:
         if factor is None:
-            parts.append(f"{name}: {status_text(result.kind, status) if status in STATUSES else status}")
+            parts.append(f"{name}: {result.words.status(status) if status in STATUSES else status}")
         elif base is None or name == "full water":
             parts.append(f"{name}: {factor:.2f}")
         else:

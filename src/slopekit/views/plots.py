@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit.errors import DesignError, Fault
-from slopekit.result import ASSEMBLIES
 from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES
@@ -70,7 +69,7 @@ def offers(document: Document) -> dict[str, str]:
     scene = document.get("scene")
     if isinstance(scene, Mapping):
         left = {"displacement"} if scene.get("displacement") is None else set()
-        left |= set() if kind in ASSEMBLIES else set(_OF_MANY)
+        left |= set(_OF_MANY) if document.get("assembly") is None else set()
         left |= {"mechanism", "ravelling"} if document.get("mechanism") is None else set()
         found |= {what: shows for what, shows in SCENES.items() if what not in left}
     keys = document.get("keys")
@@ -173,11 +172,11 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
         near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
         advice = (f"Did you mean {near[0]}? " if near else "") + can
         raise DesignError([Fault("E342", f"{what} is not a picture", what, advice)])
-    many = what in _OF_MANY and document.get("kind") not in ASSEMBLIES
+    many = what in _OF_MANY and document.get("assembly") is None
     if what not in given and (many or what not in SCENES or not isinstance(document.get("scene"), Mapping)):
         wants = CHARTS[what][1] if what in CHARTS else "result.json: slopekit run design.yaml -o DIR"
         if many:
-            wants = f"result.json of many blocks: {', '.join(sorted(ASSEMBLIES))}"
+            wants = "result.json of many blocks: bench, blocks, topple"
         raise DesignError([Fault("E343", f"{name} has no data for {what}: it wants {wants}", "", can)])
     formats = SCENE_FORMATS if what in SCENES else FORMATS
     if path is not None and not options.show and path.suffix.lower() not in formats:

@@ -3,8 +3,9 @@
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.kinds import status_text
 from slopekit.orientation import number
-from slopekit.result import STATUSES, status_text
+from slopekit.result import STATUSES
 from slopekit.studies.confirmation import Confirmation
 from slopekit.studies.estimates import QUANTILES, Share, Summary
 from slopekit.studies.probability import Probability

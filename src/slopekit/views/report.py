@@ -11,10 +11,11 @@ from typing import Any
 
 from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, Notice
+from slopekit.kinds import words_named
 from slopekit.views import report_tables as tables
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
 from slopekit.views.report_pictures import still_pictures
-from slopekit.views.report_words import answer, kind_words, meaning
+from slopekit.views.report_words import answer, meaning
 from slopekit.views.verification_excerpt import WHOLE, shipped
 from slopekit.views.viewer_data import viewer_data
 
@@ -101,10 +102,10 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     for key in ("title", "slopekit", "input_sha256"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
-    kind, inputs = str(document["kind"]), document["inputs"]
+    title, inputs = words_named(str(document["kind"])).title, document["inputs"]
     whole = [one for one in (tables.motion_table(document),) if one is not None]
     return {
-        "title": document["title"] or kind_words(kind), "kind": kind_words(kind), "version": document["slopekit"],
+        "title": document["title"] or title, "kind": title, "version": document["slopekit"],
         "own_version": __version__, "sha": document["input_sha256"],
         "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
         "rules": _entries(sheet, "ACCEPT") or [
@@ -113,7 +114,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "notices": [(one["code"], one["message"]) for one in document["warnings"]],
         "factors": tables.factor_table(document),
         "slope": [(label.lower(), _chunks(_entries(sheet, label))) for label in _SLOPE if _entries(sheet, label)
-                  and not (label == "COLUMNS" and kind == "surface")],
+                  and not (label == "COLUMNS" and document["methods"])],
         "inputs": list(input_tables(inputs)),
         "forces": list(tables.force_tables(document)),
         "moments": [*_entries(sheet, "ROTATION"), *(_entries(sheet, "MOVES") if document["assembly"] is None else

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from slopekit.result import status_text
-from slopekit.views.assembly_words import names_in_runs
+from slopekit.kinds import status_text
+from slopekit.kinds.words import names_in_runs
 from slopekit.views.entries import factor_text
 from slopekit.views.report_inputs import Table
 

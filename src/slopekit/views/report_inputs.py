@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from slopekit.design.common import Water
+from slopekit.kinds.words import line_in_words
 from slopekit.orientation import Line, Plane, number
-from slopekit.views.words import line_in_words
 
 _PLANE = re.compile(r"^(\d+(?:\.\d+)?)/(\d+(?:\.\d+)?)$")
 _UNITS = {

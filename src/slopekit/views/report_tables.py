@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from slopekit.findings import MOTIONS
+from slopekit.kinds import status_text, words_named
+from slopekit.kinds.words import line_in_words, size_number
 from slopekit.orientation import line_of
-from slopekit.result import STATUSES, status_text
+from slopekit.result import STATUSES
 from slopekit.views.report_blocks import block_table, factor, happens, in_names
 from slopekit.views.report_inputs import Table
 from slopekit.views.report_words import limit_of
-from slopekit.views.words import line_in_words, size_number
 
 Document = Mapping[str, Any]
 
@@ -19,20 +20,16 @@ METHODS = {
     "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
     "all_equilibrium": "columns in all equilibrium",
 }  # fmt: skip
-_CLOSED = {
-    "wedge": "Hoek & Bray: forces only", "plane": "Hoek & Bray: forces only", "footing": "limit equilibrium",
-    "surface": "φ = 0, turning about its axis", "topple": "Goodman & Bray",
-}  # fmt: skip
 _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks"}
 _MOST_ROWS = 40
 
 
 def factor_table(document: Document) -> Table:
     """Every factor of safety with what it is."""
-    fos, kind = document["fos"], document["kind"]
+    fos, rests_on = document["fos"], words_named(str(document["kind"])).rests_on
     proved = "" if document["static_bound_proved"] else ", not proved"
-    closed = _CLOSED.get(kind, "there is none for this kind")
-    if fos["closed_form"] is None and kind in _CLOSED:
+    closed = rests_on or "there is none for this kind"
+    if fos["closed_form"] is None and rests_on:
         closed = "none here" if document["agree"] is None else "none: see the status"
     answer = "the answer: forces and moments, slip does not dilate unless given"
     if document.get("assembly"):
@@ -94,7 +91,7 @@ def force_tables(document: Document) -> Iterator[Table]:
 
 def _pressures(document: Document) -> dict[str, str]:
     """Mean pressures that the design gives, where the resultant by the area is none: on a curved surface."""
-    if document["kind"] != "surface":
+    if "slip" not in document["inputs"]:
         return {}
     given = document["inputs"]["water"]["pressures_kpa"]
     shown = ", ".join(f"{float(one):g}" for one in given)

@@ -3,21 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from slopekit.views.assembly_words import path_in_words
+from slopekit.views.assembly_sheet import path_in_words
 from slopekit.views.report_blocks import factor
 
-_KINDS = {
-    "wedge": "wedge on two joints", "plane": "plane failure, per metre",
-    "footing": "footing above a weak plane, per metre",
-    "surface": "mass on a curved slip surface", "bench": "bench cut by joint sets", "blocks": "blocks of any shape",
-    "topple": "toppling columns",
-}  # fmt: skip
 _SAME = 0.05  # percent
-
-
-def kind_words(kind: str) -> str:
-    """A kind of design in words."""
-    return _KINDS.get(kind, kind)
 
 
 def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:

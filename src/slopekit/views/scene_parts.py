@@ -8,7 +8,6 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene, Contacts, joined
-from slopekit.result import ASSEMBLIES
 from slopekit.views.layers import Colour, Layer, contacts_body, layer
 from slopekit.views.picture import BLOCK, ROCK, STANDS, Bar, Picture
 from slopekit.views.stage import Stage, joint_colour
@@ -40,7 +39,7 @@ def measures(stage: Stage) -> str:
     volume, height = geometry.get("volume_m3"), geometry.get("total_height_m")
     parts = [] if volume is None else [f"volume {volume:.6g} m³"]
     parts += [] if height is None else [f"total height {height:.4g} m"]
-    if stage.kind in ASSEMBLIES:
+    if stage.document.get("assembly") is not None:
         count = int(stage.free.sum())
         parts.append(f"{count} {'block' if count == 1 else 'blocks'} that may move")
     elif geometry.get("thickness_m"):

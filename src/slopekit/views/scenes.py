@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.block_scene import MODES, OPEN
 from slopekit.errors import DesignError, Fault
 from slopekit.findings import MOTIONS
-from slopekit.result import status_text
+from slopekit.kinds import status_text
 from slopekit.views.layers import (
     arrows,
     blocks_layer,
@@ -133,7 +133,7 @@ def _scene(stage: Stage, _: Asked) -> Picture:
     layers = stage.rock()
     layers.append(blocks_layer("blocks", shapes, stage.free, stage.block_colours(), stage.still))
     legend = block_legend(stage, bool(layers[:-1]))
-    if stage.alone and stage.kind != "surface":
+    if stage.alone and not stage.is_curved:
         for joint in range(len(shapes.joints)):
             layers.append(widened(stage, joint, 1.22))
             legend.append((stage.joint_names()[joint], joint_colour(joint), 0.7))
@@ -151,7 +151,7 @@ def _scene(stage: Stage, _: Asked) -> Picture:
 
 def _scene_notes(stage: Stage) -> tuple[str, ...]:
     bare = "the ground is a mesh of its own: it is not drawn"
-    without = stage.kind == "surface" and not (stage.document.get("inputs") or {}).get("profile_m")
+    without = stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m")
     return (measures(stage), *[bare] * without)
 
 

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.design.wedge import DEFAULT_NAMES, WedgeDesign
+from slopekit.design.wedge import DEFAULT_NAMES
+from slopekit.kinds import dilates, kind_of
+from slopekit.kinds.words import SheetPart, line_in_words, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
-from slopekit.views.assembly_words import Part
 from slopekit.views.entries import (
-    OWN_WAY,
     WIDTH,
     accept,
     all_pairs,
@@ -19,19 +19,13 @@ from slopekit.views.entries import (
     cohesion,
     factor_text,
     governs,
-    loads,
     methods,
     series,
     times,
     verdict,
 )
-from slopekit.views.words import dilates, line_in_words, planes, size, size_number
 
 _NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer
-_CLOSED_FORMS = {
-    "wedge": "Hoek & Bray closed form", "plane": "Hoek & Bray closed form (plane failure)",
-    "footing": "closed form", "surface": "closed form (φ = 0, turning about its axis)",
-}  # fmt: skip
 
 
 def sheet(result: Result) -> str:
@@ -51,29 +45,27 @@ def document_of(result: Result) -> dict[str, Any]:
     return result.to_dict() | {"sheet": words}
 
 
-def _parts(result: Result) -> Iterator[Part]:
+def _parts(result: Result) -> Iterator[SheetPart]:
     """The parts below the head line, in order; those without entries print nothing."""
+    yield from kind_of(result.design).slope(result.design, result)
     if result.findings is not None:
         yield from assembly_parts(result, result.findings)
         return
-    yield Part(*planes(result))
-    yield Part("SIZE", size(result))
-    yield Part("LOADS", loads(result))
-    yield Part("FORCES", _forces(result))
-    yield Part("STATUS", [_status(result)])
-    yield Part("FoS", _factors(result))
-    yield Part("COLUMNS", methods(result))
-    yield Part("ROTATION", _rotation(result))
-    yield Part("COHESION", cohesion(result))
-    yield Part("ALL PAIRS", all_pairs(result))
-    yield Part("SERIES", series(result))
-    yield Part("ACCEPT", accept(result))
-    yield Part("MODEL", _model(result))
-    yield Part("MOVES", _moves(result))
-    yield Part("TIME", [_time(result)])
-    yield Part("GOVERNS", governs(result))
-    yield Part("DEFAULTS", _defaults(result))
-    yield Part("NOTE", [str(notice) for notice in result.warnings])
+    yield SheetPart("FORCES", _forces(result))
+    yield SheetPart("STATUS", [_status(result)])
+    yield SheetPart("FoS", _factors(result))
+    yield SheetPart("COLUMNS", methods(result))
+    yield SheetPart("ROTATION", _rotation(result))
+    yield SheetPart("COHESION", cohesion(result))
+    yield SheetPart("ALL PAIRS", all_pairs(result))
+    yield SheetPart("SERIES", series(result))
+    yield SheetPart("ACCEPT", accept(result))
+    yield SheetPart("MODEL", _model(result))
+    yield SheetPart("MOVES", _moves(result))
+    yield SheetPart("TIME", [_time(result)])
+    yield SheetPart("GOVERNS", governs(result))
+    yield SheetPart("DEFAULTS", _defaults(result))
+    yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _forces(result: Result) -> list[str]:
@@ -93,7 +85,7 @@ def _forces(result: Result) -> list[str]:
 
 def _status(result: Result) -> str:
     text = result.status_text
-    if result.mechanism is not None and result.status.startswith("slides") and result.kind == "wedge":
+    if result.mechanism is not None and result.status.startswith("slides") and result.words.along:
         text += f", along {line_in_words(line_of(result.mechanism.displacement))}"
     return text
 
@@ -103,8 +95,7 @@ def _factors(result: Result) -> list[str]:
     entries = []
     dilating = dilates(result.design)
     assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
-    if result.kind == "surface":
-        assumption += " (normal stresses of a rigid mass on an even elastic bed)"
+    assumption += result.words.assumes
     if fos.closed_form is None and result.agree is None:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}")
     else:
@@ -118,9 +109,9 @@ def _factors(result: Result) -> list[str]:
         )
     zero = ", zero dilation" if dilating else ""
     if fos.closed_form is None and result.agree is None:
-        entries.append("  none  closed form: there is none for this surface; judge by bound and columns")
+        entries.append(f"  none  closed form: {result.words.no_closed_form}")
     else:
-        entries.append(f"{factor_text(fos.closed_form)}  {_CLOSED_FORMS[result.kind]}{zero}")
+        entries.append(f"{factor_text(fos.closed_form)}  {result.words.closed_form}{zero}")
     if fos.static_bound is not None:
         entries.append(f"{factor_text(fos.static_bound)}  static bound (joints free to dilate; upper bound)")
     if fos.all_pairs_failed is not None:
@@ -131,9 +122,9 @@ def _factors(result: Result) -> list[str]:
 
 
 def _rotation(result: Result) -> list[str]:
-    if result.kind == "surface":
+    if not result.words.turns:
         return []
-    what = "wedge" if result.kind == "wedge" else "block"
+    what = result.words.block
     if result.status == "topples":
         return [f"first: moments turn the {what} over, {result.turns_over}"]
     if result.moments_govern and result.forces_only and result.fos.limit:
@@ -181,9 +172,9 @@ def _time(result: Result) -> str:
 def _defaults(result: Result) -> list[str]:
     names = result.design.defaults
     if not names:
-        return ["none of the paper's wedge was taken"] if isinstance(result.design, WedgeDesign) else []
-    ours = [DEFAULT_NAMES[name] for name in names if name != "seismic.trend"]
+        return ["none of the paper's wedge was taken"] if kind_of(result.design).paper_keys else []
+    ours = [DEFAULT_NAMES.get(name, name) for name in names if name != "seismic.trend"]
     parts = [", ".join(ours) + " (the paper's wedge)"] if ours else []
     if "seismic.trend" in names:
-        parts.append(f"seismic trend ({OWN_WAY[result.kind]})")
+        parts.append(f"seismic trend ({result.words.seismic})")
     return ["; ".join(parts)]

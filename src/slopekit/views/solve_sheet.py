@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
+from slopekit.kinds import status_text
 from slopekit.orientation import number
-from slopekit.result import STATUSES, status_text
+from slopekit.result import STATUSES
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Answers, Found, Solution

@@ -22,7 +22,6 @@ from slopekit.views.layers import (
 )
 from slopekit.views.picture import BLOCK, JOINTS, ROCK, STANDS
 
-_IN_SECTION = ("plane", "footing", "topple")
 _LETTERS = 72  # of a title
 
 
@@ -92,11 +91,15 @@ class Stage:
     @property
     def in_section(self) -> bool:
         """Whether everything repeats along the strike, and one slice shows it all."""
-        polygons = self.kind == "blocks" and self._given("geometry", "thickness_m") is not None
-        if not (polygons or self.kind in _IN_SECTION):
+        if self._given("geometry", "thickness_m") is None or not self.free.any():
             return False
         y = self.scene.shapes.centroids[self.free, 1]
-        return self.kind == "plane" or not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
+        return not np.ptp(y) > 1e-9 * self.size  # columns may stand in several rows
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether the block lies on a curved slip surface."""
+        return self._given("inputs", "slip") is not None
 
     def _given(self, part: str, key: str) -> Any:
         found = self.document.get(part)
@@ -173,10 +176,11 @@ class Stage:
             colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
             return [blocks_layer("bedrock", shapes, shapes.fixed, colours, self.still, opacity)]
         body, shortest = None, 0.0
-        if self.kind in ("wedge", "plane", "footing"):
+        if self.is_curved:
+            profile = self._given("inputs", "profile_m")
+            body, shortest = ground_below(shapes, profile) if profile else None, 0.03 * self.size
+        elif self.document.get("assembly") is None:
             body = rock_around(shapes)
-        elif self.kind == "surface" and self._given("inputs", "profile_m"):
-            body, shortest = ground_below(shapes, self.document["inputs"]["profile_m"]), 0.03 * self.size
         return [] if body is None else [layer("rock", body, ROCK, opacity, outlined=True, shortest=shortest)]
 
     def block_colours(self) -> Ints:

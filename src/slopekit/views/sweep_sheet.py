@@ -8,8 +8,9 @@ from io import StringIO
 
 from slopekit._version import __version__
 from slopekit.design.common import Design
+from slopekit.kinds import status_text
 from slopekit.orientation import number
-from slopekit.result import STATUSES, status_text
+from slopekit.result import STATUSES
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Method, point_record

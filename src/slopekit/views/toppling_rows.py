@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from slopekit.findings import Column
+from slopekit.kinds.words import first_and_last, names_in_runs
 from slopekit.result import Result
-from slopekit.views.assembly_words import first_and_last, names_in_runs
 from slopekit.views.entries import factor_text
 
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10

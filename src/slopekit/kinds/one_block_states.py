@@ -1,7 +1,12 @@
-"""The limit state of one block as pictures and files have it: node pairs by contact mode, loads as arrows."""
+"""One block in arrays: its node pairs with the model made of them, and its answer as results have it.
+
+Contact modes of node pairs, loads as arrows, displacements at strength reduction factors, the mechanism in true
+proportions.
+"""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -9,12 +14,43 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
+from slopekit.preie.contact import JointStiffness
+from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.result import Movement, ReductionStep
 
 TURNS = 1e-5  # opening beyond this part of the slip counts as opening
 CLOSED = 1e-9  # normal force below this part of the largest is none
 SLIPS = 1e-4  # slip beyond this part of the fastest motion is slip
+
+
+@dataclass(frozen=True, slots=True)
+class Bedding:
+    """The flat contacts of a block, for pairs of another kind on them.
+
+    Attributes
+    ----------
+    polygons : interface -> (k, 3) corners in m, or (2, 3) ends of a line in a section; centroid : (3,) of the block
+    model_of : the model on other node pairs
+    """
+
+    polygons: Mapping[int, Floats]
+    centroid: Floats
+    model_of: Callable[[NodePairs], Model]
+
+    def scene(self, pairs: NodePairs) -> "Scene":
+        """The scene of node pairs on these contacts."""
+        return Scene(pairs, self.model_of(pairs), self)
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Node pairs and the model made of them; `bedding` where the contacts are flat."""
+
+    pairs: NodePairs
+    model: Model
+    bedding: Bedding | None = None
 
 
 def opening_pairs(limit: Limit, model: Model, velocity: Floats, by_motion: bool = False) -> Bools:
@@ -82,3 +118,50 @@ def arrows(
         frozen(np.reshape([force for _, force, _ in acting], (count, 3)) @ axes),
         frozen(np.reshape([at for _, _, at in acting], (count, 3)) @ axes + origin),
     )  # fmt: skip
+
+
+def series_of(
+    model: Model, factors: Sequence[float], stiffness: JointStiffness, bound: float | None
+) -> tuple[ReductionStep, ...]:
+    """Rest at each factor, from one to the next; above the static bound there is none to look for."""
+    steps: list[ReductionStep] = []
+    standing: Equilibrium | None = None
+    count = len(model.control_area)
+    for factor in factors:
+        if bound is not None and factor > bound * (1.0 + 1e-7):
+            steps.append(ReductionStep(factor, False, None, count))
+            continue
+        state = equilibrium(model, factor, stiffness, standing)
+        if state.stands:
+            standing = state
+        movement = movement_of(model, state.displacement) if state.stands else None
+        steps.append(ReductionStep(factor, state.stands, movement, state.failed_pairs if state.stands else count))
+    return tuple(steps)
+
+
+def movement_of(model: Model, displacement: Floats) -> Movement:
+    """A displacement (u,) of the model in m and radians."""
+    translation, rotation = model.moved(displacement)
+    return Movement(frozen(translation), frozen(rotation))
+
+
+def turned_back(movement: Movement, turn: Floats | None) -> Movement:
+    """A movement in the user's axes."""
+    if turn is None:
+        return movement
+    return Movement(frozen(movement.displacement @ turn), frozen(movement.rotation @ turn))
+
+
+def turned(movement: Movement | None, turn: Floats | None) -> Movement | None:
+    """The same, where there is one."""
+    return None if movement is None else turned_back(movement, turn)
+
+
+def mechanism_of(limit: Limit, model: Model) -> Movement | None:
+    """The mechanism in true proportions: displacement of the centroid in m, rotation in radians, largest size 1."""
+    if limit.outcome in (Outcome.NO_DRIVING_FORCE, Outcome.NOT_CONVERGED) or not limit.velocity.any():
+        return None
+    displacement, rotation = model.moved(limit.velocity_of(model))
+    rotation = rotation / model.length_scale
+    size = math.sqrt(float(displacement @ displacement)) or model.length_scale * math.sqrt(float(rotation @ rotation))
+    return Movement(frozen(displacement / size), frozen(rotation / size))

@@ -10,9 +10,8 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from slopekit.analysis.assembly_scene import assembly_scene
-from slopekit.analysis.stages import Clock
 from slopekit.errors import DesignError, GeometryError
+from slopekit.kinds import cut
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
@@ -199,7 +198,7 @@ def test_a_bench_is_the_same_for_the_same_seed() -> None:
     first, again = sk.run(scattered), sk.run(scattered)
     assert first.to_dict()["assembly"] == again.to_dict()["assembly"]
     assert "W336" in codes(first)
-    other = assembly_scene(sk.load(scattered, set={"cut.seed": 4}), Clock())  # cut, not solved
+    other = cut(sk.load(scattered, set={"cut.seed": 4}))  # cut, not solved
     assert len(other.assembly) != first.findings.blocks
 
 
@@ -276,12 +275,13 @@ def test_the_limit_never_lies_above_the_bound_and_full_reduction_gives_one() -> 
 
 def test_what_the_results_of_hard_scenes_say() -> None:
     """A motion that does not settle, loads that come last, bonds that break, no bound: each has its notice."""
-    from slopekit.analysis import assembly as room
-    from slopekit.analysis.motions import mechanism
-    from slopekit.analysis.stages import ClosedForm
+    from slopekit.kinds import many_blocks as room
+    from slopekit.kinds.blocks import OWN
+    from slopekit.kinds.many_blocks_states import mechanism
+    from slopekit.kinds.protocol import ClosedForm
 
     design = sk.load(on_incline({"B": box(0, 0, 4, 1)}, 20, 35, c=1))
-    scene = assembly_scene(design, Clock())
+    scene = cut(design)
     strength = room.joint_strength(scene.strengths)
     loads = room.scene_loads(scene)
     ravelling_ = room.ravel(scene.assembly, loads, strength)
@@ -292,7 +292,7 @@ def test_what_the_results_of_hard_scenes_say() -> None:
         limit = replace(part.limit, **changes)
         changed = replace(failure, parts=(replace(part, limit=limit, mesh_change=mesh_change),))
         sequence = replace(ravelling_, failures=(changed,), parts=changed.parts)
-        notices = room._notices(design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
+        notices = room._notices(OWN, design, scene, sequence, [mechanism(changed, scene)], ClosedForm(None, "", ""))
         return {notice.code: notice.message for notice in notices}
 
     assert said() == {}

@@ -1,30 +1,43 @@
-"""What the analyses of every kind share: solve, refine where needed, bound, compare, and read the answer."""
+"""One block on its joints: from what a kind has cut and loaded to its limit, its factors and its result."""
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.analysis.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
-from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats
-from slopekit.design.common import Design, Force, Strength
-from slopekit.errors import Notice
+from slopekit.design.common import Design, Strength
+from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
-from slopekit.loads import Loads, PointForce
+from slopekit.geometry.cutting import Block
+from slopekit.kinds.closed_forms import OnArrays
+from slopekit.kinds.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
+from slopekit.kinds.one_block_states import (
+    Scene,
+    arrows,
+    mechanism_of,
+    movement_of,
+    opening_pairs,
+    pair_state,
+    series_of,
+    turned,
+    turned_back,
+)
+from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.solver_inputs import joint_stiffness
+from slopekit.kinds.words import SheetPart
+from slopekit.loads import Loads
 from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
 from slopekit.onlooker import say
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
-from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
-from slopekit.preie.model import JointStrength, Model
+from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
 from slopekit.result import (
@@ -37,9 +50,13 @@ from slopekit.result import (
     ModelSize,
     ReductionStep,
     Result,
+    Words,
 )  # fmt: skip
 
-CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
+if TYPE_CHECKING:
+    from slopekit.kinds.ladders import Ladder
+
+DILATES = "the closed form knows no dilation: it is printed, not compared"
 _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
@@ -97,24 +114,119 @@ class Solved:
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedForm:
-    """A closed form to compare with: its factor and status; `why_not` says why it is not compared."""
+class Cut:
+    """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
 
-    factor: float | None
-    status: str
-    why_not: str = ""
+    Attributes
+    ----------
+    scene_at : its node pairs and their model, by how often the parts of the joints are split; `refine` times to begin
+        with, `most_refined` at most
+    interfaces : its joints; faces : names of those that water can press on
+    geometry : made where a result asks for it; left_out : what is not modelled
+    face : the free face that bolts go into, None where support is not looked for
+    limit : how a model is solved
+    origin : (3,) what takes local coordinates back to the user's
+    axes : (3, 3) rows are the local axes in those of the user, None where they are the same
+    """
+
+    block: Block
+    loads: Loads
+    scene_at: Callable[[int], Scene]
+    interfaces: Sequence[Interface]
+    geometry: Callable[[], Geometry]
+    left_out: Sequence[str]
+    faces: Mapping[int, str] = field(default_factory=dict)
+    face: int | None = None
+    refine: int = 0
+    most_refined: int = _MOST_REFINED
+    limit: Callable[[Model], LimitAnalysis] = limit_analysis
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+    axes: Floats | None = None
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """The ids of its joints."""
+        return tuple(interface.key for interface in self.interfaces)
 
 
-def solve(
-    design: Design,
-    scene_at: Callable[[int], Scene],
-    refine: int,
-    clock: Clock,
-    analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
-    most_refined: int = _MOST_REFINED,
-) -> Solved:
+def kind_of_one_block(
+    name: str, words: Words, cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
+    changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
+    slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
+    on_arrays: OnArrays[D] | None = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
+) -> Kind[D]:  # fmt: skip
+    """A kind of one block on flat joints with a closed form.
+
+    Parameters
+    ----------
+    cut, closed_form : of a design; both raise GeometryError where no block can be formed
+    changes : a few changes of the input, by name: GOVERNS says what they do to the closed form
+    notices : what a reader must know of the design
+    on_arrays : the closed form of many designs in one call, where it can be had
+    has_site : support can be looked for, by the block's `face`
+    """
+
+    def analyse(design: D) -> Result:
+        clock = Clock()
+        with clock("cut"):
+            made = cut(design)
+        with clock("closed_form"):
+            closed = closed_form(design)
+        with clock("governs"):
+            governs = _governs(changes(design), closed_form, on_arrays, f"no {words.block}")
+        solved = solve(design, made, clock)
+        status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
+        forces = forces_of(made, solved, water_forces(made.loads, made.faces))
+        told = tuple(notices(design))
+        return result(words, design, made, solved, status, closed, forces, clock, governs=governs, extra=told)
+
+    def factors(design: D) -> Factors:
+        made, closed = cut(design), closed_form(design)
+        found = find_limit(design, made.scene_at, made.refine, Clock())
+        limit, governs = found.analysis.governing, found.analysis.moments_govern
+        status = block_status(limit, found.analysis, found.scene, made.joints)
+        alone = governs or limit.outcome is Outcome.NOT_CONVERGED
+        compared = found.analysis.forces_only.factor if alone else limit.factor
+        difference, agree = compare(compared, status, closed, design.agree_within)
+        return Factors(
+            status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
+            limit.settled_to(design.stop_when),
+        )  # fmt: skip
+
+    def ladder(design: D) -> "Ladder":
+        from slopekit.kinds.ladders import ladder_of_block, meshes
+
+        return ladder_of_block(design, analyse, cut, meshes, closed_form)
+
+    return Kind(
+        name, words, analyse, factors, ladder, strengths, lambda design, found: tuple(slope(design, found)), cut,
+        closed_form, on_arrays, has_site, paper_keys=paper_keys,
+    )  # fmt: skip
+
+
+def _governs(
+    changes: Sequence[tuple[str, D]],
+    closed_form: Callable[[D], ClosedForm],
+    on_arrays: OnArrays[D] | None,
+    nothing: str,
+) -> tuple[tuple[str, float | None, str], ...]:
+    """What changes do to the closed form: their name, factor of safety, status; `nothing` where there is no block."""
+
+    def answer(design: D) -> tuple[float | None, str]:
+        try:
+            found = closed_form(design)
+        except GeometryError:
+            return None, nothing
+        return found.factor, found.status
+
+    designs = [design for _, design in changes]
+    found = on_arrays.answers(designs, nothing) if on_arrays is not None else [answer(design) for design in designs]
+    return tuple((change, *told) for (change, _), told in zip(changes, found, strict=True))
+
+
+def solve(design: Design, made: Cut, clock: Clock) -> Solved:
     """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
-    found = find_limit(design, scene_at, refine, clock, analyse, most_refined)
+    found = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
     scene, analysis = found.scene, found.analysis
     limit, model = analysis.governing, scene.model
     with clock("bound"):
@@ -260,21 +372,15 @@ def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | No
 
 
 def result(
-    design: Design, solved: Solved, status: str, closed: ClosedForm, geometry: Geometry, forces: Forces,
-    interfaces: Sequence[Interface], left_out: Sequence[str], clock: Clock, *,
-    governs: tuple[tuple[str, float | None, str], ...] = (), methods: Mapping[str, float | None] | None = None,
-    loads: Loads, extra: Sequence[Notice] = (), to_map: Floats | None = None, turn: Floats | None = None,
-    wet: Mapping[int, str] | None = None,
+    words: Words, design: Design, made: Cut, solved: Solved, status: str, closed: ClosedForm, forces: Forces,
+    clock: Clock, *, governs: tuple[tuple[str, float | None, str], ...] = (),
+    methods: Mapping[str, float | None] | None = None, extra: Sequence[Notice] = (),
 ) -> Result:  # fmt: skip
     """Put the evidence together.
 
     Parameters
     ----------
-    loads : on the block, local axes
     extra : notices of the kind, before the common ones
-    to_map : (3,) what takes local coordinates back to the user's
-    turn : (3, 3) rows are the local axes in those of the user, None where they are the same
-    wet : names of the faces that water can press on
     """
     analysis, limit, model = solved.analysis, solved.limit, solved.scene.model
     alone = analysis.forces_only.factor
@@ -287,33 +393,35 @@ def result(
     facts = Facts(
         status, analysis, solved.scene.pairs, model, solved.bound is not None or not limit.factor, solved.change,
         rest is not None and not rest.stands, closed.why_not,
-        loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None, solved.span,
+        words.block,
+        made.loads.parts["seismic"] if made.loads.parts["seismic"].any() else None, solved.rules is not None,
+        solved.span,
     )  # fmt: skip
-    origin = np.zeros(3) if to_map is None else to_map
+    origin, turn = made.origin, made.axes
     size = ModelSize(
-        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, tuple(left_out), limit.passes,
+        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, tuple(made.left_out), limit.passes,
         limit.change,
     )  # fmt: skip
     return Result(
-        design=design, status=status,
+        design=design, words=words, status=status,
         fos=FactorsOfSafety(limit.factor or None, closed.factor or None, solved.bound, searched, *solved.span),
         difference=difference, agree=agree, moments_govern=analysis.moments_govern, forces_only=alone,
-        static_bound_proved=solved.bound is not None, geometry=geometry, forces=forces, model=size,
+        static_bound_proved=solved.bound is not None, geometry=made.geometry(), forces=forces, model=size,
         mechanism=turned(mechanism_of(limit, model), turn),
         at_factor_one=None if rest is None or not rest.stands else AtFactorOne(
             turned_back(movement_of(model, rest.displacement), turn), rest.failed_pairs, rest.residual
         ),
         all_pairs=None if pairs is None else AllPairs(pairs.bracket, pairs.lost_equilibrium, pairs.history),
-        governs=governs, warnings=(*extra, *notices(design, interfaces, facts)),
-        node_pairs=pair_state(solved.scene.pairs, model, limit, [part.key for part in interfaces], origin, turn),
+        governs=governs, warnings=(*extra, *notices(design, made.interfaces, facts)),
+        node_pairs=pair_state(solved.scene.pairs, model, limit, made.joints, origin, turn),
         acting=arrows(
-            loads, {f"water {face}": f"water on {name}" for face, name in (wet or {}).items()}, origin, turn,
+            made.loads, {f"water {face}": f"water on {name}" for face, name in made.faces.items()}, origin, turn,
             None if limit.pulls is None else limit.pulls * model.force_scale,
         ),
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=balance(of_one_block(model, analysis)),
-        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn),
+        cohesion_under_moments=_under_moments(solved, made.interfaces, origin, turn),
         turns_over=turns_over(limit, model) if status == "topples" else "", timing_s=clock.done(),
     )  # fmt: skip
 
@@ -339,80 +447,6 @@ def _under_moments(
         rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
         max(rules.numbers), rules.runs, evidence,
     )  # fmt: skip
-
-
-def compare(
-    factor: float | None, status: str, closed: ClosedForm, agree_within: float
-) -> tuple[float | None, bool | None]:
-    """Relative difference of the two methods on the same assumptions, and whether they agree."""
-    if status == "not_converged":
-        return None, False
-    if closed.why_not:
-        return None, None
-    if not factor and not closed.factor:
-        factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
-    if factor is None or closed.factor is None:
-        return None, factor is None and not closed.factor and (status == closed.status or status == "topples")
-    if closed.factor == 0.0:
-        return None, False
-    difference = abs(factor / closed.factor - 1.0)
-    return difference, difference <= agree_within
-
-
-# -- from a design to the arrays of the solver --------------------------------------------------------
-
-
-def joint_stiffness(design: Design) -> JointStiffness:
-    """The contact stiffness of a design."""
-    law = design.stiffness.shear_kn_m3
-    if law is not None:
-        return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=law)
-    given = design.stiffness.hyperbola
-    hyperbola = CloughDuncan(
-        given.modulus_number, given.exponent, given.failure_ratio, given.friction_angle_deg,
-        water_unit_weight=design.water_unit_weight_kn_m3,
-    )  # fmt: skip
-    return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=hyperbola)
-
-
-def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
-    """Strengths of the interfaces 0, 1, ... as arrays."""
-    return JointStrength(
-        np.array([strength.cohesion_kpa for strength in strengths]),
-        np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
-        np.tan(np.radians([strength.dilation_deg for strength in strengths])),
-        np.array([strength.tension_kpa for strength in strengths]),
-    )
-
-
-def bolt_forces(
-    design: Design, origin: Floats, check: CheckBolt, turn: Floats | None = None
-) -> tuple[list[PointForce], list[PointForce]]:
-    """Active and passive bolts as forces, each checked against the block where its head is known.
-
-    Parameters
-    ----------
-    check : refuses a bolt by its name, head (3,), direction (3,), length and place
-    turn : (3, 3) from the user's axes to the local ones
-    """
-    axes = np.eye(3) if turn is None else turn
-    active: list[PointForce] = []
-    passive: list[PointForce] = []
-    for k, bolt in enumerate(design.bolts, 1):
-        direction = axes @ bolt.toward.vector()
-        head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
-        if head is not None:
-            where = "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
-            check(f"bolt {k}", head, direction, bolt.length_m, where)
-        (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
-    return active, passive
-
-
-def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:
-    """A force of the design in local axes."""
-    axes = np.eye(3) if turn is None else turn
-    at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
-    return PointForce(axes @ np.array(force.components_kn), at)
 
 
 # -- reading the answer -------------------------------------------------------------------------------
@@ -469,17 +503,18 @@ def turns_over(limit: Limit, model: Model) -> str:
     return "whatever the strength" if freely and not len(model.bolt_capacity) else "and no strength is called on"
 
 
-def normal_forces(solved: Solved, names: Mapping[int, str]) -> dict[str, float | None]:
-    """Normal force (kN) on each interface at the limit."""
-    out: dict[str, float | None] = {}
-    for key, name in names.items():
-        on = solved.scene.pairs.interface == key
+def forces_of(made: Cut, solved: Solved, water: Mapping[str, float], driven: bool = True) -> Forces:
+    """Weight, normal force on each joint at the limit, water, and if `driven` what drives along the movement."""
+    normal: dict[str, float | None] = {}
+    for interface in made.interfaces:
+        on = solved.scene.pairs.interface == interface.key
         carried = float(solved.limit.normal_force[on].sum() * solved.scene.model.force_scale)
-        out[name] = None if solved.limit.outcome is Outcome.NOT_CONVERGED else carried
-    return out
+        normal[interface.name] = None if solved.limit.outcome is Outcome.NOT_CONVERGED else carried
+    along = _driving_and_resisting(solved) if driven else (None, None)
+    return Forces(float(-made.loads.parts["weight"][2]), normal, water, *along)
 
 
-def driving_and_resisting(solved: Solved) -> tuple[float | None, float | None]:
+def _driving_and_resisting(solved: Solved) -> tuple[float | None, float | None]:
     """What drives along the movement of the forces alone and what resists it (kN)."""
     model, alone = solved.scene.model, solved.analysis.forces_only
     if alone.factor is None or model.dilates:  # a dilating joint works on the load as it opens

@@ -1,105 +1,60 @@
-"""One wedge: from its design to its result."""
+"""One wedge on two joints (Hoek & Bray)."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from slopekit.analysis.closed_forms import Arguments, ClosedForms, answers, force_on, passive_bolts
-from slopekit.analysis.scene import Bedding, Scene
-from slopekit.analysis.stages import (
-    Clock,
-    ClosedForm,
-    block_status,
-    bolt_forces,
-    driving_and_resisting,
-    joint_strength,
-    normal_forces,
-    point_force,
-    result,
-    solve,
-    water_forces,
-)
 from slopekit.arrays import frozen
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.common import Strength
 from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import Notice
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import CRACK, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.words import SheetPart, line_in_words, loads_part, size_number, size_part, water_in_words
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
-from slopekit.notices import Interface, wedge_notices
+from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, line_of
 from slopekit.preie.model import build_model
-from slopekit.result import Forces, Result
+from slopekit.result import Result, Words
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
-_DILATES = "the closed form knows no dilation: it is printed, not compared"
+_NEARLY_PARALLEL_DEG = 5.0
+_FAR_M = 1e4  # coordinates beyond this are a map's
 
 
-def analyse_wedge(design: WedgeDesign) -> Result:
-    """Cut the wedge, load it, find its factors of safety twice, and compare them.
-
-    Raises
-    ------
-    GeometryError
-        Where the planes cut no such wedge.
-    """
-    clock = Clock()
-    with clock("cut"):
-        rock = _rock_mass(design)
-        block = cut_wedge(rock)
-        loads = _loads(design, rock, block)
-    with clock("closed_form"):
-        closed = closed_form(design)
-    with clock("governs"):
-        governs = _governs(design)
-    solved = solve(design, lambda refine: _scene(design, block, loads, refine), design.refine, clock)
-    status = block_status(solved.limit, solved.analysis, solved.scene, (J1, J2))
-    faces = {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-    forces = Forces(
-        float(-loads.parts["weight"][2]), normal_forces(solved, dict(JOINTS)), water_forces(loads, faces),
-        *driving_and_resisting(solved),
-    )  # fmt: skip
-    interfaces = [
-        Interface(joint, name, strength) for (joint, name), strength in zip(JOINTS, _strengths(design), strict=True)
-    ]
-    against = ClosedForm(closed.factor, closed.status, _DILATES if any(design.dilation_deg) else "")
-    return result(
-        design, solved, status, against, _geometry(design, rock, block), forces, interfaces,
-        _left_out(design, block), clock, governs=governs, extra=tuple(wedge_notices(design)),
-        to_map=np.array(design.origin_m), loads=loads, wet=faces,
-    )  # fmt: skip
-
-
-def scenes(design: WedgeDesign) -> Callable[[int], Scene]:
-    """The stages before the solver: the wedge is cut and loaded once, the function makes its node pairs and model.
-
-    The function takes how often the triangles of the joints are split in four.
-    """
+def cut(design: WedgeDesign) -> Cut:
+    """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
     rock = _rock_mass(design)
     block = cut_wedge(rock)
-    loads = _loads(design, rock, block)
-    return lambda refine: _scene(design, block, loads, refine)
+    acting = _loads(design, rock, block)
+    polygons = {joint: block.faces[joint] for joint, _ in JOINTS}
+    strengths = strengths_of(design)
+    strength = joint_strength(strengths)
+    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
+    return Cut(
+        block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
+        [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
+        lambda: _geometry(design, rock, block), _left_out(design, block),
+        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces},
+        FACE, design.refine, origin=np.array(design.origin_m),
+    )  # fmt: skip
 
 
-def prepare(design: WedgeDesign, refine: int) -> Scene:
-    """The stages before the solver, from a design to its node pairs and its model.
-
-    Parameters
-    ----------
-    refine : how often the triangles of the joints are split in four
-    """
-    return scenes(design)(refine)
-
-
-def check_forms(design: WedgeDesign) -> None:
-    """Refuse planes that cut no wedge with GeometryError, as `analyse_wedge` does, without cutting one."""
+def compared(design: WedgeDesign) -> ClosedForm:
+    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without cutting the wedge."""
     _rock_mass(design)
+    return replace(closed_form(design), why_not=DILATES if any(design.dilation_deg) else "")
 
 
 def _rock_mass(design: WedgeDesign) -> RockMass:
@@ -111,16 +66,10 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
     )  # fmt: skip
 
 
-def _strengths(design: WedgeDesign) -> list[Strength]:
+def strengths_of(design: WedgeDesign) -> list[Strength]:
+    """The strengths of its two joints."""
     parts = (design.cohesion_kpa, design.friction_angle_deg, design.dilation_deg, design.tension_kpa)
     return [Strength(*values) for values in zip(*parts, strict=True)]
-
-
-def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> Scene:
-    polygons = {joint: block.faces[joint] for joint, _ in JOINTS}
-    strength = joint_strength(_strengths(design))
-    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, loads, block.centroid, strength))
-    return bedding.scene(node_pairs(polygons, refine))
 
 
 def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
@@ -189,7 +138,7 @@ def arguments(design: WedgeDesign) -> Arguments:
     }  # fmt: skip
 
 
-def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] = ()) -> ClosedForms:
+def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by Hoek & Bray's wedge; each of the arguments is one number for all of them or an array.
 
     Parameters
@@ -209,6 +158,9 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] 
     return ClosedForms(OUTCOMES, found.outcome, found.factor)
 
 
+ON_ARRAYS = OnArrays(arguments, passive_bolts, closed_forms)
+
+
 def closed_form(design: WedgeDesign) -> ClosedForm:
     """The design by Hoek & Bray's wedge.
 
@@ -217,11 +169,10 @@ def closed_form(design: WedgeDesign) -> ClosedForm:
     GeometryError
         Where the planes cut no wedge.
     """
-    return closed_forms(arguments(design), passive_bolts(design)).of()
+    return ON_ARRAYS.of(design)
 
 
-def _governs(design: WedgeDesign) -> tuple[tuple[str, float | None, str], ...]:
-    """What a few changes of the input do to the closed form: (change, factor of safety, status)."""
+def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
     changes: list[tuple[str, WedgeDesign]] = []
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
         changes.append(
@@ -237,9 +188,7 @@ def _governs(design: WedgeDesign) -> tuple[tuple[str, float | None, str], ...]:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
             joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
             changes.append((f"dip of J{k + 1} +1°", replace(design, joints=joints)))
-    bolts = passive_bolts(design)
-    found = answers([arguments(changed) for _, changed in changes], partial(closed_forms, bolts=bolts), "no wedge")
-    return tuple((name, *answer) for (name, _), answer in zip(changes, found, strict=True))
+    return changes
 
 
 # -- reading the answer -------------------------------------------------------------------------------
@@ -270,3 +219,78 @@ def _left_out(design: WedgeDesign, block: Block) -> tuple[str, ...]:
     if any(design.tension_kpa):
         left.append("tensile strength at the limit (it is lost where a joint opens)")
     return tuple(left)
+
+
+def _notices(design: WedgeDesign) -> Iterator[Notice]:
+    """What a reader must know of the planes and the water of a wedge."""
+    cosine = abs(float(design.joints[0].normal() @ design.joints[1].normal()))
+    apart = math.degrees(math.acos(min(1.0, cosine)))
+    if apart < _NEARLY_PARALLEL_DEG:
+        yield Notice("W301", _parallel_note(design, apart))
+    water = design.water
+    if design.crack and water.mode == "pressures" and len(water.pressures_kpa) < 3 and water.crack_fill is None:
+        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
+    if water.mode == "dry" and water.crack_fill:
+        yield Notice("W319", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
+    if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
+        yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
+
+
+def _parallel_note(design: WedgeDesign, apart: float) -> str:
+    """How far one degree of one joint moves the line of intersection."""
+    first, second = design.joints
+    normals = second.normal()
+    line = np.cross(first.normal(), normals)
+    moved = 0.0
+    for dip, direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)):
+        other = np.cross(Plane(first.dip_deg + dip, first.dip_direction_deg + direction).normal(), normals)
+        sizes = math.sqrt(float(line @ line) * float(other @ other))
+        if sizes > 0.0:
+            moved = max(moved, math.degrees(math.acos(min(1.0, abs(float(line @ other)) / sizes))))
+    return (
+        f"J1 and J2 are only {apart:.3g}° apart: one degree on J1 moves the line of intersection by up to {moved:.0f}°"
+    )
+
+
+def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
+    entries, geometry = [], result.geometry
+    assert isinstance(geometry, WedgeGeometry)
+    for k, plane in enumerate(design.joints):
+        extra = ""
+        if design.dilation_deg[k]:
+            extra += f"  ψ {design.dilation_deg[k]:.1f}°"
+        if design.tension_kpa[k]:
+            extra += f"  σt {design.tension_kpa[k]:.4g} kPa"
+        area = size_number(geometry.areas_m2[f"J{k + 1}"])
+        name, own = f"J{k + 1}", design.joint_names[k]
+        name += "" if own == name else f" ({own})"
+        entries.append(
+            f"{name} {plane}  {plane.in_words()}  c {design.cohesion_kpa[k]:.1f} kPa  "
+            f"φ {design.friction_angle_deg[k]:.1f}°{extra}  area {area} m²"
+        )
+    entries.append(f"face {design.face}  {design.face.in_words()}")
+    entries.append(f"upper {design.upper}  {design.upper.in_words()}")
+    if design.crack:
+        area = size_number(geometry.areas_m2["crack"])
+        entries.append(
+            f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
+            f"crest along J1  area {area} m²"
+        )
+    line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
+    length = size_number(geometry.line_length_m)
+    entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
+    yield SheetPart("PLANES", entries)
+    total = size_number(geometry.total_height_m)
+    yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
+    yield loads_part(water_in_words(design), result)
+
+
+KIND = kind_of_one_block(
+    "wedge",
+    Words(
+        "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
+        "Hoek & Bray: forces only", {}, along=True,
+    ),
+    cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
+    on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"),
+)  # fmt: skip

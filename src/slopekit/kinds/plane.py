@@ -1,129 +1,63 @@
-"""Plane failure per metre of slope: from its design to its result."""
+"""Plane failure per metre of slope (Hoek & Bray)."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from slopekit.analysis.closed_forms import Arguments, ClosedForms, answers, force_on, passive_bolts
-from slopekit.analysis.scene import Bedding, Scene
-from slopekit.analysis.stages import (
-    Clock,
-    ClosedForm,
-    block_status,
-    bolt_forces,
-    driving_and_resisting,
-    joint_strength,
-    normal_forces,
-    point_force,
-    result,
-    solve,
-    water_forces,
-)
-from slopekit.arrays import Floats, frozen
+from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.design.common import Strength, Water
+from slopekit.design.common import Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, J1, Section, line_pairs, plane_section
+from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
-from slopekit.preie.model import build_model
-from slopekit.result import Forces, Result
+from slopekit.result import Result, Words
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
 _OUT = 1e-9
 
 
-def analyse_plane(design: PlaneDesign) -> Result:
-    """Cut the section, load it, find its factor of safety twice, and compare.
+def cut(design: PlaneDesign) -> Cut:
+    """Cut the section and load it.
 
     Raises
     ------
     GeometryError
         Where the plane forms no block that can slide out; E213 where it strikes across the slope.
     """
-    clock = Clock()
-    with clock("cut"):
-        section = _section(design)
-        loads = _loads(design, section)
-    with clock("closed_form"):
-        closed = closed_form(design)
-    with clock("governs"):
-        governs = _governs(design)
-    solved = solve(design, lambda refine: _scene(design, section, loads, refine), design.refine, clock)
-    status = block_status(solved.limit, solved.analysis, solved.scene, (J1,))
-    name = design.joint_name
-    faces = {J1: name} | ({CRACK: "crack"} if section.crack_depth is not None else {})
-    forces = Forces(
-        float(-loads.parts["weight"][2]), normal_forces(solved, {J1: name}), water_forces(loads, faces),
-        *driving_and_resisting(solved),
-    )  # fmt: skip
-    why_not = "the closed form knows no dilation: it is printed, not compared" if design.strength.dilation_deg else ""
-    against = ClosedForm(closed.factor, closed.status, why_not)
+    section = section_of(design)
+    acting, name, axes = _loads(design, section), design.joint_name, _axes(design.face)
+    bed = section_bedding(section, acting, design.strength)
+    is_cracked = section.crack_depth is not None
     left_out = ["bedrock (no unknowns)", "face and upper slope (free)", "the ends of the slope (per metre)",
                 "deformation of the rock"]  # fmt: skip
-    left_out += ["contact across the tension crack"] if section.crack_depth is not None else []
-    if design.strength.tension_kpa:
-        left_out.append("tensile strength at the limit (it is lost where a joint opens)")
-    return result(
-        design, solved, status, against, section_geometry(section, name, _axes(design.face)), forces,
-        [Interface(J1, name, design.strength)], left_out, clock, extra=_notices(design), loads=loads,
-        governs=governs, turn=_axes(design.face), wet=faces,
+    left_out += ["contact across the tension crack"] if is_cracked else []
+    left_out += (
+        ["tensile strength at the limit (it is lost where a joint opens)"] if design.strength.tension_kpa else []
+    )
+    return Cut(
+        section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
+        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
+        {J1: name} | ({CRACK: "crack"} if is_cracked else {}), FACE, design.refine, axes=axes,
     )  # fmt: skip
 
 
-def prepare(design: PlaneDesign, refine: int) -> Scene:
-    """The stages before the solver, from a design to its node pairs and its model.
-
-    Parameters
-    ----------
-    refine : how often the plane's parts are halved
-    """
-    return scenes(design)(refine)
-
-
-def scenes(design: PlaneDesign) -> Callable[[int], Scene]:
-    """The stages before the solver, as `prepare`: cut and loaded once, for any number of parts."""
-    section = _section(design)
-    loads = _loads(design, section)
-    return lambda refine: _scene(design, section, loads, refine)
-
-
-def section_of(design: PlaneDesign) -> Section:
-    """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
-    return _section(design)
-
-
-def _scene(design: PlaneDesign, section: Section, loads: Loads, refine: int) -> Scene:
-    return section_bedding(section, loads, design.strength).scene(line_pairs(section, 2**refine))
-
-
-def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
-    """The plane of a section as the bed of the block on it."""
-    strength, centroid = joint_strength([given]), section.block.centroid
-    return Bedding(
-        {J1: np.array([np.zeros(3), section.bottom])}, centroid,
-        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=True),
-    )  # fmt: skip
-
-
-def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:
-    """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
-    areas = {name: section.length}
-    if section.crack_depth is not None:
-        areas["crack"] = section.crack_depth
-    height = float(np.ptp(section.outline[:, 1]))
-    return SectionGeometry(
-        section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
-        section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
-    )  # fmt: skip
+def compared(design: PlaneDesign) -> ClosedForm:
+    """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without loading the section."""
+    section_of(design)
+    return replace(closed_form(design), why_not=DILATES if design.strength.dilation_deg else "")
 
 
 def _signed_dip(plane: Plane, face: Plane) -> float:
@@ -132,9 +66,10 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
     return plane.dip_deg if same else -plane.dip_deg
 
 
-def _section(design: PlaneDesign) -> Section:
+def section_of(design: PlaneDesign) -> Section:
+    """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
-        apart = _strikes_apart(plane, design.face)
+        apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
         if apart > WIDEST_DEG and plane.dip_deg > 0.0:
             message = f"{name} strikes {apart:.1f}° from the face: plane failure needs {WIDEST_DEG:.0f}° or less"
             advice = "With a second joint it may form a wedge: kind: wedge."
@@ -146,9 +81,10 @@ def _section(design: PlaneDesign) -> Section:
     )  # fmt: skip
 
 
-def _strikes_apart(plane: Plane, face: Plane) -> float:
-    apart = abs(plane.dip_direction_deg - face.dip_direction_deg) % 180.0
-    return min(apart, 180.0 - apart)
+def _strikes_apart(direction: Any, face: Any) -> Any:
+    """Degrees between the strikes of planes by their dip directions, floats or arrays."""
+    apart = np.abs(np.subtract(direction, face)) % 180.0
+    return np.minimum(apart, 180.0 - apart)
 
 
 def _axes(face: Plane) -> Floats:
@@ -158,8 +94,8 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _water(design: PlaneDesign, section: Section) -> tuple[dict[str, PointForce], float, float]:
-    """The pushes on the plane and the crack; the water's height in the crack; the peak on a plane without one."""
+def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
+    """The pushes on the plane and the crack."""
     water, depth = design.water, section.crack_depth
     along = section.bottom / section.length
     up = np.array([along[2], 0.0, -along[0]])
@@ -169,20 +105,20 @@ def _water(design: PlaneDesign, section: Section) -> tuple[dict[str, PointForce]
         if depth is not None and len(pressures) > 1:
             middle = section.bottom + np.array([0.0, 0.0, depth / 2.0])
             pushes[f"water {CRACK}"] = PointForce(np.array([pressures[1] * depth, 0.0, 0.0]), middle)
-        return pushes, 0.0, 0.0
+        return pushes
     weight = design.water_unit_weight_kn_m3
     if depth is None:
         peak = water.fill * weight * float(np.ptp(section.outline[:, 1])) / 2.0
         push = PointForce(0.5 * peak * section.length * up, section.bottom / 2.0)
-        return ({f"water {J1}": push} if peak else {}), 0.0, peak
+        return {f"water {J1}": push} if peak else {}
     deep = _water_depth(design, depth)
     if not deep:
-        return {}, 0.0, 0.0
+        return {}
     thrust = PointForce(
         np.array([0.5 * weight * deep * deep, 0.0, 0.0]), section.bottom + np.array([0.0, 0.0, deep / 3.0])
     )
     uplift = PointForce(0.5 * weight * deep * section.length * up, section.bottom * (2.0 / 3.0))
-    return {f"water {J1}": uplift, f"water {CRACK}": thrust}, deep, 0.0
+    return {f"water {J1}": uplift, f"water {CRACK}": thrust}
 
 
 def _water_depth(design: PlaneDesign, depth: float) -> float:
@@ -212,7 +148,7 @@ def _loads(design: PlaneDesign, section: Section) -> Loads:
         section.block, design.unit_weight_kn_m3, {}, np.array([_seismic(design), 0.0, 0.0]),
         [point_force(force, origin, axes) for force in design.forces], active,
         [bolt for bolt in passive if float(np.abs(bolt.force).max()) > _OUT * _strongest(design)],
-        _water(design, section)[0],
+        _water(design, section),
     )  # fmt: skip
 
 
@@ -243,7 +179,7 @@ def arguments(design: PlaneDesign) -> Arguments:
     }  # fmt: skip
 
 
-def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] = ()) -> ClosedForms:
+def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by Hoek & Bray's plane failure; each of the arguments is one number for all of them or an array.
 
     Parameters
@@ -270,8 +206,15 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] 
 
 def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
     """Whether a plane strikes too far from the face for plane failure (Hoek & Bray 1981, ch. 7)."""
-    apart = np.abs(np.subtract(direction, face)) % 180.0
-    return (np.minimum(apart, 180.0 - apart) > WIDEST_DEG) & (np.asarray(dip) > 0.0)
+    return (_strikes_apart(direction, face) > WIDEST_DEG) & (np.asarray(dip) > 0.0)
+
+
+def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
+    axes = _axes(design.face)
+    return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, closed_forms)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:
@@ -282,18 +225,11 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
     GeometryError
         Where the plane forms no block that can slide out.
     """
-    return closed_forms(arguments(design), _passive(design)).of()
+    return ON_ARRAYS.of(design)
 
 
-def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
-    axes = _axes(design.face)
-    return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
-
-
-def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
-    """What a few changes of the input do to the closed form."""
-    strength = design.strength
-    changes: list[tuple[str, PlaneDesign]] = []
+def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
+    strength, changes = design.strength, []
     if design.water.mode == "dry" or design.water.fill < 1.0:
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
@@ -306,15 +242,13 @@ def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
         changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
-    closed = partial(closed_forms, bolts=_passive(design))
-    found = answers([arguments(changed) for _, changed in changes], closed, "no block")
-    return tuple((name, *answer) for (name, _), answer in zip(changes, found, strict=True))
+    return changes
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     found = []
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
-        apart = _strikes_apart(plane, design.face)
+        apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
             message = f"{name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
             found.append(Notice("W321", message))
@@ -333,3 +267,36 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
         found.append(Notice("W323", message))
     return tuple(found)
+
+
+def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
+    geometry, name = result.geometry, design.joint_name
+    entries = [
+        f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_short(design.strength)}  "
+        f"{size_number(geometry.areas_m2[name])} m long",
+        f"face {design.face}  {design.face.in_words()}",
+        f"upper {design.upper}  {design.upper.in_words()}",
+    ]
+    assert isinstance(geometry, SectionGeometry)
+    if geometry.crack_depth_m is not None and geometry.crack_distance_m is not None:
+        off = geometry.crack_distance_m
+        where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
+        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}")
+    yield SheetPart("PLANES", entries)
+    total = size_number(geometry.total_height_m)
+    yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
+    crack = design.crack.water_m if design.crack is not None else None
+    in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
+    yield loads_part(water_in_words(design) or in_crack, result)
+
+
+KIND = kind_of_one_block(
+    "plane",
+    Words(
+        "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
+        "Hoek & Bray: forces only",
+        {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
+    ),
+    cut, compared, changes=_changes, strengths=lambda design: [design.strength], slope=_slope, notices=_notices,
+    on_arrays=ON_ARRAYS, has_site=True,
+)  # fmt: skip

@@ -113,3 +113,11 @@ def test_displacement_of_an_even_load_by_hand() -> None:
     x, _, z = result.at_factor_one.movement.displacement
     assert x == pytest.approx(slips * cosine - closes * sine, rel=1e-6)
     assert z == pytest.approx(-slips * sine - closes * cosine, rel=1e-6)
+
+
+def test_what_governs_is_the_closed_form_of_the_changed_design() -> None:
+    """The block has another weight where the plane is steeper."""
+    rock = {"rock": {"unit_weight": 24.0}}
+    said = {change: factor for change, factor, _ in run(dip=40.0, phi=30.0, **rock).governs}
+    assert said["dip +1°"] == pytest.approx(run(dip=41.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)
+    assert said["load +10 %"] == pytest.approx(run(load=1650.0, dip=40.0, phi=30.0, **rock).fos.closed_form, rel=1e-12)

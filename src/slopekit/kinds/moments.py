@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.states import opening_pairs
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
+from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis
 from slopekit.preie.model import Model

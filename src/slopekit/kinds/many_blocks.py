@@ -3,30 +3,51 @@
 scene -> loads -> the mechanisms one after the other -> what they say of each block -> Result.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene, scene_loads
-from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state, at_full_strength
-from slopekit.analysis.motions import mechanism
-from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
-from slopekit.design.blocky import AssemblyDesign, BenchDesign, ToppleDesign
+from slopekit.design.blocky import AssemblyDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
+from slopekit.kinds.one_block import Clock
+from slopekit.kinds.protocol import ClosedForm, Factors, Kind, compare
+from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
+from slopekit.kinds.words import (
+    SheetPart,
+    counted,
+    first_and_last,
+    loads_part,
+    size_number,
+    strength_in_words,
+    weight_in_words,
+)
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
+from slopekit.onlooker import say
 from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.bed import SHEAR_TO_NORMAL
-from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
+from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
+from slopekit.preie.ravelling import Failure, Part, Ravelling, critical_load, finer_model, ravel, whole_model
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
-from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
+from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result, Words
 
+if TYPE_CHECKING:
+    from slopekit.kinds.ladders import Ladder, Rung
+
+A = TypeVar("A", bound=AssemblyDesign)
+_MOST_LOADS = 8
+_MOST_UNTIED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
+_RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
@@ -47,48 +68,95 @@ class SolvedAssembly:
     ravelling: Ravelling
 
 
-def analyse_assembly(design: AssemblyDesign) -> Result:
-    """Analyse a bench, blocks or columns.
+@dataclass(frozen=True, slots=True)
+class Blocks(Generic[A]):
+    """What a kind of many blocks adds to what they share.
+
+    Attributes
+    ----------
+    cut : the blocks with their contacts and loads
+    closed_form : and its table of columns, for the first mechanism
+    notices : what a reader must know of the first mechanism
+    """
+
+    words: Words
+    cut: Callable[[A], AssemblyScene]
+    closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[Column, ...]]]
+    notices: Callable[[A, AssemblyScene, Failure, ClosedForm], Iterable[Notice]]
+
+
+def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
+    """Blocks of any shape have none."""
+    return ClosedForm(None, "", "there is no closed form for these blocks"), ()
+
+
+def no_notices(*_: object) -> tuple[Notice, ...]:
+    """Nothing but what is said of all kinds."""
+    return ()
+
+
+def kind_of_many_blocks(
+    name: str, own: Blocks[A], slope: Callable[[A, Result], SheetPart],
+    pressures: Callable[[A], Sequence[tuple[str, float]]], *, told: Callable[[A], Container[str]] = lambda _: (),
+    figures: Mapping[str, Callable[[A, Any], float]] | None = None,
+) -> Kind[A]:  # fmt: skip
+    """A kind of many blocks.
+
+    Parameters
+    ----------
+    slope : what the blocks are made from, with the label of that; `told`: the joints whose areas it tells
+    pressures : mean water pressures (kPa) by what they act on
+    """
+
+    def factors(design: A) -> Factors:
+        scene = own.cut(design)
+        ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
+        found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+        status = found[0].status if found else "no_driving_force"
+        settled = status != "not_converged" and not (found and found[0].change > design.stop_when)
+        factor = found[0].fos if found and settled else None
+        closed, _ = own.closed_form(design, found[0] if found else None)
+        difference, agree = compare(factor, status, closed, design.agree_within)
+        return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
+
+    def parts(design: A, result: Result) -> tuple[SheetPart, ...]:
+        geometry = result.geometry
+        assert isinstance(geometry, AssemblyGeometry)
+        wet, in_section = _water(pressures(design)), geometry.thickness_m is not None
+        return slope(design, result), _size(result, told(design)), loads_part(wet, result, in_section, _MOST_LOADS)
+
+    return Kind(
+        name, own.words, lambda design: solved(own, design).result, factors, lambda design: _ladder(own, design),
+        lambda design: [strength for _, strength in design.strengths], parts, own.cut,
+        at_load=lambda *asked: _at_load(own, *asked), figures=figures or {},
+    )  # fmt: skip
+
+
+def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> tuple[float, str] | None:
+    """The multiplier of what one design has more of loads than another at which its factor is a target; the status.
+
+    None where the blocks do not stand without it, stand with any of it, or the motion does not settle.
+    """
+    scene = own.cut(without)
+    first, second = scene_loads(scene), scene_loads(own.cut(unit))
+    ramp = (second.forces - first.forces, second.moments - first.moments)
+    if not ramp[0].any() and not ramp[1].any():
+        return None
+    found = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target)
+    return None if found is None else (found[0], mechanism(found[1], scene).status)
+
+
+def solved(own: Blocks[A], design: A) -> SolvedAssembly:
+    """The result of a design with its blocks, loads and mechanisms.
 
     Raises
     ------
     GeometryError, DesignError
         Where no blocks can be formed, or loads act on none.
     """
-    return solve_assembly(design).result
-
-
-def load_multiplier(without: AssemblyDesign, unit: AssemblyDesign, target: float) -> tuple[float, str] | None:
-    """The multiplier of what one design has more of loads than another at which its factor is a target; the status.
-
-    None where the blocks do not stand without it, stand with any of it, or the motion does not settle.
-    """
     clock = Clock()
-    scenes = [assembly_scene(design, clock) for design in (without, unit)]
-    loads = [scene_loads(scene) for scene in scenes]
-    ramp = (loads[1].forces - loads[0].forces, loads[1].moments - loads[0].moments)
-    if not ramp[0].any() and not ramp[1].any():
-        return None
-    scene = scenes[0]
-    found = critical_load(scene.assembly, loads[0], ramp, joint_strength(scene.strengths), 1.0 / target)
-    return None if found is None else (found[0], mechanism(found[1], scene).status)
-
-
-def assembly_factors(design: AssemblyDesign) -> tuple[str, float | None, ClosedForm, bool]:
-    """Status, factor of safety, closed form and whether they settled, and nothing that a sheet prints beside them."""
-    scene = assembly_scene(design, Clock())
-    loads = scene_loads(scene)
-    ravelling = ravel(scene.assembly, loads, joint_strength(scene.strengths), ranged=False)
-    found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
-    status = found[0].status if found else "no_driving_force"
-    settled = status != "not_converged" and not (found and found[0].change > design.stop_when)
-    return status, found[0].fos if found and settled else None, _closed_form(design, found)[0], settled
-
-
-def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
-    """The same with its blocks, loads and mechanisms, for studies that go on from there."""
-    clock = Clock()
-    scene = assembly_scene(design, clock)
+    with clock("cut"):
+        scene = own.cut(design)
     assembly = scene.assembly
     with clock("loads"):
         loads = scene_loads(scene)
@@ -99,7 +167,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
     with clock("all_pairs"):
         untied = None
         if design.criterion == "all-pairs" and found and found[0].fos:
-            untied = untied_search(design, scene, loads, found[0].fos)
+            untied = _untied_search(design, scene, loads, found[0].fos)
     status = found[0].status if found else "no_driving_force"
     sure = bool(found) and found[0].status != "not_converged"
     limit = found[0].fos if sure else None
@@ -110,7 +178,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
     with clock("closed_form"):
-        closed, table = _closed_form(design, found)
+        closed, table = own.closed_form(design, found[0] if found else None)
     difference, agree = compare(limit, status, closed, design.agree_within)
     findings = Findings(
         found, _factors(ravelling, scene, found), _standing(ravelling, scene), len(assembly),
@@ -129,21 +197,21 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         max((part.limit.steps for part in first), default=0), found[0].change if found else 0.0,
     )  # fmt: skip
     result = Result(
-        design=design, status=status,
+        design=design, words=own.words, status=status,
         fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None, low, high),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
         static_bound_proved=bound is not None,
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
-        all_pairs=None if untied is None else all_pairs(untied),
-        warnings=tuple(_notices(design, scene, ravelling, found, closed)),
+        all_pairs=None if untied is None else _all_pairs(untied),
+        warnings=tuple(_notices(own, design, scene, ravelling, found, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
 
-def untied_search(
+def _untied_search(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
 ) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
@@ -151,7 +219,7 @@ def untied_search(
     return None if model is None else all_pairs_failed(model, joint_stiffness(design), limit, relative=_BRACKET)
 
 
-def all_pairs(search: AllPairsFailed) -> AllPairs:
+def _all_pairs(search: AllPairsFailed) -> AllPairs:
     """The search as a result keeps it."""
     return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
@@ -270,17 +338,8 @@ def _drawn_out(part: Part) -> bool:
     return bool((slip[part.model.bolted, 0] < -SQUARE).any())
 
 
-def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[ClosedForm, tuple[Column, ...]]:
-    """Goodman & Bray's columns, where their method applies."""
-    if not isinstance(design, ToppleDesign):
-        return ClosedForm(None, "", "there is no closed form for these blocks"), ()
-    from slopekit.analysis.columns import goodman_bray
-
-    return goodman_bray(design, found[0] if found else None)
-
-
 def _notices(
-    design: AssemblyDesign, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
+    own: Blocks[A], design: A, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
     closed: ClosedForm,
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
@@ -320,15 +379,7 @@ def _notices(
         yield Notice("W307", "contacts that the mechanism opens, or that motions on the way to it opened twice, have "
                      f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
                      f"that happens{before}")  # fmt: skip
-    if isinstance(design, BenchDesign):
-        patches, fixed = scene.assembly.patches, np.append(scene.assembly.fixed, True)
-        moves = np.zeros(len(fixed), dtype=bool)
-        moves[ravelling.failures[0].blocks] = True
-        if ((moves[patches.plus] & fixed[patches.minus]) | (moves[patches.minus] & fixed[patches.plus])).any():
-            yield Notice("W338", "the first mechanism touches blocks that are bedrock only because the model ends "
-                         "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
-    if isinstance(design, ToppleDesign) and closed.why_not:
-        yield Notice("W340", closed.why_not)
+    yield from own.notices(design, scene, ravelling.failures[0], closed)
 
 
 def _without_rest(limit: BlocksLimit) -> Notice:
@@ -345,3 +396,109 @@ def _without_rest(limit: BlocksLimit) -> Notice:
     )
     return Notice("W363", "on elastic joints the blocks came to rest at none of the strengths that were tried: no "
                   f"factor of safety is given{exist}")  # fmt: skip
+
+
+# -- what check looks at ----------------------------------------------------------------------------------------------
+
+
+def _ladder(own: Blocks[A], design: A) -> "Ladder":
+    """The result with its all-pairs factor, the rungs, the limit at other strengths."""
+    from slopekit.kinds.ladders import Ladder
+
+    found = solved(own, design)
+    result = found.result
+    few = result.model.moving_blocks <= _MOST_UNTIED
+    if few and result.fos.limit and result.all_pairs is None:
+        say("all pairs", head=True)
+        search = _untied_search(design, found.scene, found.loads, result.fos.limit)
+        if search is not None:
+            fos = replace(result.fos, all_pairs_failed=search.factor)
+            result = replace(result, fos=fos, all_pairs=_all_pairs(search))
+    unrefined = "" if _refines(found) else "a flat contact of a section slips as one, and its ends turn it"
+    with threadpool_limits(1):  # as the analysis: bands are narrow
+        rungs = tuple(_rungs(found))
+    return Ladder(result, rungs, _others(found), unrefined)
+
+
+def _others(found: SolvedAssembly) -> tuple[float | None, ...]:
+    """The same F of the blocks that fail first, with their strength divided."""
+    from slopekit.kinds.ladders import OTHER_STRENGTH
+
+    failures = found.ravelling.failures
+    if not failures or not failures[0].limit.factor:
+        return ()
+    model, factors = failures[0].parts[0].model, []
+    with threadpool_limits(1):
+        for k in (OTHER_STRENGTH, failures[0].limit.factor):
+            say("other strengths", head=True)
+            other = replace(model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k)
+            limit = limit_of_blocks(other, ranged=False)
+            factors.append(k * limit.factor if limit.factor else None)
+    return tuple(factors)
+
+
+def _rungs(found: SolvedAssembly) -> "Iterator[Rung]":
+    """Rungs of the blocks that fail first; those that were held stay so."""
+    from slopekit.kinds.ladders import MOST_PAIRS, Rung, often, timed
+
+    result, scene, failures = found.result, found.scene, found.ravelling.failures
+    if result.agree is not None and result.fos.closed_form is not None:
+        taken = result.timing_s["closed_form"]
+        yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
+    if not failures or not failures[0].limit.factor:
+        return
+    part = failures[0].parts[0]
+    for ratio in _RATIOS:
+        say(f"ladder, k_t/k_n {ratio:g}", head=True)
+        limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
+        yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
+    for level in range(3 if _refines(found) else 1):
+        model = part.model
+        if level:
+            model = finer_model(scene.assembly, found.loads, joint_strength(scene.strengths), part, level)
+        if level and len(model.control_area) > MOST_PAIRS:
+            break
+        say(f"ladder, parts split {often(level)}", head=True)
+        limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
+        setting = f"parts split {often(level)}" if _refines(found) else "as analysed"
+        yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
+
+
+def _refines(found: SolvedAssembly) -> bool:
+    """Whether finer node pairs mean anything: in a section a flat contact slips as one, and its ends turn it."""
+    return not found.scene.assembly.in_section
+
+
+# -- words ------------------------------------------------------------------------------------------------------------
+
+
+def _size(result: Result, told: Container[str]) -> SheetPart:
+    """Blocks, height, volume and weight, and the areas of the joints that were not told."""
+    geometry, findings = result.geometry, result.findings
+    assert findings is not None
+    moving = findings.blocks - findings.fixed
+    bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
+    groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
+    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in told]
+    shown, rest, _ = first_and_last(areas, 6, 0)
+    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)
+    return SheetPart("SIZE", [
+        f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
+        f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
+        *([f"contact area  {listed}"] if listed else []),
+    ])  # fmt: skip
+
+
+def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:
+    """Mean water pressures by what they act on."""
+    wet = [f"u = {pressure:g} kPa on {name}" for name, pressure in pressures if pressure]
+    shown, rest, _ = first_and_last(wet, 6, 0)
+    more = [f"... and {rest} more"] if rest else []
+    return ["water " + ", ".join([*shown, *more])] if wet else []
+
+
+def named_strength(design: AssemblyDesign, name: str) -> str:
+    """A strength with its name, where there are several to tell apart."""
+    words = strength_in_words(design.strength(name))
+    return words if len(design.strengths) == 1 else f"{name}: {words}"

@@ -3,9 +3,9 @@
 import pytest
 
 import slopekit as sk
-from slopekit.analysis.factors import factors_of
 from slopekit.design.files import load, with_values
 from slopekit.design.reading import wedge_design
+from slopekit.kinds import factors_of
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
 

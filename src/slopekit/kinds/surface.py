@@ -1,47 +1,55 @@
-"""A mass on a curved slip surface: from its design to its result."""
+"""A mass on a curved slip surface."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import (
-    Clock,
-    ClosedForm,
-    Solved,
-    block_status,
-    bolt_forces,
-    driving_and_resisting,
-    joint_strength,
-    normal_forces,
-    point_force,
-    result,
-    solve,
-)
 from slopekit.arrays import Floats, frozen
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.design.kinds import SurfaceDesign
-from slopekit.errors import Fault, GeometryError, Notice
+from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.geometry.meshes import read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
+from slopekit.kinds.one_block import (
+    Clock,
+    Cut,
+    Solved,
+    block_status,
+    forces_of,
+    result,
+    solve,
+)
+from slopekit.kinds.one_block_states import Scene
+from slopekit.kinds.protocol import ClosedForm, Factors, Kind
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
+from slopekit.onlooker import say
 from slopekit.orientation import Line
 from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.model import build_model
 from slopekit.preie.passes import Outcome
 from slopekit.preie.slippage import Slippage, slippable
-from slopekit.result import Forces, Result
+from slopekit.result import Result, Words
 
+if TYPE_CHECKING:
+    from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
+
+Normals = Literal["true", "smoothed", "facet"]
 NAME = "slip surface"
+_EDGES = (4.0, 2.0, 1.0, 0.5)  # times the edge of the design; meshes halve
+_FACET_EDGES = (4.0, 2.0, 1.0)  # the same for facet normals: they show a trend, no answer
+_ROOM = 1.01  # asked for so much more than a halving, to get that and not the next
 _FAR_M = 1e4
 _LEVEL_OF_FACETS = 4
 _COARSEST = 2  # level from which the wanted edge is reached by halving
@@ -51,7 +59,7 @@ _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not t
 
 
 @dataclass(frozen=True, slots=True)
-class _Cut:
+class _Mass:
     """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
 
     mass: SlidingMass
@@ -71,41 +79,67 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     clock = Clock()
     with clock("cut"):
         cut = _cut(design)
-        mass = cut.mass
         loads = _loads(design, cut)
     with clock("normals"):
         slip, scene = _scene(design, cut, loads)
     with clock("closed_form"):
         closed, methods, extra = _closed_forms(design, cut)
-    solved = solve(design, lambda refine: scene, 0, clock, curved_limit_analysis, most_refined=0)
-    status = block_status(solved.limit, solved.analysis, scene, (SLIP,))
+    made = _made(design, cut, loads, slip, scene)
+    solved = solve(design, made, clock)
+    status = block_status(solved.limit, solved.analysis, scene, made.joints)
     if status in ("slides_on_J1", "slides_up") and _turns(solved.limit.velocity):
         status = "rotates"
-    water = {NAME: 0.0} if "water" not in loads.parts else {NAME: float(np.linalg.norm(loads.parts["water"]))}
-    forces = Forces(
-        float(-loads.parts["weight"][2]),
-        normal_forces(solved, {SLIP: NAME}),
-        water,
-        *(driving_and_resisting(solved) if status != "rotates" else (None, None)),
-    )
-    misfit = 0.0 if design.slip.normals == "facet" else slip.misfit_deg
-    geometry = SurfaceGeometry(
-        mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + cut.origin),
-        mass.edge, design.slip.normals, slip.motions, misfit, mass.pieces, frozen(mass.vertices + cut.origin),
-        mass.triangles, mass.on == SLIP,
-    )  # fmt: skip
+    pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
+    forces = forces_of(made, solved, pressed, driven=status != "rotates")
+    moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
+    told = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
+    notes = [*told, *_columns_below(design, solved, methods), *extra]
+    return result(WORDS, design, made, solved, status, closed, forces, clock, methods=methods, extra=notes)
+
+
+def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: Scene) -> Cut:
+    mass = cut.mass
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
     if design.slip.shape == "cylinder":
         left_out.append("strength at the two ends of the cylinder")
     if mass.pieces:
         left_out.append(f"{len(mass.pieces)} smaller pieces within the slip surface, {sum(mass.pieces):.4g} m³")
-    moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
-    told = _notices(design, cut, misfit if moves else 0.0, slip.left_as_it_was and moves)
-    notes = [*told, *_columns_below(design, solved, methods), *extra]
-    return result(
-        design, solved, status, closed, geometry, forces, [Interface(SLIP, NAME, design.strength)], left_out, clock,
-        methods=methods, extra=notes, to_map=cut.origin, loads=loads,
+
+    def geometry() -> SurfaceGeometry:
+        return SurfaceGeometry(
+            mass.volume, float(np.ptp(mass.vertices[:, 2])), {NAME: mass.area}, frozen(mass.centroid + cut.origin),
+            mass.edge, design.slip.normals, slip.motions, _misfit(design, slip), mass.pieces,
+            frozen(mass.vertices + cut.origin), mass.triangles, mass.on == SLIP,
+        )  # fmt: skip
+
+    return Cut(
+        _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
+        most_refined=0, limit=curved_limit_analysis, origin=cut.origin,
     )  # fmt: skip
+
+
+def _misfit(design: SurfaceDesign, slip: Slippage) -> float:
+    return 0.0 if design.slip.normals == "facet" else slip.misfit_deg
+
+
+def _block(mass: SlidingMass) -> Block:
+    return Block({}, {SLIP: mass.area}, mass.volume, mass.centroid)
+
+
+def _factors(design: SurfaceDesign) -> Factors:
+    found = analyse_surface(design)
+    settled = found.status != "not_converged" and found.model.residual <= design.stop_when
+    return Factors(
+        found.status, found.fos.limit, None, found.fos.closed_form, found.difference, found.agree,
+        found.moments_govern, settled,
+    )  # fmt: skip
+
+
+def cut(design: SurfaceDesign) -> Cut:
+    """Cut the mass, turn the normals so that it can slip, and load it. Raises GeometryError as `analyse_surface`."""
+    mass = _cut(design)
+    loads = _loads(design, mass)
+    return _made(design, mass, loads, *_scene(design, mass, loads))
 
 
 def prepare(design: SurfaceDesign) -> Scene:
@@ -119,7 +153,7 @@ def prepare_meshed(design: SurfaceDesign) -> tuple[Scene, float]:
     return _scene(design, cut, _loads(design, cut))[1], cut.mass.edge
 
 
-def _scene(design: SurfaceDesign, cut: _Cut, loads: Loads) -> tuple[Slippage, Scene]:
+def _scene(design: SurfaceDesign, cut: _Mass, loads: Loads) -> tuple[Slippage, Scene]:
     slip = slippable(cut.pairs, cut.mass.centroid, np.concatenate([loads.force, loads.moment]))
     pairs = cut.pairs if design.slip.normals == "facet" else slip.pairs
     return slip, Scene(pairs, build_model(pairs, loads, cut.mass.centroid, joint_strength([design.strength])))
@@ -129,7 +163,7 @@ def _turns(velocity: Floats) -> bool:
     return float(velocity[3:] @ velocity[3:]) > 1e-6 * float(velocity @ velocity)
 
 
-def _cut(design: SurfaceDesign) -> _Cut:
+def _cut(design: SurfaceDesign) -> _Mass:
     slip = design.slip
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
@@ -170,7 +204,7 @@ def _cut(design: SurfaceDesign) -> _Cut:
         pairs = facet_pairs(mass, body, slip.normals)
     _refuse_walls(mass, slip_mesh is not None)
     grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
-    return _Cut(mass, pairs, origin, grain)
+    return _Mass(mass, pairs, origin, grain)
 
 
 def _grain(vertices: Floats) -> float:
@@ -192,14 +226,13 @@ def _refuse_walls(mass: SlidingMass, is_sheet: bool) -> None:
         raise GeometryError([Fault("E215", message, "", "Extend the sheet until it comes out at the ground surface.")])
 
 
-def _loads(design: SurfaceDesign, cut: _Cut) -> Loads:
+def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
     mass, pairs = cut.mass, cut.pairs
 
     def check(name: str, head: Floats, way: Floats, length: float | None, where: str) -> None:
         leaves, anchored = through(mass, head, way)
         judge_bolt(name, leaves, anchored, length, where)
 
-    block = Block({}, {SLIP: mass.area}, mass.volume, mass.centroid)
     active, passive = bolt_forces(design, cut.origin, check)
     pushes = {}
     if design.water.mode == "pressures":
@@ -207,7 +240,7 @@ def _loads(design: SurfaceDesign, cut: _Cut) -> Loads:
         couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
         pushes["water"] = PointForce(shares.sum(axis=0), None, couple)
     return block_loads(
-        block, design.unit_weight_kn_m3, {}, _seismic(design),
+        _block(mass), design.unit_weight_kn_m3, {}, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
     )  # fmt: skip
 
@@ -232,7 +265,7 @@ def _falls(design: SurfaceDesign) -> float:
 
 
 def _closed_forms(
-    design: SurfaceDesign, cut: _Cut
+    design: SurfaceDesign, cut: _Mass
 ) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
     plain = not (design.forces or design.bolts)
@@ -250,7 +283,7 @@ def _closed_forms(
     return ClosedForm(None, "", "there is no closed form of this surface: judge by the static bound"), methods, rest
 
 
-def _rotation(design: SurfaceDesign, cut: _Cut) -> ClosedForm | None:
+def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
     """The exact answer of a surface of revolution about the y axis with φ = 0, None for any other."""
     strength, slip, profile = design.strength, design.slip, design.profile_m
     round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
@@ -273,7 +306,7 @@ def _why_not(design: SurfaceDesign) -> str:
     return "the closed form turns on the true surface" if design.slip.normals == "facet" else ""
 
 
-def _columns(design: SurfaceDesign, cut: _Cut, notes: list[Notice]) -> dict[str, float | None]:
+def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str, float | None]:
     """Factors of the methods of columns; what there is to say of them goes to `notes`."""
     slip = design.slip
     if slip.shape == "mesh" or design.profile_m is None:
@@ -329,7 +362,7 @@ def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, 
     return found
 
 
-def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> list[Notice]:
+def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> list[Notice]:
     found = []
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
@@ -364,3 +397,116 @@ def _notices(design: SurfaceDesign, cut: _Cut, misfit: float, left: bool) -> lis
             )
         found.append(Notice("W305", message))
     return found
+
+
+# -- what check looks at ----------------------------------------------------------------------------------------------
+
+
+def _ladder(design: SurfaceDesign) -> "Ladder":
+    from slopekit.kinds.ladders import ladder_of_block
+
+    found = ladder_of_block(design, analyse_surface, cut, _meshes)
+    return replace(found, normals=normals_rungs(design, found.result, found.rungs))
+
+
+def _meshed(
+    design: SurfaceDesign, result: Result, edges: Sequence[float], normals: Normals
+) -> Iterator[tuple[int, float, Scene, float]]:
+    """Scenes with edges so many times as long as the result's, with their number, the edge wanted and the mean edge.
+
+    A mesh file is what it is; what has too many node pairs, and edges too coarse to cut this mass, are left out.
+    """
+    from slopekit.kinds.ladders import MOST_PAIRS
+
+    geometry = result.geometry
+    assert isinstance(geometry, SurfaceGeometry)
+    for level, times in enumerate(edges):
+        if result.model.node_pairs / times**2 > MOST_PAIRS:
+            return
+        wanted = None if design.slip.shape == "mesh" else times * _ROOM * geometry.edge_m
+        say(f"{normals} normals, edges of {times * geometry.edge_m:.3g} m", head=True)
+        try:
+            scene, edge = prepare_meshed(replace(design, slip=replace(design.slip, edge_m=wanted, normals=normals)))
+        except (DesignError, GeometryError):
+            continue
+        yield level, times * geometry.edge_m, scene, edge
+
+
+def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
+    """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
+    from slopekit.kinds.ladders import limit_rung
+
+    if design.slip.shape == "mesh":
+        return
+    rungs: list[Rung] = []
+    for level, wanted, scene, edge in _meshed(design, result, _EDGES, design.slip.normals):
+        if rungs and len(scene.pairs) == rungs[-1].node_pairs:  # the coarsest mesh there is, once more
+            rungs.pop()
+        setting = f"edges of {wanted:.3g} m"
+        rungs.append(replace(limit_rung(scene, curved_limit_analysis, setting, level), edge_m=edge))
+    yield from rungs
+
+
+def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]") -> "tuple[NormalsRung, ...]":
+    """Facet normals at a few edges of a curved slip surface, beside the ladder's with the design's own normals.
+
+    Empty where the design itself has facet normals.
+    """
+    from slopekit.kinds.ladders import NormalsRung, kept_bonds_factor
+
+    own, geometry = design.slip.normals, result.geometry
+    if own == "facet":
+        return ()
+    assert isinstance(geometry, SurfaceGeometry)
+    found = [
+        NormalsRung(own, rung.edge_m, rung.node_pairs, rung.factor)
+        for rung in ladder if rung.edge_m is not None and rung.node_pairs is not None
+    ] or [NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit)]  # fmt: skip
+    edges: list[float] = []
+    for _, _, scene, edge in _meshed(design, result, (1.0,) if design.slip.shape == "mesh" else _FACET_EDGES, "facet"):
+        if edge in edges:  # the coarsest mesh there is, once more
+            continue
+        edges.append(edge)
+        limit = curved_limit_analysis(scene.model).governing
+        factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
+        found.append(NormalsRung("facet", edge, len(scene.pairs), factor, kept_bonds_factor(scene.model)))
+    return tuple(found)
+
+
+def _slope(design: SurfaceDesign, result: Result) -> tuple[SheetPart, ...]:
+    geometry = result.geometry
+    assert isinstance(geometry, SurfaceGeometry)
+    area = size_number(geometry.areas_m2["slip surface"])
+    ground = (
+        f"ground mesh {design.ground_mesh.name}"
+        if design.ground_mesh is not None
+        else "ground profile " + " ".join(f"({x:.6g}, {z:.6g})" for x, z in design.profile_m or ())
+    )
+    lets = {0: "no motion exactly", 1: "one motion"}.get(geometry.motions, f"{geometry.motions} motions")
+    turned = f", turned by {geometry.misfit_deg:.2g}° to follow it" if geometry.misfit_deg else ""
+    entries = [
+        f"{design.slip.in_words()}  {strength_in_short(design.strength)}  area {area} m²",
+        f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
+        ground,
+    ]
+    heights = f"height {size_number(geometry.total_height_m)} m"
+    return (
+        SheetPart("SURFACE", entries),
+        size_part(result, heights),
+        loads_part(water_in_words(design), result, x_is_east=True),
+    )
+
+
+WORDS = Words(
+    "mass on a curved slip surface", "mass", "the way the profile falls", "closed form (φ = 0, turning about its axis)",
+    "φ = 0, turning about its axis",
+    {
+        "slides_on_J1": "slides on its slip surface without turning", "rotates": "turns on its slip surface",
+        "lifted": "is pushed off its slip surface",
+    },
+    no_closed_form="there is none for this surface; judge by bound and columns",
+    assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,
+)  # fmt: skip
+KIND = Kind(
+    "surface", WORDS, analyse_surface, _factors, _ladder, lambda design: [design.strength], _slope, cut
+)  # fmt: skip

@@ -1,0 +1,103 @@
+"""The kinds of design: one file a kind, loaded when a design of it is asked for."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from slopekit.design.common import Design
+from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from slopekit.design.inputs import Inputs
+    from slopekit.design.structure import Section
+    from slopekit.kinds.protocol import Factors, Kind
+
+#: Where each kind says what it is, as `KIND`.
+MODULES = {
+    name: f"slopekit.kinds.{name}" for name in ("wedge", "plane", "footing", "surface", "topple", "bench", "blocks")
+}
+_FROM_OUTSIDE: "dict[str, Kind[Any]]" = {}
+
+
+def register(kind: "Kind[Any]", keys: "Section", read: "Callable[[Inputs], Design]") -> None:
+    """Make a kind from outside known: its files are read, analysed, printed, checked and varied as those of any other.
+
+    Parameters
+    ----------
+    keys : what its files may hold; read : from the values of a file to the design, whose class is named after the kind
+    """
+    from slopekit.design.specs import READERS, SPECS
+
+    _FROM_OUTSIDE[kind.name], SPECS[kind.name], READERS[kind.name] = kind, keys, read
+
+
+def kind_named(name: str) -> "Kind[Any]":
+    """What a kind says of itself. Raises KeyError for a name that is none."""
+    if name in _FROM_OUTSIDE:
+        return _FROM_OUTSIDE[name]
+    found: Kind[Any] = import_module(MODULES[name]).KIND
+    return found
+
+
+def kind_of(design: Design) -> "Kind[Any]":
+    """What the kind of a design says of itself."""
+    return kind_named(design.kind)
+
+
+def analyse(design: Design) -> Result:
+    """Analyse a design of any kind.
+
+    Raises
+    ------
+    GeometryError
+        Where no block can be formed.
+    """
+    return kind_of(design).analyse(design)
+
+
+def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
+    """Both factors of safety of a design, and nothing else: what studies ask thousands of times.
+
+    Parameters
+    ----------
+    pre_ie : False asks the closed form alone, where there is one
+
+    Raises
+    ------
+    GeometryError
+        Where no block can be formed.
+
+    >>> from slopekit.design.reading import wedge_design
+    >>> found = factors_of(wedge_design({"dips": ["45/115", "45/245"]}))
+    >>> found.status, round(found.limit, 4), round(found.closed_form, 4), found.agree
+    ('slides_on_both', 1.5574, 1.5574, True)
+    """
+    kind = kind_of(design)
+    if kind.closed_form is None or pre_ie:
+        return kind.factors(design)
+    from slopekit.kinds.protocol import Factors
+
+    closed = kind.closed_form(design)
+    return Factors(closed.status, None, closed.status, closed.factor or None, None, None, False, True)
+
+
+def dilates(design: Design) -> bool:
+    """Whether any joint of the design dilates as it slips."""
+    return any(strength.dilation_deg for strength in kind_of(design).strengths(design))
+
+
+def cut(design: Design) -> Any:
+    """The blocks of a design, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`."""
+    return kind_of(design).cut(design)
+
+
+def words_named(kind: str) -> Words:
+    """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
+    is_known = kind in MODULES or kind in _FROM_OUTSIDE
+    return kind_named(kind).words if is_known else Words(kind, "block", "", "", "", {})
+
+
+def status_text(kind: str, status: str) -> str:
+    """A status as a sentence, in the words of the kind of design."""
+    return words_named(kind).status(status)

@@ -1,0 +1,90 @@
+"""The footing on a weak plane (Sheng et al. 2023, §3.3)."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.closed_form.footing import footing
+from slopekit.design.kinds import FootingDesign
+from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.section import J1, Section, footing_section, line_pairs
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.solver_inputs import section_bedding, section_geometry
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
+from slopekit.loads import PointForce, block_loads
+from slopekit.notices import Interface
+from slopekit.result import Result, Words
+
+NAME = "weak plane"
+
+
+def cut(design: FootingDesign) -> Cut:
+    """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
+    section, at = _block(design)
+    push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
+    acting = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+    bed = section_bedding(section, acting, design.strength)
+    left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
+                "(per metre)"]  # fmt: skip
+    left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
+    return Cut(
+        section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
+        [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
+    )  # fmt: skip
+
+
+def closed_form(design: FootingDesign) -> ClosedForm:
+    """The design by limit equilibrium."""
+    strength, weight = design.strength, design.unit_weight_kn_m3 * _block(design)[0].block.volume
+    found = footing(
+        design.load_kn, design.dip_deg, design.length_m, strength.cohesion_kpa, strength.friction_angle_deg, weight
+    )
+    status = "slides_on_J1" if found.status == "slides" else found.status
+    return ClosedForm(found.factor, status, DILATES if strength.dilation_deg else "")
+
+
+def _block(design: FootingDesign) -> tuple[Section, float]:
+    """The block and the place of the load on it, m from the face."""
+    section = footing_section(design.dip_deg, design.length_m)
+    width = -float(section.bottom[0])
+    at = width / 2.0 if design.load_at_m is None else design.load_at_m
+    if not 0.0 <= at <= width:
+        message = f"the load stands {at:.6g} m from the face, the block is {width:.6g} m wide"
+        raise GeometryError([Fault("E219", message)])
+    return section, at
+
+
+def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
+    strength = design.strength
+    changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
+    if strength.friction_angle_deg < 88.0:
+        steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+        changes.append(("φ +1°", replace(design, strength=steeper)))
+    if strength.cohesion_kpa:
+        firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
+        changes.append(("c +10 %", replace(design, strength=firmer)))
+    if design.dip_deg < 88.0:
+        changes.append(("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)))
+    return changes
+
+
+def _slope(design: FootingDesign, result: Result) -> Iterator[SheetPart]:
+    long = size_number(design.length_m)
+    words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_short(design.strength)}"
+    yield SheetPart("PLANES", [words])
+    yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
+    off = design.eccentricity_m
+    place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
+    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *water_in_words(design)], result)
+
+
+KIND = kind_of_one_block(
+    "footing",
+    Words(
+        "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
+        {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",
+    ),
+    cut, closed_form, changes=_changes, strengths=lambda design: [design.strength], slope=_slope,
+)  # fmt: skip

@@ -1,0 +1,110 @@
+"""What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from slopekit.design.common import Design, Strength
+from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from slopekit.kinds.closed_forms import OnArrays
+    from slopekit.kinds.ladders import Ladder
+    from slopekit.kinds.words import SheetPart
+
+D = TypeVar("D", bound=Design)
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedForm:
+    """A closed form to compare with: its factor and status; `why_not` says why it is not compared."""
+
+    factor: float | None
+    status: str
+    why_not: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Factors:
+    """What the two methods say of a design.
+
+    Attributes
+    ----------
+    status : of PRE-IE, as `Result.status`; that of the closed form where PRE-IE was not asked
+    limit : PRE-IE's factor of safety, None where nothing moves, or it was not asked
+    closed_status, closed_form : of the closed form, None where the kind has none
+    difference, agree : of the two on the same assumptions, None where they are not compared
+    moments_govern : the limit lies below what the forces alone give
+    settled : whether the passes settled to the design's `stop_when`
+    """
+
+    status: str
+    limit: float | None
+    closed_status: str | None
+    closed_form: float | None
+    difference: float | None
+    agree: bool | None
+    moments_govern: bool
+    settled: bool
+
+    @property
+    def factor(self) -> float | None:
+        """The limit where there is one, else the closed form's factor."""
+        return self.limit if self.limit is not None else self.closed_form
+
+
+@dataclass(frozen=True, slots=True)
+class Kind(Generic[D]):
+    """A kind of design.
+
+    Attributes
+    ----------
+    name : the word behind `kind:`
+    words : what it calls things
+    analyse : from a design to its result
+    factors : both factors of safety and nothing else, for studies that ask thousands of times
+    ladder : what `check` looks at: the result, and ways to its factor with more and less effort
+    strengths : of the joints
+    slope : what was analysed, on the sheet: joints and faces, size, loads
+    closed_form : on the same assumptions, in next to no time; None where there is none
+    on_arrays : the same for many designs in one call, None where it takes them one by one
+    cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
+    has_site : support can be looked for: the block is a `Cut` with a free face
+    at_load : (without, unit, target) the multiplier of a load at which the factor is the target, with the status; None
+        where a kind has no such path
+    figures : numbers that published cases give beside the factors: name -> (design, which) -> number
+    paper_keys : how keys begin whose defaults stand for numbers of the slope
+    """
+
+    name: str
+    words: Words
+    analyse: Callable[[D], Result]
+    factors: Callable[[D], Factors]
+    ladder: "Callable[[D], Ladder]"
+    strengths: Callable[[D], Sequence[Strength]]
+    slope: "Callable[[D, Result], Sequence[SheetPart]]"
+    cut: Callable[[D], Any]
+    closed_form: Callable[[D], ClosedForm] | None = None
+    on_arrays: "OnArrays[D] | None" = None
+    has_site: bool = False
+    at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
+    figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
+    paper_keys: tuple[str, ...] = ()
+
+
+def compare(
+    factor: float | None, status: str, closed: ClosedForm, agree_within: float
+) -> tuple[float | None, bool | None]:
+    """Relative difference of the two methods on the same assumptions, and whether they agree."""
+    if status == "not_converged":
+        return None, False
+    if closed.why_not:
+        return None, None
+    if not factor and not closed.factor:
+        factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
+    if factor is None or closed.factor is None:
+        return None, factor is None and not closed.factor and (status == closed.status or status == "topples")
+    if closed.factor == 0.0:
+        return None, False
+    difference = abs(factor / closed.factor - 1.0)
+    return difference, difference <= agree_within

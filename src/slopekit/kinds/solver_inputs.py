@@ -1,0 +1,90 @@
+"""What designs give the solver, as arrays: strengths, stiffness, bolts, forces, a block in its section."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from slopekit.arrays import Floats, frozen
+from slopekit.design.common import Design, Force, Strength
+from slopekit.extents import SectionGeometry
+from slopekit.geometry.section import J1, Section
+from slopekit.kinds.one_block_states import Bedding
+from slopekit.loads import Loads, PointForce
+from slopekit.preie.contact import CloughDuncan, JointStiffness
+from slopekit.preie.model import JointStrength, build_model
+
+CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
+
+
+def joint_stiffness(design: Design) -> JointStiffness:
+    """The contact stiffness of a design."""
+    law = design.stiffness.shear_kn_m3
+    if law is not None:
+        return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=law)
+    given = design.stiffness.hyperbola
+    hyperbola = CloughDuncan(
+        given.modulus_number, given.exponent, given.failure_ratio, given.friction_angle_deg,
+        water_unit_weight=design.water_unit_weight_kn_m3,
+    )  # fmt: skip
+    return JointStiffness(normal=design.stiffness.normal_kn_m3, tangential=hyperbola)
+
+
+def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
+    """Strengths of the interfaces 0, 1, ... as arrays."""
+    return JointStrength(
+        np.array([strength.cohesion_kpa for strength in strengths]),
+        np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
+        np.tan(np.radians([strength.dilation_deg for strength in strengths])),
+        np.array([strength.tension_kpa for strength in strengths]),
+    )
+
+
+def bolt_forces(
+    design: Design, origin: Floats, check: CheckBolt, turn: Floats | None = None
+) -> tuple[list[PointForce], list[PointForce]]:
+    """Active and passive bolts as forces, each checked against the block where its head is known.
+
+    Parameters
+    ----------
+    check : refuses a bolt by its name, head (3,), direction (3,), length and place
+    turn : (3, 3) from the user's axes to the local ones
+    """
+    axes = np.eye(3) if turn is None else turn
+    active: list[PointForce] = []
+    passive: list[PointForce] = []
+    for k, bolt in enumerate(design.bolts, 1):
+        direction = axes @ bolt.toward.vector()
+        head = None if bolt.head_m is None else axes @ (np.array(bolt.head_m) - origin)
+        if head is not None:
+            where = "head at {:.6g}, {:.6g}, {:.6g}".format(*bolt.head_m or ())
+            check(f"bolt {k}", head, direction, bolt.length_m, where)
+        (active if bolt.acts == "active" else passive).append(PointForce(bolt.force_kn * direction, head))
+    return active, passive
+
+
+def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> PointForce:
+    """A force of the design in local axes."""
+    axes = np.eye(3) if turn is None else turn
+    at = None if force.at_m is None else axes @ (np.array(force.at_m) - origin)
+    return PointForce(axes @ np.array(force.components_kn), at)
+
+
+def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
+    """The plane of a section as the bed of the block on it."""
+    strength, centroid = joint_strength([given]), section.block.centroid
+    return Bedding(
+        {J1: np.array([np.zeros(3), section.bottom])}, centroid,
+        lambda pairs: build_model(pairs, loads, centroid, strength, in_section=True),
+    )  # fmt: skip
+
+
+def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:
+    """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
+    areas = {name: section.length}
+    if section.crack_depth is not None:
+        areas["crack"] = section.crack_depth
+    height = float(np.ptp(section.outline[:, 1]))
+    return SectionGeometry(
+        section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
+        section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
+    )  # fmt: skip

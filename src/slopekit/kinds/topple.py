@@ -1,0 +1,178 @@
+"""Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from slopekit.closed_form.toppling import (
+    ColumnSlope,
+    TopplingTable,
+    toe_force_required,
+    toppling_factor_of_safety,
+    toppling_table,
+)
+from slopekit.design.blocky import ToppleDesign
+from slopekit.errors import DesignError, Notice
+from slopekit.findings import Column, Mechanism
+from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength
+from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
+from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, counted, first_and_last
+from slopekit.orientation import number
+from slopekit.preie.ravelling import Failure
+from slopekit.result import Result, Words
+
+_BEYOND = 1e-6  # the table is that of columns which just fail
+_MODES = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "lift"}
+_MOST_HEIGHTS = 20
+
+
+def cut(design: ToppleDesign) -> AssemblyScene:
+    """The columns with what acts on them. Raises GeometryError and DesignError as `with_loads`."""
+    from slopekit.geometry.columns import BASE, RISER, column_assembly, column_outlines
+
+    heights = np.array(design.heights_m)
+    assembly = column_assembly(
+        design.dip_deg, design.width_m, heights, design.base_step_m, design.thickness_m, design.rows
+    )
+    outlines, bedrock = column_outlines(design.dip_deg, design.width_m, heights, design.base_step_m)
+    base, sides = design.strength(design.base), design.strength(design.sides)
+    joint = assembly.patches.joint
+    shown = dict(zip(design.block_names[: len(heights)], outlines, strict=True)) | {"bedrock": np.asarray(bedrock)}
+    left_out = ["the rows do not touch: each is solved for itself"] if design.rows > 1 else []
+    scene = AssemblyScene(
+        assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
+        np.full(len(assembly), design.unit_weight_kn_m3),
+        np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
+        shown, {}, tuple(left_out), (), thickness=design.thickness_m,
+    )  # fmt: skip
+    return with_loads(design, scene, 270.0)
+
+
+def goodman_bray(design: ToppleDesign, found: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
+    """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
+    why = _why_not(design)
+    if why:
+        return ClosedForm(None, "", why), ()
+    base, sides = design.strength(design.base), design.strength(design.sides)
+    try:
+        slope = _column_slope(design)
+        closed = toppling_factor_of_safety(slope)
+        table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
+    except DesignError as error:
+        return ClosedForm(
+            None, "", f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
+        ), ()
+    ways = {block.name: _MODES[block.how] for block in found.blocks} if found is not None else {}
+    columns = tuple(_columns(design, table, ways))
+    rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
+    if closed.factor and rough >= closed.factor**2:
+        why = (
+            f"at {closed.factor:.4g} the columns are so rough (tan φ tan φ of the sides above 1) that Goodman & Bray's "
+            "sliding has no meaning: not compared"
+        )
+        return ClosedForm(closed.factor, closed.status, why), columns
+    if not table.base_holds.all():
+        lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
+        why = f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
+        return ClosedForm(closed.factor or None, closed.status, why), columns
+    return ClosedForm(closed.factor or None, closed.status), columns
+
+
+def _why_not(design: ToppleDesign) -> str:
+    """Why Goodman & Bray's method says nothing of a design."""
+    sides, base = design.strength(design.sides), design.strength(design.base)
+    if sides.cohesion_kpa:
+        return "the closed form (Goodman & Bray) knows no cohesion on the sides of columns: not compared"
+    if any(design.pressures_kpa):
+        return "the closed form (Goodman & Bray) is without water here: not compared"
+    if design.forces or design.bolts:
+        return "the closed form (Goodman & Bray) is without forces and bolts on single columns: not compared"
+    if sides.dilation_deg or base.dilation_deg:
+        return "the closed form (Goodman & Bray) knows no dilation: not compared"
+    return ""
+
+
+def _columns(design: ToppleDesign, table: TopplingTable, ways: dict[str, str]) -> list[Column]:
+    rows = []
+    for k in range(len(table.heights_m)):
+        name = design.block_names[k]
+        rows.append(
+            Column(
+                k + 1, float(table.heights_m[k]), _known(table.upper_contact_m[k]), _known(table.lower_contact_m[k]),
+                _known(table.topple_force_kn[k]), _known(table.slide_force_kn[k]), _known(table.force_kn[k]),
+                _known(table.normal_kn[k]), _known(table.shear_kn[k]), table.modes[k], ways.get(name, "stable"),
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _column_slope(design: ToppleDesign) -> ColumnSlope:
+    base, sides = design.strength(design.base), design.strength(design.sides)
+    toward, k = design.seismic.trend_deg, design.seismic.coefficient
+    return ColumnSlope(
+        heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
+        base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
+        friction_angle_deg=base.friction_angle_deg, side_friction_angle_deg=sides.friction_angle_deg,
+        cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k,
+    )  # fmt: skip
+
+
+def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedForm) -> Iterator[Notice]:
+    if closed.why_not:
+        yield Notice("W340", closed.why_not)
+
+
+def _slope(design: ToppleDesign, _: Result) -> SheetPart:
+    heights = design.heights_m
+    count = len(heights)
+    rows = "" if design.rows == 1 else f" in each of {design.rows} rows side by side"
+    step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
+    entries = [
+        f"{counted(count, 'column')}{rows}, C1 at the toe, {design.width_m:.6g} m wide, dip {number(design.dip_deg)}° "
+        f"into the slope, {design.thickness_m:.6g} m thick along the strike",
+        f"bases dip {number(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
+    ]
+    low, high = min(heights), max(heights)
+    if low == high:
+        entries.append(f"heights {'all ' if count > 1 else ''}{high:.6g} m")
+    else:
+        shown, between, last = first_and_last([f"{height:.6g}" for height in heights], _MOST_HEIGHTS - 4, 4)
+        listed = ", ".join([*shown, *([f"... {between} more ..."] if between else []), *last])
+        tallest = f"C{heights.index(high) + 1}"
+        entries.append(f"heights {low:.6g} to {high:.6g} m ({tallest} the tallest), from the toe upward: {listed}")
+    if design.base == design.sides:
+        entries.append(f"bases and sides  {named_strength(design, design.base)}")
+    else:
+        entries += [
+            f"{on}  {named_strength(design, name)}" for on, name in (("bases", design.base), ("sides", design.sides))
+        ]
+    return SheetPart("COLUMNS", entries)
+
+
+OWN = Blocks(
+    Words(
+        "toppling columns",
+        "topple",
+        "out of the slope",
+        "Goodman & Bray closed form",
+        "Goodman & Bray",
+        BLOCKS_STATUSES,
+        "Goodman & Bray's method does not take this design (see NOTE)",
+    ),
+    cut,
+    goodman_bray,
+    _notices,
+)
+KIND = kind_of_many_blocks(
+    "topple", OWN, _slope, lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
+    figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
+        "toe_force_kn": lambda design, _: toe_force_required(_column_slope(design)),
+        "column_force_kn": lambda design, n: float(toppling_table(_column_slope(design)).force_kn[int(n or 1) - 1]),
+    },
+)  # fmt: skip

@@ -1,0 +1,202 @@
+"""Words that the sheets of the kinds share: numbers as a person writes them, strengths, loads, many names in few."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from slopekit.design.common import Bolt, Design, Force, Strength
+from slopekit.orientation import Line
+from slopekit.result import Result
+
+MOST_RUNS = 4
+#: Statuses of many blocks.
+BLOCKS_STATUSES: Mapping[str, str] = {
+    "slides": "blocks slide",
+    "topples": "blocks topple",
+    "rotates": "blocks turn as they slide",
+    "falls": "blocks fall: no strength that was tried holds them",
+    "lifted": "blocks are lifted off: no strength that was tried holds them",
+    "no_driving_force": "stands: every block stands without any strength",
+}
+WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
+_NUMBERS = re.compile(r"([0-9]+)")
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class SheetPart:
+    """A label of the sheet, its entries, and how far folded lines hang in."""
+
+    label: str
+    entries: list[str]
+    hang: int = 3
+
+
+# -- many names ---------------------------------------------------------------------------------------------------
+
+
+def names_in_runs(names: Iterable[str], most: int = MOST_RUNS) -> str:
+    """Names in the order given, three or more that count up as a run; after `most` runs only how many are left.
+
+    >>> names_in_runs(["C1", "C2", "C3", "C5", "C7", "C8"])
+    'C1 to C3, C5, C7, C8'
+    >>> names_in_runs([f"B{2 * k}" for k in range(50)])
+    'B0, B2, B4, B6, ... and 46 more'
+    """
+    runs = _runs(list(names))
+    shown, rest = runs[:most], sum(len(run) for run in runs[most:])
+    words = [", ".join(run) if len(run) < 3 else f"{run[0]} to {run[-1]}" for run in shown]
+    return ", ".join([*words, f"... and {rest} more"] if rest else words)
+
+
+def _runs(names: list[str]) -> list[list[str]]:
+    runs: list[list[str]] = []
+    last: list[str] = []
+    for name in names:
+        parts = _NUMBERS.split(name)
+        if runs and _follows(last, parts):
+            runs[-1].append(name)
+        else:
+            runs.append([name])
+        last = parts
+    return runs
+
+
+def _follows(before: Sequence[str], after: Sequence[str]) -> bool:
+    """Whether two names differ in one number alone, which is one more: texts and numbers take turns."""
+    if len(before) != len(after):
+        return False
+    changed = [k for k, (old, new) in enumerate(zip(before, after, strict=True)) if old != new]
+    return len(changed) == 1 and changed[0] % 2 == 1 and int(after[changed[0]]) == int(before[changed[0]]) + 1
+
+
+def in_order(names: Iterable[str], order: Mapping[str, int]) -> list[str]:
+    """Names in the order of the blocks; those that are none of them last."""
+    return sorted(names, key=lambda name: order.get(name, len(order)))
+
+
+def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[T], int, Sequence[T]]:
+    """The first and last of many items and how many lie between them; all of them where one line saves nothing.
+
+    >>> first_and_last(range(6), 2, 1)
+    (range(0, 2), 3, range(5, 6))
+    """
+    between = len(items) - first - last
+    if between <= 1:
+        return items, 0, ()
+    return items[:first], between, items[len(items) - last :]
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """A count with its word.
+
+    >>> counted(1, "block"), counted(3, "block"), counted(2, "mass", "masses")
+    ('1 block', '3 blocks', '2 masses')
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+# -- one design ----------------------------------------------------------------------------------------------------
+
+
+def size_part(result: Result, heights: str, per: str = "") -> SheetPart:
+    """Height, volume and weight of one block; `per` stands behind the volume."""
+    volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
+    return SheetPart("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
+
+
+def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> SheetPart:
+    """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts.
+
+    Parameters
+    ----------
+    x_is_east : the design has an x axis, which is 090
+    most : so many forces and so many bolts, and how many more there are; None: all
+    """
+    design = result.design
+    entries = own + seismic(design, result.words.seismic, x_is_east)
+    forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
+    for texts, what in ((forces, "force"), (bolts, "bolt")):
+        shown, rest, _ = first_and_last(texts, len(texts) if most is None else most, 0)
+        entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
+    return SheetPart("LOADS", entries or [WEIGHT_ONLY])
+
+
+def water_in_words(design: Design) -> list[str]:
+    """Water as one block has it."""
+    is_wet = design.water.mode != "dry" or design.water.crack_fill
+    return [f"water {design.water.in_words()}"] if is_wet else []
+
+
+def seismic(design: Design, own_way: str, x_is_east: bool) -> list[str]:
+    """The seismic load, if there is one."""
+    if not design.seismic.coefficient:
+        return []
+    trend = design.seismic.trend_deg
+    toward = f"toward {trend:03.0f}" if trend is not None else own_way
+    toward += " (x is 090)" if trend is not None and x_is_east else ""
+    return [f"seismic {design.seismic.coefficient:.4g} g {toward}"]
+
+
+def force_text(force: Force) -> str:
+    """A force by its components, and where it acts."""
+    on = "" if force.block is None else f" on {force.block}"
+    at = "" if force.at_m is None else " at ({:.6g}, {:.6g}, {:.6g})".format(*force.at_m)
+    size = max(abs(part) for part in force.components_kn)
+    parts = [0.0 if abs(part) < 1e-12 * size else part for part in force.components_kn]
+    return "force ({:.6g}, {:.6g}, {:.6g}) kN east, north, up".format(*parts) + on + at
+
+
+def bolt_text(bolt: Bolt) -> str:
+    """A bolt by its force, its direction, and how it acts."""
+    role = "a load" if bolt.acts == "active" else "capacity divided by F"
+    on = "" if bolt.block is None else f" on {bolt.block}"
+    at = "" if bolt.head_m is None else " from ({:.6g}, {:.6g}, {:.6g})".format(*bolt.head_m)
+    return f"bolt {bolt.force_kn:.6g} kN toward {line_in_words(bolt.toward)}{on}{at}, {bolt.acts} ({role})"
+
+
+def weight_in_words(result: Result) -> str:
+    """The weight of what moves, and the unit weight it comes from."""
+    design = result.design
+    if not design.unit_weight_kn_m3:
+        return "weight left out"
+    density = "" if design.density_kg_m3 is None else f" ({design.density_kg_m3:.5g} kg/m³)"
+    return f"weight {size_number(result.forces.weight)} kN  unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"
+
+
+def strength_in_words(strength: Strength) -> str:
+    """Cohesion and friction with the digits they were given in."""
+    words = f"c {strength.cohesion_kpa:.6g} kPa  φ {strength.friction_angle_deg:.6g}°"
+    if strength.dilation_deg:
+        words += f"  ψ {strength.dilation_deg:.6g}°"
+    if strength.tension_kpa:
+        words += f"  σt {strength.tension_kpa:.4g} kPa"
+    return words
+
+
+def strength_in_short(strength: Strength) -> str:
+    """Cohesion and friction to one decimal."""
+    words = f"c {strength.cohesion_kpa:.1f} kPa  φ {strength.friction_angle_deg:.1f}°"
+    if strength.dilation_deg:
+        words += f"  ψ {strength.dilation_deg:.1f}°"
+    if strength.tension_kpa:
+        words += f"  σt {strength.tension_kpa:.4g} kPa"
+    return words
+
+
+def line_in_words(line: Line) -> str:
+    """Trend and plunge as the sheet prints them."""
+    return f"{line.trend_deg % 360.0:03.0f}/{line.plunge_deg:.1f}"
+
+
+def size_number(value: float) -> str:
+    """Six significant digits without an exponent where a person would not write one."""
+    if value == 0.0:
+        return "0"
+    if 1e5 <= abs(value) < 1e9:
+        return f"{value:.0f}"
+    if 1e-3 <= abs(value) < 1e5:
+        return f"{value:.6g}" if abs(value) < 1e3 else f"{value:.1f}"
+    return f"{value:.6g}"
