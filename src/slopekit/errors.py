@@ -1,7 +1,7 @@
 """Faults with stable codes, and the three exceptions that carry them.
 
 The code of a fault never changes its meaning; its first line is what scripts and tests look for. The long
-texts that `slopekit explain CODE` prints live in `explanations.py` and load only when asked for.
+texts that `slopekit explain CODE` prints stand in `messages.toml` and load only when asked for.
 """
 
 from collections.abc import Iterable

@@ -15,7 +15,7 @@ import slopekit as sk
 from slopekit.cli import app
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
-from slopekit.explanations import EXPLANATIONS
+from slopekit.explanations import explanations
 from slopekit.views import report as room
 from slopekit.views.report import report_of
 from slopekit.views.report_inputs import input_tables, value_text
@@ -389,4 +389,4 @@ def test_from_python(tmp_path) -> None:
 
 @pytest.mark.parametrize("code", ["E371", "E372", "E373", "W371", "W372"])
 def test_every_code_is_explained(code) -> None:
-    assert len(EXPLANATIONS[code]) > 40
+    assert len(explanations()[code]) > 40

@@ -9,7 +9,7 @@ from slopekit.arrays import Floats
 from slopekit.block_scene import MODES
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
-from slopekit.geometry.mesh_bodies import Z_UP
+from slopekit.geometry.meshes import Z_UP
 
 #: Colours (red, green, blue, alpha).
 _BEDROCK, _STANDS, _MOVES = (150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255)
