@@ -37,7 +37,8 @@ def report(
     from pathlib import Path
 
     from slopekit.result import Result
-    from slopekit.views.report_files import read_document, write_report
+    from slopekit.views.plots import read_document
+    from slopekit.views.report import write_report
     from slopekit.views.sheet import document_of
 
     target = Path(path)

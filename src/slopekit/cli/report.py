@@ -25,8 +25,8 @@ def report(
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
 ) -> None:
     """One self-contained page of a result: the answer, its check, pictures, a view to turn (extra: report)."""
-    from slopekit.views.report import require_jinja
-    from slopekit.views.report_files import read_document, write_report
+    from slopekit.views.plots import read_document
+    from slopekit.views.report import require_jinja, write_report
 
     source = Path(result)
     source = source / "result.json" if source.is_dir() else source

@@ -112,8 +112,7 @@ def _tornado(
 def _finish(study: "Sweep | Tornado", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
     """Write and print a study, draw it where matplotlib is there, and leave with its exit code."""
     from slopekit.studies.sweep import Sweep
-    from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet
-    from slopekit.views.tornado_sheet import tornado_line, tornado_sheet
+    from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet, tornado_line, tornado_sheet
 
     name, record = "sweep" if isinstance(study, Sweep) else "tornado", study.to_dict()
     document = json_text(record)

@@ -15,6 +15,7 @@ Z_UP = "slopekit: z is up"
 _METRES = 6  # $INSUNITS
 
 MeshBody = tuple[str, Floats, Ints]
+_MOST_TRIANGLES = 400_000
 
 
 def mesh_bodies(path: Path) -> list[MeshBody]:
@@ -127,9 +128,6 @@ def _name_of(entity: Any) -> str:
     if entity.has_xdata("SLOPEKIT"):
         return str(entity.get_xdata("SLOPEKIT")[0].value)
     return f"{entity.dxf.layer}-{entity.dxf.handle}"
-
-
-_MOST_TRIANGLES = 400_000
 
 
 def read_mesh(path: Path, name: str, where: str = "", turn: bool = True) -> tuple[Floats, Ints, bool]:

@@ -8,8 +8,7 @@ from typing import TypeVar
 from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, JointSetInput, ToppleDesign
 from slopekit.design.common import Design, Strength
 from slopekit.orientation import Plane, number
-from slopekit.views.entries import factor_text
-from slopekit.views.words import size_number
+from slopekit.views.entries import factor_text, size_number
 
 MOST_RUNS = 4
 _MOST_HEIGHTS = 20

@@ -9,8 +9,7 @@ from slopekit.orientation import number
 from slopekit.studies.combos import Combos, PairCheck
 from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.pair_shapes import LIMITED_BY
-from slopekit.views.entries import OWN_WAY, WEIGHT_ONLY, WIDTH, block, factor_text
-from slopekit.views.words import size_number
+from slopekit.views.entries import OWN_WAY, WEIGHT_ONLY, WIDTH, block, factor_text, size_number
 
 _WHY = {
     "parallel": "the joints are parallel",

@@ -12,8 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Floats, cross
 from slopekit.errors import DesignError, Fault
-from slopekit.views.layers import Layer
-from slopekit.views.picture import Bar, Picture
+from slopekit.views.layers import Bar, Layer, Picture
 from slopekit.views.scene_parts import nice
 
 _WIDTH, _HEIGHT, _DPI = 1130, 800, 100

@@ -7,7 +7,7 @@ from typing import Any
 
 from slopekit.design.common import Water
 from slopekit.orientation import Line, Plane, number
-from slopekit.views.words import line_in_words
+from slopekit.views.entries import line_in_words
 
 _PLANE = re.compile(r"^(\d+(?:\.\d+)?)/(\d+(?:\.\d+)?)$")
 _UNITS = {

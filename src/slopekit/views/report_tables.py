@@ -8,10 +8,9 @@ import numpy as np
 from slopekit.findings import MOTIONS
 from slopekit.orientation import line_of
 from slopekit.result import STATUSES, status_text
-from slopekit.views.report_blocks import block_table, factor, happens, in_names
+from slopekit.views.entries import line_in_words, size_number
 from slopekit.views.report_inputs import Table
-from slopekit.views.report_words import limit_of
-from slopekit.views.words import line_in_words, size_number
+from slopekit.views.report_words import block_table, factor, happens, in_names, limit_of
 
 Document = Mapping[str, Any]
 

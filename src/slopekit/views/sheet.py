@@ -17,15 +17,19 @@ from slopekit.views.entries import (
     all_pairs,
     block,
     cohesion,
+    dilates,
     factor_text,
     governs,
+    line_in_words,
     loads,
     methods,
+    planes,
     series,
+    size,
+    size_number,
     times,
     verdict,
 )
-from slopekit.views.words import dilates, line_in_words, planes, size, size_number
 
 _NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer
 _CLOSED_FORMS = {

@@ -8,8 +8,7 @@ from slopekit.errors import Notice
 from slopekit.result import status_text
 from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
 from slopekit.studies.support_site import Answer
-from slopekit.views.entries import LABEL, WIDTH, block, bolt_text, factor_text
-from slopekit.views.words import line_in_words, size_number
+from slopekit.views.entries import LABEL, WIDTH, block, bolt_text, factor_text, line_in_words, size_number
 
 _ROLES = {
     "active": "a load: it counts in full, whatever the joints do",
