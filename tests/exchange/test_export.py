@@ -11,9 +11,8 @@ import pytest
 
 import slopekit as sk
 from slopekit.exchange.picking import Body
-from slopekit.exchange.source import source_of
+from slopekit.exchange.source import joints_of, pairs_of, source_of
 from slopekit.exchange.split import _slab
-from slopekit.exchange.strengths import joints_of, pairs_of
 from tests.commands import slopekit
 from tests.exchange.conftest import TEMPLATES
 

@@ -22,11 +22,9 @@ from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import Ways
+from slopekit.studies.support_directions import Ways, around, sphere
 from slopekit.studies.support_forces import Held, least_along, nearest, slides
-from slopekit.studies.support_search import least_force
-from slopekit.studies.support_site import Answer, site_of
-from slopekit.studies.support_sphere import around, sphere
+from slopekit.studies.support_search import Answer, least_force, site_of
 from slopekit.views.support_sheet import support_line, support_sheet
 from tests.commands import slopekit
 from tests.support import random_wedge, upward_normal

@@ -274,7 +274,7 @@ def _closed_form(design: AssemblyDesign, found: Sequence[Mechanism]) -> tuple[Cl
     """Goodman & Bray's columns, where their method applies."""
     if not isinstance(design, ToppleDesign):
         return ClosedForm(None, "", "there is no closed form for these blocks"), ()
-    from slopekit.analysis.columns import goodman_bray
+    from slopekit.analysis.motions import goodman_bray
 
     return goodman_bray(design, found[0] if found else None)
 

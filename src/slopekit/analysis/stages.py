@@ -8,8 +8,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.analysis.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
-from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
+from slopekit.analysis.moments import (
+    CohesionRules,
+    judge,
+    locked_in,
+    mechanism_of,
+    movement_of,
+    opens_cohesive,
+    series_of,
+    turned,
+    turned_back,
+    vouched,
+    with_finer_motion,
+)
 from slopekit.analysis.scene import Scene
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats

@@ -101,21 +101,27 @@ def export(
     split: str | os.PathLike[str] | None = None,
     split_as: str = "stl",
 ) -> Export:
-    """Write blocks, interfaces or node pairs of a result, in the user's own coordinates.
+    """Write the blocks, interfaces or node pairs of a result to a file of another program.
 
     Parameters
     ----------
     result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
-    path : the file to write, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf
+    path : the file, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf (.dxf needs the extra `cad`)
     what : "blocks", "interfaces", "pairs", or several of them
-    blocks : names, as a sequence or as "B1,B7", left out all; moving : leave bedrock out
-    binary : STL in binary, which holds float32 only
-    split : a folder for one closed mesh a block, and the design blocks.yaml that reads them; split_as : their format
+    blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
+    binary : STL in binary, float32
+    split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
 
     Raises
     ------
     DesignError
-        E360 to E367, E129 where nothing can be written, E140 where an extra is missing.
+        E360 to E366, E129, E140: see `slopekit explain`.
+
+    >>> import slopekit as sk, tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     done = sk.export(sk.wedge(dips=("45/115", "45/245")), pathlib.Path(folder) / "wedge.stl")
+    >>> done.written[0].blocks, round(done.written[0].volume_m3)
+    (1, 209461)
     """
     words = words_of_what(what)
     target = None if path is None else _target(Path(path), words, binary)
@@ -228,11 +234,11 @@ def _write(path: Path, chosen: Picked, binary: bool) -> Written:
 
             precision = write_dxf(path, chosen)
         elif suffix in (".glb", ".gltf"):
-            from slopekit.exchange.glb import write_glb
+            from slopekit.exchange.solids import write_glb
 
             precision = write_glb(path, chosen)
         else:
-            from slopekit.exchange.text import write_binary_stl, write_obj, write_stl
+            from slopekit.exchange.solids import write_binary_stl, write_obj, write_stl
 
             writer = write_obj if suffix == ".obj" else write_binary_stl if binary else write_stl
             precision = writer(path, chosen)
@@ -260,7 +266,7 @@ def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[N
     """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
     found = []
     if binary:
-        from slopekit.exchange.text import binary_rounding
+        from slopekit.exchange.solids import binary_rounding
 
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest

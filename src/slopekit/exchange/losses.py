@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from slopekit.exchange.source import Source
-from slopekit.exchange.strengths import Joint, Pair
+from slopekit.exchange.source import Joint, Pair, Source
 
 #: Kinds of one block, whose bedrock stands in slabs.
 ONE_BLOCK = ("wedge", "plane", "footing")

@@ -20,7 +20,7 @@ from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.running import ALONE, Advance, Crew
-from slopekit.studies.solve_notices import end_advice
+from slopekit.studies.solutions import end_advice
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5

@@ -22,11 +22,10 @@ from slopekit.analysis.factors import has_closed_form
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.orientation import number
-from slopekit.studies.journal import Journal
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point
 from slopekit.studies.ranges import MOST, parse_values
-from slopekit.studies.running import ALONE, Advance, Crew, run_all
+from slopekit.studies.running import ALONE, Advance, Crew, Journal, run_all
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
 

@@ -7,8 +7,7 @@ import textwrap
 from slopekit._version import __version__
 from slopekit.orientation import number
 from slopekit.studies.combos import Combos, PairCheck
-from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
-from slopekit.studies.pair_shapes import LIMITED_BY
+from slopekit.studies.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.views.entries import OWN_WAY, WEIGHT_ONLY, WIDTH, block, factor_text, size_number
 
 _WHY = {

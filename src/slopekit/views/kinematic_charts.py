@@ -12,8 +12,16 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.orientation import Plane, number, parse_plane
-from slopekit.studies.kinematic_criteria import Lines, Modes, lines_of, modes_of
-from slopekit.studies.kinematic_zones import Planes, planes_of_poles, zones_of_lines, zones_of_poles
+from slopekit.studies.kinematic_criteria import (
+    Lines,
+    Modes,
+    Planes,
+    lines_of,
+    modes_of,
+    planes_of_poles,
+    zones_of_lines,
+    zones_of_poles,
+)
 from slopekit.views.drawing import BLUE, GREY, PURPLE, RED, short
 from slopekit.views.stereonet import (
     FACE,

@@ -7,7 +7,7 @@ from slopekit._version import __version__
 from slopekit.errors import Notice
 from slopekit.result import status_text
 from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
-from slopekit.studies.support_site import Answer
+from slopekit.studies.support_search import Answer
 from slopekit.views.entries import LABEL, WIDTH, block, bolt_text, factor_text, line_in_words, size_number
 
 _ROLES = {
