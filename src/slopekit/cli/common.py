@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError
+from slopekit.errors import DesignError, Fault, Faults, SlopekitError, writing
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -30,15 +30,11 @@ def load_design(design: str, sets: list[str] | None) -> "Design":
     from slopekit.design.files import load
     from slopekit.design.overrides import parse_override
 
-    faults: list[Fault] = []
-    overrides: list[tuple[str, object]] = []
+    faults, overrides = Faults(), list[tuple[str, object]]()
     for text in sets or []:
-        try:
+        with faults.kept():
             overrides.append(parse_override(text))
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return load(design, overrides)
 
 
@@ -65,13 +61,10 @@ def whole_number(text: str, option: str) -> int:
 
 def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
-    try:
+    with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
     return folder
 
 
@@ -83,11 +76,8 @@ def write(path: Path, text: str) -> None:
     DesignError
         E129 where it cannot be written.
     """
-    try:
+    with writing(path):
         path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
 
 
 def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:

@@ -145,7 +145,7 @@ def report(
     if as_json:
         said = {
             "slopekit": __version__, "report": str(target), "bytes": size, "pictures": list(made.pictures),
-            "missing": list(made.missing), "warnings": [{"code": n.code, "message": n.message} for n in made.notices],
+            "missing": list(made.missing), "warnings": [n.to_dict() for n in made.notices],
         }  # fmt: skip
         typer.echo(json_text(said))
     elif not quiet:

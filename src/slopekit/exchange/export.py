@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Notice, writing
 from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, words_of_what
 from slopekit.exchange.source import Source, source_of
 
@@ -86,7 +86,7 @@ class Export:
         """As JSON values."""
         return {
             "written": [one.to_dict() for one in self.written],
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
         }
 
 
@@ -201,12 +201,8 @@ def _refuse_unwritable(folder: Path) -> None:
     """E129 where a file cannot be made in a folder."""
     import tempfile
 
-    try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+    with writing(folder, "the folder "), tempfile.TemporaryFile(dir=folder):
+        pass
 
 
 def _check_split(folder: Path, suffix: str) -> None:
@@ -214,17 +210,14 @@ def _check_split(folder: Path, suffix: str) -> None:
     if suffix not in meshes:
         message = f"the blocks are split into files of a mesh each, not {suffix}"
         raise DesignError([Fault("E366", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
-    try:
+    with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
     _refuse_unwritable(folder)
 
 
 def _write(path: Path, chosen: Picked, binary: bool) -> Written:
     files, suffix = [path], path.suffix.lower()
-    try:
+    with writing(path):
         if suffix == ".vtu":
             from slopekit.exchange.vtu import write_vtu
 
@@ -242,9 +235,6 @@ def _write(path: Path, chosen: Picked, binary: bool) -> Written:
 
             writer = write_obj if suffix == ".obj" else write_binary_stl if binary else write_stl
             precision = writer(path, chosen)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
     return _described(files, FORMATS[suffix].name, precision, chosen, "all" if binary else _ROUNDED.get(suffix, ""))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit._version import __version__
 from slopekit.arrays import Floats
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import Notice, writing
 from slopekit.exchange.losses import (
     ONE_BLOCK,
     acceptance,
@@ -212,15 +212,12 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
             notices.append(Notice("W376", _COMPARE))
     paths = [folder / files[body.name] for body in bodies]
     write = write_obj if suffix == ".obj" else write_stl
-    try:
+    with writing(folder):
         for path, body in zip(paths, bodies, strict=True):
             write(path, replace(chosen, what=("blocks",), bodies=(body,), contacts=chosen.contacts[:0]))
         if text is not None:
             (folder / DESIGN).write_text(text, encoding="utf-8")
             paths.insert(0, folder / DESIGN)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{folder} cannot be written: {reason}", str(folder))]) from None
     return paths, notices
 
 

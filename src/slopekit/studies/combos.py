@@ -182,7 +182,7 @@ class Combos:
                 ),
             },
             "joints_in_pairs_below": [{"joint": name, "pairs": times} for name, times in self.partners()],
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
         }  # fmt: skip
 

@@ -23,7 +23,7 @@ from slopekit.closed_form.wedge_arrays import OUTCOMES, WedgeArrays
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.wedge import WedgeDesign
-from slopekit.errors import DesignError, Fault, GeometryError
+from slopekit.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.orientation import Plane, number
 from slopekit.units import quantity
 
@@ -237,22 +237,14 @@ def pair_inputs(
     option: Callable[[str], str],
 ) -> PairInputs:
     """Read and check what `combos` is given; every fault at once."""
-    faults: list[Fault] = []
-
-    def read(convert: Callable[[], Any]) -> Any:
-        try:
-            return convert()
-        except DesignError as error:
-            faults.extend(error.faults)
-            return None
-
-    listed: JointList | None = read(partial(joint_list, joints, convention, skip_bad, 2))
-    face: Plane | None = read(partial(plane_of, given.get("face"), "face", option("face")))
-    slope: WedgeDesign | None = read(partial(_slope, given, face, option))
-    sizes: SizeLimits | None = read(partial(_limits, limits, option))
+    faults = Faults()
+    listed: JointList | None = faults.of(partial(joint_list, joints, convention, skip_bad, 2))
+    face: Plane | None = faults.of(partial(plane_of, given.get("face"), "face", option("face")))
+    slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
+    sizes: SizeLimits | None = faults.of(partial(_limits, limits, option))
     where = f"{option('fos')} {fos}"
-    target = None if fos is None else read(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
-    most: int | None = TOP if top is None else read(partial(_whole, top, option("top")))
+    target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
+    most: int | None = TOP if top is None else faults.of(partial(_whole, top, option("top")))
     strengths = []
     if listed is not None:
         for key in ("c", "phi"):
@@ -263,8 +255,7 @@ def pair_inputs(
             values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
             strengths.append((values, own))
             faults += [] if fault is None else [fault]
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
     assert listed is not None and slope is not None and sizes is not None and most is not None  # noqa: PT018
     defaults = tuple(
@@ -308,26 +299,20 @@ def _has_two(value: object) -> bool:
 
 
 def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
-    faults: list[Fault] = []
-    found: dict[str, float | None] = {}
+    faults, found = Faults(), dict[str, float | None]()
     for key, kind, unit in (
         ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
         ("min_volume", "volume", "_m3"),
     ):  # fmt: skip
         value = given.get(key)
-        try:
-            where = f"{option(key)} {value}"
-            found[key + unit] = (
-                None if value is None else words.above_zero(value, kind, key.replace("_", " "), "E334", where)
-            )
-        except DesignError as error:
-            faults += error.faults
+        if value is not None:
+            name, where = key.replace("_", " "), f"{option(key)} {value}"
+            found[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E334", where))
     least, most = found.get("min_volume_m3"), found.get("max_volume_m3")
     if least is not None and most is not None and least > most:
         message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
         faults.append(Fault("E334", message, option("min_volume")))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return SizeLimits(**found)
 
 

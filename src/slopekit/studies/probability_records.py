@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.arrays import Bools, Floats
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import Notice, writing
 from slopekit.studies.confirmation import Confirmation
 from slopekit.studies.estimates import QUANTILES, Share, Summary, rank_correlation
-from slopekit.studies.points import Point
+from slopekit.studies.points import Point, study_head
 from slopekit.studies.sampling import Samples
 
 if TYPE_CHECKING:
@@ -32,8 +31,8 @@ def document(study: "Probability") -> dict[str, Any]:
     """The study as JSON values."""
     asked, summary = study.asked, study.summary
     return {
-        "slopekit": __version__, "study": "prob", "kind": study.design.kind, "title": study.design.title,
-        "input_sha256": study.design.input_hash(), "n": len(study.samples.values),
+        **study_head("prob", study.design),
+        "n": len(study.samples.values),
         "replicates": int(study.samples.replicate.max()) + 1, "seed": asked.seed, "sampling": asked.method,
         "by": asked.by, "evaluator": study.evaluator, "target": asked.target,
         "probability_of_failure": {
@@ -54,7 +53,7 @@ def document(study: "Probability") -> dict[str, Any]:
         "sensitivity": [{"variable": name, "rank_correlation_with_fos": value} for name, value in study.sensitivities],
         "pre_ie": None if study.confirmation is None else study.confirmation.to_dict(),
         "inputs": study.design.inputs(), "defaults": list(study.design.defaults),
-        "warnings": [{"code": notice.code, "message": notice.message} for notice in study.warnings],
+        "warnings": [notice.to_dict() for notice in study.warnings],
         "timing_s": dict(study.timing_s),
     }  # fmt: skip
 
@@ -123,18 +122,14 @@ def write_samples(study: "Probability", path: Path) -> None:
     by = "closed_form" if study.asked.by == "closed-form" else "limit"
     head = ["sample", *study.samples.names, "outcome", f"fos_{by}", "fails"]
     head += ["pre_ie_outcome", "fos_limit", "moments_govern"] if checked is not None else []
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file)
-            rows.writerow(head)
-            values, outcomes = study.samples.values.tolist(), study.outcome.tolist()
-            fails, factors = study.fails.tolist(), study.factor.tolist()
-            for row, (given, outcome, factor, fall) in enumerate(zip(values, outcomes, factors, fails, strict=True)):
-                own = [row, *given, study.names[outcome], "" if math.isnan(factor) else factor, int(fall)]
-                rows.writerow(own + (_also(also.get(row)) if checked is not None else []))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    with writing(path), path.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(head)
+        values, outcomes = study.samples.values.tolist(), study.outcome.tolist()
+        fails, factors = study.fails.tolist(), study.factor.tolist()
+        for row, (given, outcome, factor, fall) in enumerate(zip(values, outcomes, factors, fails, strict=True)):
+            own = [row, *given, study.names[outcome], "" if math.isnan(factor) else factor, int(fall)]
+            rows.writerow(own + (_also(also.get(row)) if checked is not None else []))
 
 
 def _also(point: Point | None) -> list[Any]:
@@ -175,10 +170,7 @@ class Judged:
     @property
     def disagree(self) -> int:
         """Samples on which the methods disagree or PRE-IE did not converge, where PRE-IE looked at all."""
-        return sum(
-            point.factors is not None and (point.factors.agree is False or point.factors.status == "not_converged")
-            for point in self.points
-        )
+        return sum(point.is_in_doubt for point in self.points)
 
 
 def failing(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError, SolverError
+from slopekit.errors import DesignError, Fault, SlopekitError, SolverError, writing
 
 _EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.
@@ -90,12 +90,8 @@ class Journal:
         if not self.unwritten:
             return
         line = json.dumps({"key": self.key, "records": [[index, self.held[index]] for index in self.unwritten]})
-        try:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(f"\n{line}\n")  # a line that an interruption cut short ends here
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise DesignError([Fault("E129", f"{self.path} cannot be written: {reason}", str(self.path))]) from None
+        with writing(self.path), self.path.open("a", encoding="utf-8") as file:
+            file.write(f"\n{line}\n")  # a line that an interruption cut short ends here
         self.unwritten, self.last = [], time.monotonic()
 
     def remove(self) -> None:

@@ -7,13 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from slopekit._version import __version__
 from slopekit.analysis.factors import Factors
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
 from slopekit.orientation import number
 from slopekit.studies.keys import Key
-from slopekit.studies.points import Point
+from slopekit.studies.points import Point, study_head
 
 Method = Literal["closed_form", "pre_ie"]
 #: What putting a value back may miss the target by.
@@ -135,11 +134,7 @@ class Solution:
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
         found = self.answer
         return {
-            "slopekit": __version__,
-            "study": "solve",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("solve", self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"fos": self.target, "from_acceptance": self.from_acceptance},
@@ -152,7 +147,7 @@ class Solution:
             "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
             "pre_ie": self._answers(self.pre_ie),
             "reason": None if self.reason is None else self.reason.to_dict(),
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }
 

@@ -2,18 +2,18 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Line, number
+from slopekit.studies.points import study_head
 from slopekit.studies.support_directions import Optimum
 from slopekit.studies.support_pattern import Layout
 from slopekit.studies.support_search import Answer
@@ -65,33 +65,25 @@ def read_options(
     DesignError
         E321 with every option that is not understood, and what `quantity` raises.
     """
-    faults: list[Fault] = []
-
-    def read(reader: Callable[[], Any]) -> Any:
-        try:
-            return reader()
-        except DesignError as error:
-            faults.extend(error.faults)
-            return None
+    faults = Faults()
 
     def positive(value: object, kind: str, name: str, option: str) -> float | None:
-        if value is None:
-            return None
-        return read(lambda: above_zero(value, kind, name, "E321", f"{option} {value}"))  # type: ignore[no-any-return]
+        where = f"{option} {value}"
+        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E321", where))
 
     target = positive(fos, "ratio", "the target factor of safety", "--fos")
     capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "--bolt-capacity")
     apart = positive(spacing, "length", "the spacing of the bolts", "--spacing")
     anchorage = positive(bond, "length", "the anchorage behind the joint", "--bond")
     long = positive(length, "length", "the length of the bolts", "--length")
-    both = read(lambda: _acts(acts))
-    line = toward if isinstance(toward, Line) or toward is None else read(
+    both = faults.of(lambda: _acts(acts))
+    line = toward if isinstance(toward, Line) or toward is None else faults.of(
         lambda: line_of_words(toward, "the bolts", "E321", f"--toward {toward}")
     )  # fmt: skip
-    limits = None if plunge is None else read(lambda: _plunges(plunge))
+    limits = None if plunge is None else faults.of(lambda: _plunges(plunge))
     if target is None and not faults:
         faults.append(Fault("E321", "the target factor of safety is missing", "--fos", "For example --fos 1.5."))
-    if faults or target is None or capacity is None or anchorage is None:
+    if faults or target is None or capacity is None or anchorage is None or both is None:
         raise DesignError(faults or [Fault("E321", "capacity and bond are needed", "--bolt-capacity, --bond")])
     return Options(target, both, line, limits, capacity, apart, anchorage, long)
 
@@ -376,11 +368,7 @@ class Support:
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
         return {
-            "slopekit": __version__,
-            "study": "support",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("support", self.design),
             "target_fos": self.target,
             "unit": self.unit,
             "reached": self.reached,
@@ -397,7 +385,7 @@ class Support:
             "options": self.options.to_dict(),
             "bolts": [case.to_dict(self.design.bolts, self.unit) for case in self.cases],
             "pressure": None if self.pressure is None else self.pressure.to_dict(),
-            "warnings": [_notice(notice) for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 
@@ -453,7 +441,7 @@ def _line_words(line: Line) -> str:
 
 
 def _notice(notice: Notice | None) -> dict[str, str] | None:
-    return None if notice is None else {"code": notice.code, "message": notice.message}
+    return None if notice is None else notice.to_dict()
 
 
 def _finite(value: float | None) -> float | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Notice, writing
 from slopekit.views import report_tables as tables
 from slopekit.views.plots import checked_document
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
@@ -207,11 +207,8 @@ def write_report(document: Mapping[str, Any], path: Path, name: str = "", with_p
         As `report_of`; E341 where it is none of slopekit's, E129 where the file cannot be written.
     """
     made = report_of(checked_document(document, name or "the document"), name or str(path), with_pictures)
-    try:
+    with writing(path):
         path.write_text(made.html, encoding="utf-8")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
     return made
 
 

@@ -185,8 +185,7 @@ def _mark(swept: Sweep, point: Point, method: Method) -> str:
     status = swept.status(point)
     text = cell(factor) if has_number(factor) else _BRIEF.get(status, status)[: _CELL - 2]
     factors = point.factors
-    wrong = factors is not None and (factors.agree is False or factors.status == "not_converged")
-    mark = "!" if wrong else "*" if factors is not None and factors.moments_govern else " "
+    mark = "!" if point.is_in_doubt else "*" if factors is not None and factors.moments_govern else " "
     return f"{text:>{_CELL - 1}}{mark}"
 
 
