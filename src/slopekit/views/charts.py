@@ -287,6 +287,11 @@ def draw_normals(figure: Any, document: Document) -> None:
     figure.legend(fontsize=8.5, loc="outside lower center", ncols=2, frameon=False)
 
 
+def _failed(steps: Sequence[Document]) -> tuple[list[float], list[float]]:
+    """Factors, and how many node pairs failed at them."""
+    return [step["factor"] for step in steps], [step["failed_pairs"] for step in steps]
+
+
 def draw_reduction(figure: Any, document: Document) -> None:
     """Displacement (left) and failed node pairs (right) against the strength reduction factor; the limit upright.
 
@@ -314,32 +319,15 @@ def draw_reduction(figure: Any, document: Document) -> None:
     else:
         axes.set_yticks([])
     if searched:
-        right.plot(
-            [step["factor"] for step in searched],
-            [step["failed_pairs"] for step in searched],
-            color=DARK,
-            marker=".",
-            markersize=8,
-            linewidth=1.1,
-            linestyle=":",
-            label="failed node pairs, all-pairs search",
-        )
+        right.plot(*_failed(searched), color=DARK, marker=".", markersize=8, linewidth=1.1, linestyle=":",
+                   label="failed node pairs, all-pairs search")  # fmt: skip
     stands = [step for step in series if step["stands"]]
     falls = [step for step in series if not step["stands"]]
     if stands:
-        right.plot([step["factor"] for step in stands], [step["failed_pairs"] for step in stands], color=RED,
-                   marker="s", linewidth=1.5, linestyle="--", label="failed node pairs")  # fmt: skip
+        right.plot(*_failed(stands), color=RED, marker="s", linewidth=1.5, linestyle="--", label="failed node pairs")
     if falls:
-        right.plot(
-            [step["factor"] for step in falls],
-            [step["failed_pairs"] for step in falls],
-            color=RED,
-            marker="x",
-            markersize=8,
-            markeredgewidth=1.8,
-            linestyle="none",
-            label="no longer stands: all count as failed",
-        )
+        right.plot(*_failed(falls), color=RED, marker="x", markersize=8, markeredgewidth=1.8, linestyle="none",
+                   label="no longer stands: all count as failed")  # fmt: skip
     right.axhline(every, color=GREY, linestyle=":", linewidth=1.0)
     right.set_ylim(0.0, 1.12 * every)
     right.set_ylabel(f"failed node pairs, of {every}", color=RED if series else DARK)
