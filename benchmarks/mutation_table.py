@@ -32,7 +32,10 @@ class Mutation:
 
 
 def _group(group: str, *rows: tuple[str, str, str, str, tuple[str, ...]]) -> tuple[Mutation, ...]:
-    return tuple(Mutation(group, name, SRC + file, old, new, tests) for name, file, old, new, tests in rows)
+    return tuple(
+        Mutation(group, name, file if file.startswith("tests/") else SRC + file, old, new, tests)
+        for name, file, old, new, tests in rows
+    )
 
 
 MUTATIONS = (
@@ -234,12 +237,12 @@ MUTATIONS = (
          "grip = base.up + 1.01 * base.sin * tangent * strength", ("tests/closed_form/test_columns.py",)),
         ("columns, all equilibrium", "closed_form/columns.py", "resisting = bond + tangent * (normal @ shares)",
          "resisting = bond + 1.01 * tangent * (normal @ shares)", ("tests/closed_form/test_columns.py",)),
-        ("stack of blocks", "closed_form/blocks.py", "factors = (bond + weights *",
+        ("stack of blocks", "tests/closed_form/blocks.py", "factors = (bond + weights *",
          "factors = (bond + 1.01 * weights *",
          ("tests/closed_form/test_blocks.py",)),
-        ("block that tips", "closed_form/blocks.py", "base_m / (count * height_m * math.tan(dip))",
+        ("block that tips", "tests/closed_form/blocks.py", "base_m / (count * height_m * math.tan(dip))",
          "1.01 * base_m / (count * height_m * math.tan(dip))", ("tests/closed_form/test_blocks.py",)),
-        ("two blocks, push", "closed_form/blocks.py", "drives / (c1 + t1 * s1", "drives / (c1 + 1.01 * t1 * s1",
+        ("two blocks, push", "tests/closed_form/blocks.py", "drives / (c1 + t1 * s1", "drives / (c1 + 1.01 * t1 * s1",
          ("tests/closed_form/test_blocks.py",)),
     ),
     *_group(

@@ -10,6 +10,7 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
+from benchmarks.charts import speed_error_chart
 from benchmarks.speed_error import (
     CLOSED,
     COMMAND,
@@ -22,7 +23,7 @@ from benchmarks.speed_error import (
     many_sizes,
     wedge,
 )
-from slopekit.views.charts import FLOOR, Curve, speed_error_chart
+from slopekit.views.charts import FLOOR, Curve
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
 _JSON = _DOCS / "speed.json"

@@ -1,11 +1,15 @@
 """Faults with stable codes, and the three exceptions that carry them.
 
 The code of a fault never changes its meaning; its first line is what scripts and tests look for. The long
-texts that `slopekit explain CODE` prints live in `explanations.py` and load only when asked for.
+texts that `slopekit explain CODE` prints stand in `messages.toml` and load only when asked for.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,3 +78,40 @@ class Notice:
 
     def __str__(self) -> str:
         return f"{self.code} {self.message}"
+
+    def to_dict(self) -> dict[str, str]:
+        """As JSON values."""
+        return {"code": self.code, "message": self.message}
+
+
+class Faults(list[Fault]):
+    """Faults gathered while the rest is read: all of them are said at once."""
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep the faults of what is raised within, and go on behind it."""
+        try:
+            yield
+        except DesignError as error:
+            self += error.faults
+
+    def of(self, read: Callable[[], T]) -> T | None:
+        """What `read` returns; None where it raises, its faults kept."""
+        with self.kept():
+            return read()
+        return None
+
+    def refuse(self) -> None:
+        """Raise DesignError with all of them, if there are any."""
+        if self:
+            raise DesignError(self)
+
+
+@contextmanager
+def writing(path: object, what: str = "") -> Iterator[None]:
+    """E129 where what is done within cannot write to a path, or to `what` it is."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise DesignError([Fault("E129", f"{what}{path} cannot be written: {reason}", str(path))]) from None

@@ -16,9 +16,7 @@ from slopekit.preie.passes import Limit, Outcome
 
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
-_FAR_M = 1e4  # coordinates beyond this are a map's
 MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
-_NEARLY_PARALLEL_DEG = 5.0
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -60,12 +58,7 @@ class Facts:
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
     """What a reader must know of the inputs, whatever the kind."""
-    for name, value in design.assumed:
-        yield Notice("W320", f"{name} is a distribution: this run takes {value}")
-    if design.left_out:
-        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
-    if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
-        yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+    yield from _read_notices(design)
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
         yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
     if any(strength.tension_kpa for strength in strengths):
@@ -75,15 +68,20 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
 
 
-def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
-    """The notices of one analysed block, in the order of their weight for the reader."""
-    analysis, model, block = facts.analysis, facts.model, facts.block
+def _read_notices(design: Design) -> Iterator[Notice]:
+    """What reading the design already says."""
     for name, value in design.assumed:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+
+
+def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
+    """The notices of one analysed block, in the order of their weight for the reader."""
+    analysis, model, block = facts.analysis, facts.model, facts.block
+    yield from _read_notices(design)
     alone, limit = analysis.forces_only, analysis.governing
     if facts.status == "topples":
         opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"

@@ -423,7 +423,7 @@ class Result:
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
             "defaults": list(self.design.defaults),
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),
         }  # fmt: skip

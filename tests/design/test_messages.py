@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.explanations import EXPLANATIONS
+from slopekit.explanations import explanations
 
 DIPS = ("45/115", "45/245")
 HEAD = (0.0, 20.0, 34.0)
@@ -144,4 +144,4 @@ def test_inputs_of_every_ordinary_kind_mean_the_same() -> None:
 def test_every_code_that_the_program_can_say_is_explained() -> None:
     source = "".join(path.read_text() for path in Path(sk.__file__).parent.rglob("*.py"))
     said = set(re.findall(r'"([EW]\d{3})"', source)) | {"E599"}
-    assert said == EXPLANATIONS.keys()
+    assert said == explanations().keys()

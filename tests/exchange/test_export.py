@@ -11,10 +11,8 @@ import pytest
 
 import slopekit as sk
 from slopekit.exchange.picking import Body
-from slopekit.exchange.reading import read_blocks
-from slopekit.exchange.source import source_of
+from slopekit.exchange.source import joints_of, pairs_of, source_of
 from slopekit.exchange.split import _slab
-from slopekit.exchange.strengths import joints_of, pairs_of
 from tests.commands import slopekit
 from tests.exchange.conftest import TEMPLATES
 
@@ -86,7 +84,7 @@ def test_a_result_that_is_not_there(tmp_path) -> None:
 
 
 def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
-    """E140: `cad` to write or read DXF, `plot` to read VTU; writing VTU needs none."""
+    """E140: `cad` to write or read DXF; writing VTU needs none."""
     sk.export(result("wedge"), tmp_path / "there.dxf")
     for module in ("ezdxf", "pyvista"):
         monkeypatch.setitem(sys.modules, module, None)
@@ -94,24 +92,13 @@ def test_missing_extras_are_named(result, tmp_path, monkeypatch) -> None:
     assert (fault.code, "extra cad (ezdxf)" in fault.message) == ("E140", True)
     assert not (tmp_path / "x.dxf").exists()
     sk.export(result("wedge"), tmp_path / "x.vtu", what="blocks,interfaces,pairs")
-    for name, extra in (("there.dxf", "cad"), ("x.vtu", "plot")):
-        with pytest.raises(sk.DesignError, match=f"extra {extra}") as caught:
-            read_blocks(tmp_path / name)
-        assert caught.value.codes == ("E140",)
     design = {
         "slopekit": 1, "kind": "surface", "slip": {"mesh": str(tmp_path / "there.dxf")}, "rock": {"unit_weight": 25},
         "slope": {"profile": [[60, 0], [40, 0], [0, 40], [-20, 40]]}, "strength": {"joint": {"c": 1, "phi": 30}},
     }  # fmt: skip
-    with pytest.raises(sk.DesignError, match="extra cad"):
+    with pytest.raises(sk.DesignError, match="extra cad") as caught:
         sk.run(design)
-
-
-def test_files_that_are_no_meshes(tmp_path) -> None:
-    for name in ("x.dxf", "x.vtu", "x.stl", "x.glb"):
-        (tmp_path / name).write_text("nothing")
-        with pytest.raises(sk.DesignError) as caught:
-            read_blocks(tmp_path / name)
-        assert caught.value.codes == ("E172",), name
+    assert caught.value.codes == ("E140",)
 
 
 def test_moving_leaves_bedrock_out(result, tmp_path) -> None:

@@ -11,9 +11,9 @@ import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
-from slopekit.exchange.reading import read_blocks
 from slopekit.geometry.meshes import read_mesh
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
+from tests.exchange.meshes import read_blocks
 
 ezdxf = pytest.importorskip("ezdxf")
 SCENES = ("map", "map-bench", "goodman-bray", "paper-ellipsoid")

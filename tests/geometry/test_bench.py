@@ -12,8 +12,7 @@ from scipy.spatial import ConvexHull
 from slopekit.errors import GeometryError
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.joint_sets import JointSet, SetPlanes, planes_of_sets
-from slopekit.geometry.slivers import join_slivers
-from slopekit.geometry.splitting import Cut, cut_bench
+from slopekit.geometry.splitting import Cut, cut_bench, join_slivers
 from tests.geometry.test_joint_sets import BOX, EAST, FLAT, SOUTH, moved, normal, planes
 
 SLOPE = bench_body(normal(70.0, 180.0), normal(5.0, 180.0), 20.0, 40.0, 25.0)

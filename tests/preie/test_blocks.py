@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from slopekit.closed_form.blocks import two_blocks
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
+from tests.closed_form.blocks import two_blocks
 from tests.preie import assembly_oracle
 from tests.preie.block_scenes import (
     GOODMAN_BRAY,

@@ -15,9 +15,9 @@ import slopekit as sk
 from slopekit.errors import DesignError, GeometryError
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.orientation import Plane, line_of
-from slopekit.studies import pair_outcomes
+from slopekit.studies import pairs as room
 from slopekit.studies.combos import Combos, combos
-from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
+from slopekit.studies.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.running import Crew
 from slopekit.views.combos_sheet import combos_line, combos_sheet, pairs_csv
 from tests.closed_form.scalar_wedge import WedgeWater, hoek_bray_wedge
@@ -297,7 +297,7 @@ def test_methods_that_disagree_are_exit_code_4() -> None:
 def test_other_workers_and_smaller_parts_give_the_same_numbers(monkeypatch) -> None:
     slope = {"face": "70/180", "c": 5, "phi": 30}
     alone = combos(survey(3, 20), slope, top=4).to_dict()
-    monkeypatch.setattr(pair_outcomes, "_AT_ONCE", 37)
+    monkeypatch.setattr(room, "_AT_ONCE", 37)
     with ThreadPoolExecutor(2) as pool:
         together = combos(survey(3, 20), slope, top=4, crew=Crew(executor=pool)).to_dict()
     assert {**alone, "timing_s": 0} == {**together, "timing_s": 0}

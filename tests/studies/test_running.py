@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from slopekit.errors import DesignError, SolverError
-from slopekit.studies.journal import Journal
-from slopekit.studies.running import Crew, Interrupted, checked_crew, run_all
+from slopekit.studies.running import Crew, Interrupted, Journal, checked_crew, run_all
 from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 
 SQUARES = [number * number for number in range(60)]

@@ -20,7 +20,7 @@ from slopekit.studies import sampling, sources
 from slopekit.studies.limits import checked_limits, shares_beyond
 from slopekit.studies.marginals import marginal, tails
 from slopekit.studies.sampling import METHODS, chunks, draw, planned, samples, variables_of
-from slopekit.studies.turning import fisher, folded_lines, folded_planes
+from slopekit.studies.sources import fisher, folded_lines, folded_planes
 
 
 def dist(name, **parameters):

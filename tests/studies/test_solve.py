@@ -12,8 +12,8 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds import factors_of
+from slopekit.studies.solutions import notices
 from slopekit.studies.solve import factor_at, level_of, solve
-from slopekit.studies.solve_notices import notices
 from slopekit.studies.solve_probability import Estimate, solve_probability
 from slopekit.views.solve_sheet import (
     probability_solution_line,

@@ -21,11 +21,9 @@ from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import Ways
+from slopekit.studies.support_directions import Ways, around, sphere
 from slopekit.studies.support_forces import Held, least_along, nearest, slides
-from slopekit.studies.support_search import least_force
-from slopekit.studies.support_site import Answer, site_of
-from slopekit.studies.support_sphere import around, sphere
+from slopekit.studies.support_search import Answer, least_force, site_of
 from slopekit.views.support_sheet import support_line, support_sheet
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit

@@ -10,7 +10,7 @@ from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
 from slopekit.studies.keys import Key
 from slopekit.studies.tornado import ends_of, tornado
-from slopekit.views.tornado_sheet import tornado_line, tornado_sheet
+from slopekit.views.sweep_sheet import tornado_line, tornado_sheet
 
 WEDGE = str(path_of("wedge"))
 SCATTERS = {

@@ -2,9 +2,10 @@
 
 import pytest
 
+from benchmarks.charts import speed_error_chart, sweep_chart
 from slopekit.errors import DesignError
 from slopekit.views import charts
-from slopekit.views.charts import Curve, speed_error_chart, sweep_chart
+from slopekit.views.charts import Curve
 
 pytest.importorskip("matplotlib")
 from matplotlib.figure import Figure

@@ -15,15 +15,13 @@ from slopekit.orientation import Line
 from slopekit.views.stereonet import project
 
 pytest.importorskip("matplotlib")
-from slopekit.views.check_charts import draw_normals, draw_speed_errors
+from slopekit.views.charts import draw_normals, draw_reduction, draw_speed_errors
 from slopekit.views.drawing import misfit, new_figure
 from slopekit.views.kinematic_charts import draw_kinematic
-from slopekit.views.needs import need_of
-from slopekit.views.net_parts import cells
 from slopekit.views.orientation_charts import draw_orientations, orientations_of
-from slopekit.views.plots import EVERY, offers
+from slopekit.views.plots import EVERY, need_of, offers
 from slopekit.views.probability_charts import draw_histogram
-from slopekit.views.reduction_charts import draw_reduction
+from slopekit.views.stereonet import cells
 from slopekit.views.sweep_charts import draw_contour, draw_curve, draw_tornado
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}

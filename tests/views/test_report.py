@@ -12,16 +12,15 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from benchmarks.verification_excerpt import excerpt
 from slopekit.cli import app
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
-from slopekit.explanations import EXPLANATIONS
+from slopekit.explanations import explanations
 from slopekit.views import report as room
-from slopekit.views.report import report_of
+from slopekit.views.report import report_of, still_pictures, verification_excerpt
 from slopekit.views.report_inputs import input_tables, value_text
-from slopekit.views.report_pictures import still_pictures
 from slopekit.views.sheet import document_of, sheet
-from slopekit.views.verification_excerpt import excerpt, shipped
 from slopekit.views.viewer_data import viewer_data
 from tests.views import scenes
 
@@ -287,12 +286,10 @@ def test_without_jinja_the_extra_is_named(monkeypatch) -> None:
 
 
 def test_without_the_extra_plot_the_page_names_what_is_missing(monkeypatch) -> None:
-    from slopekit.views import report_pictures
-
     def refuse(found, what):
         raise DesignError([sk.Fault("E140", "drawing needs the extra plot (pyvista)")])
 
-    monkeypatch.setattr(report_pictures, "_drawn", refuse)
+    monkeypatch.setattr(room, "_drawn", refuse)
     pictures, missing = still_pictures(document("wedge"))
     assert pictures == []
     assert missing == ["scene, stereonet, tractions, mechanism: E140 drawing needs the extra plot (pyvista)"]
@@ -310,7 +307,7 @@ def test_pictures_stand_in_the_page() -> None:
 
 def test_the_excerpt_is_of_the_verification_page() -> None:
     whole = json.loads((ROOT / "docs" / "verification.json").read_text(encoding="utf-8"))
-    assert shipped() == excerpt(whole), "python -m slopekit.views.verification_excerpt docs/verification.json"
+    assert verification_excerpt() == excerpt(whole), "python -m benchmarks.verification_excerpt docs/verification.json"
 
 
 def test_inputs_of_many_values_are_counted() -> None:
@@ -389,4 +386,4 @@ def test_from_python(tmp_path) -> None:
 
 @pytest.mark.parametrize("code", ["E371", "E372", "E373", "W371", "W372"])
 def test_every_code_is_explained(code) -> None:
-    assert len(EXPLANATIONS[code]) > 40
+    assert len(explanations()[code]) > 40

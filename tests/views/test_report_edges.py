@@ -10,14 +10,13 @@ import slopekit as sk
 from slopekit.block_scene import packed
 from slopekit.design.templates import path_of
 from slopekit.kinds.protocol import compare
-from slopekit.views import picture
+from slopekit.views import layers
 from slopekit.views import report as room
 from slopekit.views import viewer_data as viewer
 from slopekit.views.report import report_of
-from slopekit.views.report_blocks import block_table
 from slopekit.views.report_inputs import input_tables
 from slopekit.views.report_tables import force_tables
-from slopekit.views.report_words import limit_of, meaning
+from slopekit.views.report_words import block_table, limit_of, meaning
 from slopekit.views.sheet import document_of
 from slopekit.views.stage import Stage
 from slopekit.views.viewer_data import viewer_data
@@ -154,7 +153,7 @@ def test_the_view_looks_as_the_stills_do(face) -> None:
 def test_the_view_has_the_colours_of_the_stills() -> None:
     found = document("goodman-bray")
     data, order = viewer_data(found), Stage.of(found).scene.order
-    first, other = ("#" + "".join(f"{part:02x}" for part in colour) for colour in (picture.BLOCK, picture.STANDS))
+    first, other = ("#" + "".join(f"{part:02x}" for part in colour) for colour in (layers.BLOCK, layers.STANDS))
     assert data["plain"] == [first if place == 1 else other for place in order]
     assert len(set(data["plain"])) == 2
 

@@ -14,8 +14,7 @@ from slopekit.arrays import Floats
 from slopekit.block_scene import BlockScene, packed
 from slopekit.design.templates import path_of
 from slopekit.views import rendering
-from slopekit.views.layers import arrows, free_normal, rigid, rock_around, spheres
-from slopekit.views.picture import MODE_COLOURS, Bar, Picture
+from slopekit.views.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres
 from slopekit.views.rendering import Camera
 from slopekit.views.scene_parts import balanced, resultants
 from slopekit.views.scenes import SCENES, Asked, compose, draw

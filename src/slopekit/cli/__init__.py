@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli import designs, export, joint_lists, plot, prob, report, solve, support, sweep, tools
+from slopekit.cli import designs, joint_lists, outputs, studies, tools
 from slopekit.cli.common import print_faults
 from slopekit.errors import DesignError, Fault, SlopekitError
 
@@ -33,8 +33,14 @@ def _slopekit(
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
 
 
-for room in (designs, prob, sweep, joint_lists, solve, support, plot, export, report, tools):
-    room.add_to(app)
+for command in (
+    designs.wedge, designs.run, designs.check, designs.lint, studies.prob, studies.sweep, joint_lists.combos,
+    joint_lists.kinematic, studies.solve, studies.support, outputs.plot, outputs.export, outputs.report,
+):  # fmt: skip
+    app.command()(command)
+app.add_typer(tools.templates, name="templates")
+app.command()(tools.doctor)
+app.command()(tools.explain)
 
 
 def _refuse_repeats(arguments: list[str]) -> None:

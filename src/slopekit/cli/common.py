@@ -3,13 +3,14 @@
 import json
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError
+from slopekit.errors import DesignError, Fault, Faults, SlopekitError, writing
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -29,15 +30,11 @@ def load_design(design: str, sets: list[str] | None) -> "Design":
     from slopekit.design.files import load
     from slopekit.design.overrides import parse_override
 
-    faults: list[Fault] = []
-    overrides: list[tuple[str, object]] = []
+    faults, overrides = Faults(), list[tuple[str, object]]()
     for text in sets or []:
-        try:
+        with faults.kept():
             overrides.append(parse_override(text))
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     return load(design, overrides)
 
 
@@ -64,13 +61,10 @@ def whole_number(text: str, option: str) -> int:
 
 def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
-    try:
+    with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
     return folder
 
 
@@ -82,11 +76,8 @@ def write(path: Path, text: str) -> None:
     DesignError
         E129 where it cannot be written.
     """
-    try:
+    with writing(path):
         path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
 
 
 def image_of(path: Path, endings: tuple[str, ...] = (".png",)) -> Path:
@@ -110,6 +101,27 @@ def checked_image(picture: str | None) -> Path | None:
     image = image_of(Path(picture), FORMATS)
     require_matplotlib(image)
     return image
+
+
+def deliver(
+    study: Any, name: str, sheet: str, line: str, folder: Path | None, as_json: bool, quiet: bool, *,
+    tables: Mapping[str, str] | None = None, what: str = "", image: Path | None = None,
+) -> None:  # fmt: skip
+    """Write a study and its sheet into the folder asked for, print what was asked for, draw it.
+
+    Parameters
+    ----------
+    name : of the files; tables : further files and their texts
+    what : the picture; image : where else than in the folder it is wanted
+    """
+    record = study.to_dict()
+    document = json_text(record)
+    if folder is not None:
+        for file, text in {f"{name}.json": document + "\n", f"{name}.txt": sheet + "\n", **(tables or {})}.items():
+            write(folder / file, text)
+    typer.echo(document if as_json else line if quiet else sheet)
+    if what:
+        draw_to(record, what, image, folder / f"{what}.png" if folder else None)
 
 
 def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:

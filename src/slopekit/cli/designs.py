@@ -13,6 +13,7 @@ from slopekit.cli.common import (
     QUIET,
     SET,
     checked_image,
+    deliver,
     draw_to,
     folder_of,
     image_of,
@@ -30,12 +31,6 @@ SCENE_ENDINGS = (".png", ".glb", ".gltf")
 _PICTURE = typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot).")
 _NO_PICTURES = typer.Option("--no-pictures", help="With -o: draw nothing.")
 _PICTURES = ("scene", "mechanism", "stereonet", "reduction")
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    for command in (wedge, run, check, lint):
-        app.command()(command)
 
 
 def wedge(
@@ -142,16 +137,10 @@ def check(
     read = load_design(design or "", sets)
     with watched():
         checked = check_design(read)
-    record = checked.to_dict()
-    document = json_text(record)
-    sheet = check_sheet(checked)
-    if folder is not None:
-        write(folder / "check.json", document + "\n")
-        write(folder / "check.txt", sheet + "\n")
-    typer.echo(document if as_json else check_line(checked) if quiet else sheet)
-    draw_to(record, "speed-error", image, folder / "speed-error.png" if folder else None)
-    if folder is not None and record["normals"]:
-        draw_to(record, "normals", folder / "normals.png")
+    deliver(checked, "check", check_sheet(checked), check_line(checked), folder, as_json, quiet, what="speed-error",
+            image=image)  # fmt: skip
+    if folder is not None and checked.normals:
+        draw_to(checked.to_dict(), "normals", folder / "normals.png")
     raise typer.Exit(checked.exit_code)
 
 

@@ -5,19 +5,13 @@ from typing import Annotated
 
 import typer
 
-from slopekit.cli.common import JOBS, JSON, SCHEDULER, checked_image, draw_to, folder_of, json_text, write
+from slopekit.cli.common import JOBS, JSON, SCHEDULER, checked_image, deliver, folder_of
 from slopekit.cli.progress import progress
 
 LIST = typer.Argument(help="A joint list (CSV): dip and dip direction, or strike by a convention.", metavar="JOINTS")
 FACE = typer.Option(help="Slope face, D/DD: has to be given.")
 CONVENTION = typer.Option(help="What a strike column means: right-hand-rule or left-hand-rule.")
 SKIP_BAD = typer.Option("--skip-bad", help="Leave bad rows out, listed, where they would stop the run.")
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    for command in (combos, kinematic):
-        app.command()(command)
 
 
 def combos(
@@ -72,13 +66,8 @@ def combos(
         joints, given, convention=convention, skip_bad=skip_bad, fos=fos, top=top, limits=limits,
         crew=checked_crew(jobs, scheduler), bar=progress, option=_option,
     )  # fmt: skip
-    document, sheet = json_text(found.to_dict()), combos_sheet(found)
-    if folder is not None:
-        for name, text in (
-            ("combos.json", document + "\n"), ("combos.txt", sheet + "\n"), ("pairs.csv", pairs_csv(found)),
-        ):  # fmt: skip
-            write(folder / name, text)
-    typer.echo(document if as_json else combos_line(found) if quiet else sheet)
+    tables = {"pairs.csv": pairs_csv(found)} if folder else {}
+    deliver(found, "combos", combos_sheet(found), combos_line(found), folder, as_json, quiet, tables=tables)
     raise typer.Exit(found.exit_code)
 
 
@@ -107,16 +96,9 @@ def kinematic(
     folder = None if output is None else folder_of(Path(output))
     image = checked_image(picture)
     found = test(joints, face, phi, lateral, lateral_toppling, faces, convention, skip_bad, _option)
-    record = found.to_dict()
-    document, sheet = json_text(record), kinematic_sheet(found)
-    if folder is not None:
-        for name, text in (
-            ("kinematic.json", document + "\n"), ("kinematic.txt", sheet + "\n"), ("joints.csv", joints_csv(found)),
-            ("intersections.csv", intersections_csv(found)),
-        ):  # fmt: skip
-            write(folder / name, text)
-    typer.echo(document if as_json else kinematic_line(found) if quiet else sheet)
-    draw_to(record, "stereonet", image, folder / "stereonet.png" if folder else None)
+    tables = {"joints.csv": joints_csv(found), "intersections.csv": intersections_csv(found)} if folder else {}
+    deliver(found, "kinematic", kinematic_sheet(found), kinematic_line(found), folder, as_json, quiet, tables=tables,
+            what="stereonet", image=image)  # fmt: skip
 
 
 def _option(key: str) -> str:

@@ -7,14 +7,6 @@ import typer
 
 from slopekit.errors import DesignError, Fault
 
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.add_typer(templates, name="templates")
-    app.command()(doctor)
-    app.command()(explain)
-
-
 templates = typer.Typer(help="Starter design files.", no_args_is_help=True, rich_markup_mode=None)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Notice, writing
 from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, words_of_what
 from slopekit.exchange.source import Source, source_of
 
@@ -86,7 +86,7 @@ class Export:
         """As JSON values."""
         return {
             "written": [one.to_dict() for one in self.written],
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
         }
 
 
@@ -101,21 +101,27 @@ def export(
     split: str | os.PathLike[str] | None = None,
     split_as: str = "stl",
 ) -> Export:
-    """Write blocks, interfaces or node pairs of a result, in the user's own coordinates.
+    """Write the blocks, interfaces or node pairs of a result to a file of another program.
 
     Parameters
     ----------
     result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
-    path : the file to write, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf
+    path : the file, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf (.dxf needs the extra `cad`)
     what : "blocks", "interfaces", "pairs", or several of them
-    blocks : names, as a sequence or as "B1,B7", left out all; moving : leave bedrock out
-    binary : STL in binary, which holds float32 only
-    split : a folder for one closed mesh a block, and the design blocks.yaml that reads them; split_as : their format
+    blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
+    binary : STL in binary, float32
+    split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
 
     Raises
     ------
     DesignError
-        E360 to E367, E129 where nothing can be written, E140 where an extra is missing.
+        E360 to E366, E129, E140: see `slopekit explain`.
+
+    >>> import slopekit as sk, tempfile, pathlib
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     done = sk.export(sk.wedge(dips=("45/115", "45/245")), pathlib.Path(folder) / "wedge.stl")
+    >>> done.written[0].blocks, round(done.written[0].volume_m3)
+    (1, 209461)
     """
     words = words_of_what(what)
     target = None if path is None else _target(Path(path), words, binary)
@@ -195,12 +201,8 @@ def _refuse_unwritable(folder: Path) -> None:
     """E129 where a file cannot be made in a folder."""
     import tempfile
 
-    try:
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
+    with writing(folder, "the folder "), tempfile.TemporaryFile(dir=folder):
+        pass
 
 
 def _check_split(folder: Path, suffix: str) -> None:
@@ -208,17 +210,14 @@ def _check_split(folder: Path, suffix: str) -> None:
     if suffix not in meshes:
         message = f"the blocks are split into files of a mesh each, not {suffix}"
         raise DesignError([Fault("E366", message, f"--as {suffix.lstrip('.')}", f"There are: {' '.join(meshes)}.")])
-    try:
+    with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"the folder {folder} cannot be written: {reason}", str(folder))]) from None
     _refuse_unwritable(folder)
 
 
 def _write(path: Path, chosen: Picked, binary: bool) -> Written:
     files, suffix = [path], path.suffix.lower()
-    try:
+    with writing(path):
         if suffix == ".vtu":
             from slopekit.exchange.vtu import write_vtu
 
@@ -228,17 +227,14 @@ def _write(path: Path, chosen: Picked, binary: bool) -> Written:
 
             precision = write_dxf(path, chosen)
         elif suffix in (".glb", ".gltf"):
-            from slopekit.exchange.glb import write_glb
+            from slopekit.exchange.solids import write_glb
 
             precision = write_glb(path, chosen)
         else:
-            from slopekit.exchange.text import write_binary_stl, write_obj, write_stl
+            from slopekit.exchange.solids import write_binary_stl, write_obj, write_stl
 
             writer = write_obj if suffix == ".obj" else write_binary_stl if binary else write_stl
             precision = writer(path, chosen)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
     return _described(files, FORMATS[suffix].name, precision, chosen, "all" if binary else _ROUNDED.get(suffix, ""))
 
 
@@ -260,7 +256,7 @@ def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[N
     """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
     found = []
     if binary:
-        from slopekit.exchange.text import binary_rounding
+        from slopekit.exchange.solids import binary_rounding
 
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest

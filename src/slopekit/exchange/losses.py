@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from slopekit.exchange.source import Source
-from slopekit.exchange.strengths import Joint, Pair
+from slopekit.exchange.source import Joint, Pair, Source
 
 #: What acceptance can name in a design of kind blocks; the last only where its criterion is asked for.
 _RULES = ("fos", "fos.limit", "fos.static_bound")

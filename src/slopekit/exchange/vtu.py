@@ -13,10 +13,8 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
-from slopekit.errors import DesignError, Fault
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import Picked
-from slopekit.geometry.mesh_bodies import MeshBody, merged
 
 _VERTEX, _POLYGON, _POLYHEDRON = 1, 7, 42
 _TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8"), "u": ("UInt8", "|u1"), "b": ("UInt8", "|u1")}
@@ -31,39 +29,6 @@ def write_vtu(path: Path, picked: Picked) -> tuple[list[Path], str]:
         target.write_bytes(writers[what](picked))
         files.append(target)
     return files, "float64"
-
-
-def vtu_bodies(path: Path) -> list[MeshBody]:
-    """Name, vertices and triangles of the polyhedra of a .vtu file.
-
-    Raises
-    ------
-    DesignError
-        E140 without the extra `plot` (pyvista).
-    """
-    try:
-        import pyvista
-    except ImportError:
-        advice = "In slopekit's folder: pip install '.[plot]'"
-        raise DesignError(
-            [Fault("E140", "VTU files are read with the extra plot (pyvista)", str(path), advice)]
-        ) from None
-    grid: Any = pyvista.read(path)
-    names = [str(name) for name in grid.field_data["block_names"]] if "block_names" in grid.field_data else []
-    of_cell = np.arange(grid.n_cells) if len(names) == grid.n_cells else np.full(grid.n_cells, -1)
-    if "block" in grid.cell_data:
-        of_cell = np.asarray(grid.cell_data["block"])
-    points = np.asarray(grid.points, dtype=np.float64)
-    found = []
-    for k in range(grid.n_cells):
-        cell = grid.get_cell(k)
-        faces = [list(face.point_ids) for face in cell.faces]
-        triangles = [(face[0], face[i], face[i + 1]) for face in faces for i in range(1, len(face) - 1)]
-        if cell.type == _POLYHEDRON and triangles:
-            used, index = np.unique(np.array(triangles, dtype=np.int64), return_inverse=True)
-            name = names[int(of_cell[k])] if 0 <= of_cell[k] < len(names) else f"cell {k}"
-            found.append(merged((name, points[used], index.reshape(-1, 3))))
-    return found
 
 
 # -- the three files --------------------------------------------------------------------------------------------------

@@ -8,8 +8,6 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.errors import Fault, GeometryError
 
-__all__ = ["BODY_FACES", "ConvexBody", "bench_body"]
-
 #: The faces of a bench in the order of its planes.
 BODY_FACES = ("face", "upper slope", "left end", "right end", "back", "bottom")
 _FLATTEST_FACE_DEG = 1.0

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.combs import Comb, Soup
 
-__all__ = ["Cells", "Faces", "cells_of", "corners_of_faces", "faces_of", "facing", "plane_error"]
-
 Hashes = NDArray[np.uint64]
 _NO_VOLUME = 1e-15  # of a body that is 2 long
 

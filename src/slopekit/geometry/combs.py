@@ -13,9 +13,7 @@ import numpy as np
 from manifold3d import Manifold
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.geometry.half_spaces import BOX_TRIANGLES, far_box, half_space, tagged
-
-__all__ = ["Comb", "Soup", "ascending", "combs_of_planes", "cut_with_combs"]
+from slopekit.geometry.cutting import BOX_TRIANGLES, far_box, half_space, tagged
 
 _LEAST_RISE = 0.3  # cosine between a plane's normal and its comb's axis below which it needs a comb of its own
 _ROOM = 1.05  # the slabs are this much wider than the body

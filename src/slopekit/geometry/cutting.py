@@ -11,15 +11,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import Mesh64
+from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, GeometryError
-from slopekit.geometry.half_spaces import far_box, half_space
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
+#: The triangles of a box whose corners are numbered around the first face, then around the opposite one.
+BOX_TRIANGLES = np.array(
+    [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4],
+     [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]], dtype=np.int64,
+)  # fmt: skip
+_SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+_SQUARE_BOX = np.array([[x, y, z] for z in (-1.0, 1.0) for x, y in _SQUARE.tolist()])
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,3 +174,42 @@ def _outline(triangles: Ints) -> list[int]:
         outline.append(vertex)
         vertex = following[vertex]
     return outline
+
+
+# -- bodies whose faces know the planes they lie on ------------------------------------------------------------------
+
+
+def tagged(vertices: Floats, triangles: Ints, face_ids: Ints) -> Manifold:
+    """A closed body of (n, 3) vertices and (m, 3) outward triangles, each with its id (m,).
+
+    Raises
+    ------
+    GeometryError
+        E208 the triangles do not close.
+    """
+    mesh = Mesh64(np.ascontiguousarray(vertices), triangles.astype(np.uint64), face_id=face_ids.astype(np.uint64))
+    manifold = Manifold(mesh)
+    if manifold.status() != Error.NoError:
+        raise GeometryError([Fault("E208", f"the cutter is not a closed body ({manifold.status()})")])
+    return manifold
+
+
+def far_box(half_width: float, first_id: int) -> Manifold:
+    """A cube about the origin; its faces carry the ids `first_id` to `first_id + 5`."""
+    return tagged(_SQUARE_BOX * half_width, BOX_TRIANGLES, np.repeat(np.arange(first_id, first_id + 6), 2))
+
+
+def half_space(normal: Floats, offset: float, plane: int, back: int, size: float = 12.0) -> Manifold:
+    """The half-space above a plane as a box whose first face lies on it and carries the plane's id.
+
+    The other faces carry the id `back`; they lie outside whatever is within `size` of the origin.
+    """
+    other = np.zeros(3)
+    other[np.argmin(np.abs(normal))] = 1.0
+    across = cross(normal, other)
+    across /= math.sqrt(float(across @ across))
+    axes = np.array([across, cross(normal, across)])
+    base = normal * offset + size * (_SQUARE @ axes)
+    ids = np.full(12, back)
+    ids[:2] = plane
+    return tagged(np.concatenate([base, base + size * normal]), BOX_TRIANGLES, ids)

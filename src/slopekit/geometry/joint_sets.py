@@ -10,8 +10,6 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 
-__all__ = ["JointSet", "SetPlanes", "planes_of_sets"]
-
 #: Planes nearer to each other than this over the whole body, in parts of its size, are one plane.
 SAME_PLANE = 1e-6
 _LEAST_GAP = 0.1  # of the spacing

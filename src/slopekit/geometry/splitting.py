@@ -1,26 +1,189 @@
-"""A bench cut into blocks by joint sets, and the contact patches between them."""
+"""A bench cut into blocks by joint sets, and the contact patches between them.
 
+How many blocks there will be is counted before; cells too small to be blocks are joined to their neighbours.
+"""
+
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, frozen
+from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
-from slopekit.geometry.combs import Soup, ascending, combs_of_planes, cut_with_combs
-from slopekit.geometry.counting import refuse_too_many, too_many
+from slopekit.geometry.combs import Comb, Soup, ascending, combs_of_planes, cut_with_combs
 from slopekit.geometry.joint_sets import SetPlanes
 from slopekit.geometry.patches import Assembly, Patches
-from slopekit.geometry.slivers import Joined, join_slivers
 
-__all__ = ["Cut", "cut_bench"]
-
+_CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
+_ENOUGH = 50  # times max_blocks: stop counting
+_INSIDE = 1e-9  # of the body: lines and points that touch it no deeper are outside
+_PARALLEL = 1e-9
 _NUMERICAL_SLIVER = 1e-9  # of the body's volume: cells that rounding made or may unmake
 _NO_AREA = 1e-12  # of the square of half the body's size
 _STRAIGHT = 1e-11  # of half the body's size: corners as near as this to a straight edge are none
 _OFF_PLANE = 1e-9  # of half the body's size
 _BALANCE = 1e-6  # what volumes and areas may be off before the cut is refused
+
+
+def refuse_too_many(
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], max_blocks: int
+) -> None:
+    """Refuse planes that cut many more blocks than allowed.
+
+    Parameters
+    ----------
+    normals (p, 3), offsets (p,) : of the planes; combs : those that do not meet within the body
+    faces : normals (k, 3) and offsets (k,) of the body, `normal · x <= offset`
+
+    Raises
+    ------
+    GeometryError
+        E220 more blocks than `max_blocks`.
+    """
+    if math.prod(len(comb.planes) + 1 for comb in combs) <= max_blocks:
+        return
+    count = count_cells(normals, offsets, faces, combs, _ENOUGH * max_blocks)
+    if count > _CLEARLY * max_blocks:
+        raise too_many(count, max_blocks, "more than " if count > _ENOUGH * max_blocks else "about ")
+
+
+def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
+    """The refusal, with what to change."""
+    message = f"the joint sets cut the bench into {about}{count:,} blocks, more than max_blocks = {max_blocks:,}"
+    factor = math.ceil(100.0 * (count / max_blocks) ** (1.0 / 3.0)) / 100.0
+    advice = f"Take all spacings {factor:.3g} times as large, a smaller bench, or raise max_blocks."
+    return GeometryError([Fault("E220", message, "", advice)])
+
+
+def count_cells(
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], enough: int = 2**62
+) -> int:
+    """Cells of a convex body cut by planes: 1 + planes + lines + points in which they meet within the body.
+
+    Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
+    Counting stops when there are more than `enough`.
+    """
+    order = np.concatenate([*(comb.planes for comb in combs), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    comb = np.repeat(np.arange(len(combs)), [len(part.planes) for part in combs])
+    normals, offsets = normals[order], offsets[order]
+    total = 1 + len(order)
+    for i in range(len(order)):
+        rest = int(np.searchsorted(comb, comb[i], side="right"))  # planes of its own comb do not meet it
+        across = np.cross(normals[i], normals[rest:])
+        squared = (across * across).sum(axis=1)
+        meets = squared > _PARALLEL**2
+        j, across, squared = rest + np.flatnonzero(meets), across[meets], squared[meets, None]
+        point = (offsets[i] * np.cross(normals[j], across) + offsets[j, None] * np.cross(across, normals[i])) / squared
+        along = across / np.sqrt(squared)
+        low, high = _clip(point, along, *faces)
+        hit = high - low > _INSIDE
+        j, point, along, low, high = j[hit], point[hit], along[hit], low[hit], high[hit]
+        total += len(j)
+        if len(j):
+            rate = along @ normals[rest:].T
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = (offsets[rest:] - point @ normals[rest:].T) / rate
+            third = (np.abs(rate) > _PARALLEL) & (comb[rest:] > comb[j, None])
+            total += int((third & (at > low[:, None] + _INSIDE) & (at < high[:, None] - _INSIDE)).sum())
+        if total > enough:
+            break
+    return total
+
+
+def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tuple[Floats, Floats]:
+    """Where lines enter and leave a convex body; they leave before they enter where they miss it."""
+    low, high = np.full(len(point), -math.inf), np.full(len(point), math.inf)
+    for normal, offset in zip(normals, offsets, strict=True):
+        rate, room = along @ normal, offset - point @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = room / rate
+        high = np.where(rate > _PARALLEL, np.minimum(high, at), high)
+        low = np.where(rate < -_PARALLEL, np.maximum(low, at), low)
+        high = np.where((np.abs(rate) <= _PARALLEL) & (room < _INSIDE), -math.inf, high)
+    return low, high
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """Which block each cell belongs to.
+
+    Attributes
+    ----------
+    block : (n,) of each cell, -1 where it is left out
+    fixed : (count,) blocks; count, joined : how many blocks there are and how many slivers were joined to others
+    """
+
+    block: Ints
+    fixed: Bools
+    count: int
+    joined: int
+
+
+def join_slivers(volumes: Floats, fixed: Bools, first: Ints, second: Ints, areas: Floats, least: float) -> Joined:
+    """Join every cell with less than the `least` volume to the neighbour that shares most area with it.
+
+    Slivers that choose each other become one cell and choose again, until all are large enough or have no neighbour.
+    A fixed sliver goes to a fixed neighbour where it has one. What they make is fixed if its largest cell is.
+
+    Parameters
+    ----------
+    volumes, fixed : (n,) of the cells
+    first, second, areas : (k,) the cells on the two sides of each patch, and its area
+
+    Examples
+    --------
+    >>> cells = np.array([1.0, 1e-12, 1.0])
+    >>> join_slivers(cells, cells < 0, np.array([0, 1]), np.array([1, 2]), np.array([1.0, 2.0]), 1e-9).block.tolist()
+    [0, 1, 1]
+    """
+    count = len(volumes)
+    root = np.arange(count)
+    volume = volumes.copy()
+    small = volume < least
+    while small.any():
+        best = _best_neighbour(root[first], root[second], areas, small, fixed)
+        going = np.flatnonzero(best >= 0)
+        if len(going) == 0:
+            break
+        root, volume = _merged(root, volume, volumes, going, best[going])
+        small = (volume < least) & (root == np.arange(count))
+    left_out = small[root]
+    hosts, block = np.unique(root[~left_out], return_inverse=True)
+    of_cell = np.full(count, -1, dtype=np.int64)
+    of_cell[~left_out] = block
+    return Joined(of_cell, fixed[hosts], len(hosts), count - len(hosts) - int(left_out.sum()))
+
+
+def _best_neighbour(first: Ints, second: Ints, areas: Floats, small: Bools, fixed: Bools) -> Ints:
+    """For each small cell the neighbour to join, -1 for all others."""
+    count = len(small)
+    here, there = np.concatenate([first, second]), np.concatenate([second, first])
+    wanted = small[here] & (here != there)
+    keys, at = np.unique(here[wanted] * count + there[wanted], return_inverse=True)
+    shared = np.bincount(at.reshape(-1), np.concatenate([areas, areas])[wanted], len(keys))
+    here, there = keys // count, keys % count
+    order = np.lexsort((shared, fixed[here] & fixed[there], here))
+    best = np.full(count, -1, dtype=np.int64)
+    best[here[order]] = there[order]  # the last one of each cell stays
+    return best
+
+
+def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) -> tuple[Ints, Floats]:
+    """Roots and volumes after the cells `going` have been joined to the cells `to`; the largest cell is the root."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(root)
+    graph = coo_array((np.ones(len(going), dtype=np.bool_), (going, to)), shape=(count, count))
+    parts, part = connected_components(graph, directed=False)
+    order = np.lexsort((cells, part[root]))
+    host = np.zeros(parts, dtype=np.int64)
+    host[part[root[order]]] = order  # the last, the largest of each part, stays
+    new_root: Ints = host[part[root]]
+    total = np.bincount(new_root, cells, count)
+    return new_root, np.where(new_root == np.arange(count), total, volume)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,6 @@ import numpy as np
 
 from slopekit.arrays import Floats, Ints
 
-__all__ = ["open_edges", "welded"]
-
 _NEAR = 1e-6  # of a block's size: corners of its cells nearer than this are one
 
 

@@ -145,7 +145,7 @@ class Check:
 
 
 def check(design: Design) -> Check:
-    """Check a design of any kind over a ladder of effort.
+    """Check a loaded design: closed form against PRE-IE over a ladder of effort, and what the number rests on.
 
     Raises
     ------

@@ -22,9 +22,7 @@ from slopekit.design.joint_lists import JointList
 from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.orientation import Plane
-from slopekit.studies.pair_inputs import PairInputs, pair_inputs
-from slopekit.studies.pair_outcomes import NEVER, PAIR_OUTCOMES, Pairs, evaluated
-from slopekit.studies.pair_shapes import LIMITED_BY
+from slopekit.studies.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.running import ALONE, Advance, Crew, run_all
 
 Bar = Callable[[str, int], AbstractContextManager[Advance]]
@@ -184,7 +182,7 @@ class Combos:
                 ),
             },
             "joints_in_pairs_below": [{"joint": name, "pairs": times} for name, times in self.partners()],
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
         }  # fmt: skip
 

@@ -23,7 +23,7 @@ from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.design.reader import Reader
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Plane, number
 from slopekit.studies.kinematic_criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
 from slopekit.units import quantity
@@ -164,7 +164,7 @@ class Kinematic:
                 {"dip_deg": dip, "counts": dict(found), "percent": percentages(found, n, m)}
                 for dip, found in self.over_faces
             ],
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 
@@ -205,40 +205,34 @@ def kinematic(
         As `joint_list`; E113, E115 for phi, E333 for the faces, E337 for the lateral limits.
     """
     began = time.perf_counter()
-    faults: list[Fault] = []
-    defaults: list[str] = []
+    faults, defaults = Faults(), list[str]()
 
-    def read(convert: Callable[[], Any]) -> Any:
-        try:
-            return convert()
-        except DesignError as error:
-            faults.extend(error.faults)
-            return None
-
-    listed: JointList | None = read(lambda: joint_list(joints, convention, skip_bad))
-    plane: Plane | None = read(lambda: plane_of(face, "face", option("face")))
-    friction_angle = read(lambda: _friction(phi, f"{option('phi')} {phi}")) if phi is not None else PHI_DEG
-    limits = []
+    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad))
+    plane: Plane | None = faults.of(lambda: plane_of(face, "face", option("face")))
+    friction_angle = faults.of(lambda: _friction(phi, f"{option('phi')} {phi}")) if phi is not None else PHI_DEG
+    limits: list[float | None] = []
     for key, value, standard in (
         ("lateral", lateral, LATERAL_DEG), ("lateral_toppling", lateral_toppling, LATERAL_TOPPLING_DEG),
     ):  # fmt: skip
         if value is None:
             defaults.append(key)
-        limits.append(standard if value is None else read(partial(_limit, value, option(key))))
-    dips = read(lambda: _faces(faces, option("faces")))
-    if faults:
-        raise DesignError(faults)
-    assert listed is not None and plane is not None  # noqa: PT018  # no fault, so nothing is missing
+        limits.append(standard if value is None else faults.of(partial(_limit, value, option(key))))
+    dips = faults.of(lambda: _faces(faces, option("faces")))
+    faults.refuse()
+    assert listed is not None and plane is not None and dips is not None  # noqa: PT018  # no fault: nothing is missing
+    lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
     friction, measured, _ = own_or_given(listed, "phi", friction_angle, option("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
     lines = lines_of(listed)
+    limits_deg = lateral_deg, toppling_deg
     over = tuple(
-        (dip, modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits).counts()) for dip in dips
+        (dip, modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg).counts())
+        for dip in dips
     )
-    modes = modes_of(listed, lines, plane, friction, *limits)
+    modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
-        listed, plane, friction, measured, limits[0], limits[1], lines, modes, over, tuple(defaults),
+        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, modes, over, tuple(defaults),
         tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
     )  # fmt: skip
 

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass
+from typing import Any
 
 import numpy as np
 
+from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import SlopekitError
@@ -27,9 +29,14 @@ class Point:
     message: str = ""
 
     @property
-    def forms_block(self) -> bool:
-        """Whether there is a block to speak of."""
-        return self.factors is not None
+    def has_closed_form(self) -> bool:
+        """Whether the closed form said anything."""
+        return self.factors is not None and (self.factors.closed_form is not None or bool(self.factors.closed_status))
+
+    @property
+    def is_in_doubt(self) -> bool:
+        """Whether the methods disagree, or PRE-IE did not converge."""
+        return self.factors is not None and (self.factors.agree is False or self.factors.status == "not_converged")
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""
@@ -70,6 +77,14 @@ def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) 
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
+
+
+def study_head(study: str, design: Design) -> dict[str, Any]:
+    """With what the JSON of every study of a design begins."""
+    return {
+        "slopekit": __version__, "study": study, "kind": design.kind, "title": design.title,
+        "input_sha256": design.input_hash(),
+    }  # fmt: skip
 
 
 def falls_short(status: str, factor: float | None, target: float) -> bool:

@@ -21,11 +21,10 @@ from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.estimates import Share, Summary, share_of, summary_of
-from slopekit.studies.journal import Journal
-from slopekit.studies.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
 from slopekit.studies.limits import checked_limits
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
-from slopekit.studies.running import ALONE, Advance, Crew, crew_in_words, run_all
+from slopekit.studies.probability_records import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
+from slopekit.studies.running import ALONE, Advance, Crew, Journal, crew_in_words, run_all
 from slopekit.studies.sampling import METHODS, Samples
 from slopekit.studies.sampling import samples as drawn
 from slopekit.studies.vectorised import vectorised
@@ -337,6 +336,3 @@ def _confirmed(
     return confirmation_of(
         index, points, judged.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
     )
-
-
-__all__ = ["Asked", "Bar", "By", "Probability", "probability"]

@@ -1,29 +1,38 @@
-"""A study of probability as JSON values, and its samples as CSV."""
+"""A study of probability: what the method that counts says of all samples, its notices, JSON values and CSV."""
 
 import csv
 import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault
-from slopekit.studies.estimates import QUANTILES, Summary
-from slopekit.studies.points import Point
+from slopekit.arrays import Bools, Floats
+from slopekit.errors import Notice, writing
+from slopekit.studies.confirmation import Confirmation
+from slopekit.studies.estimates import QUANTILES, Share, Summary, rank_correlation
+from slopekit.studies.points import Point, study_head
+from slopekit.studies.sampling import Samples
 
 if TYPE_CHECKING:
     from slopekit.studies.probability import Probability
 
 _MOST_AT_RANDOM = 500  # that a histogram marks
+IMPOSSIBLE = "impossible"
+#: Outcomes of blocks that form and are not judged: no answer, or bolts that the block does not hold.
+UNJUDGED = ("E5", "E211", "E212", "not_converged")
+_RARE = 10  # failures: with fewer the estimate says little
+_RANKED = 50_000  # samples that sensitivities are taken from: ranks of more take longer than all else
 
 
 def document(study: "Probability") -> dict[str, Any]:
     """The study as JSON values."""
     asked, summary = study.asked, study.summary
     return {
-        "slopekit": __version__, "study": "prob", "kind": study.design.kind, "title": study.design.title,
-        "input_sha256": study.design.input_hash(), "n": len(study.samples.values),
+        **study_head("prob", study.design),
+        "n": len(study.samples.values),
         "replicates": int(study.samples.replicate.max()) + 1, "seed": asked.seed, "sampling": asked.method,
         "by": asked.by, "evaluator": study.evaluator, "target": asked.target,
         "probability_of_failure": {
@@ -44,7 +53,7 @@ def document(study: "Probability") -> dict[str, Any]:
         "sensitivity": [{"variable": name, "rank_correlation_with_fos": value} for name, value in study.sensitivities],
         "pre_ie": None if study.confirmation is None else study.confirmation.to_dict(),
         "inputs": study.design.inputs(), "defaults": list(study.design.defaults),
-        "warnings": [{"code": notice.code, "message": notice.message} for notice in study.warnings],
+        "warnings": [notice.to_dict() for notice in study.warnings],
         "timing_s": dict(study.timing_s),
     }  # fmt: skip
 
@@ -113,18 +122,14 @@ def write_samples(study: "Probability", path: Path) -> None:
     by = "closed_form" if study.asked.by == "closed-form" else "limit"
     head = ["sample", *study.samples.names, "outcome", f"fos_{by}", "fails"]
     head += ["pre_ie_outcome", "fos_limit", "moments_govern"] if checked is not None else []
-    try:
-        with path.open("w", encoding="utf-8", newline="") as file:
-            rows = csv.writer(file)
-            rows.writerow(head)
-            values, outcomes = study.samples.values.tolist(), study.outcome.tolist()
-            fails, factors = study.fails.tolist(), study.factor.tolist()
-            for row, (given, outcome, factor, fall) in enumerate(zip(values, outcomes, factors, fails, strict=True)):
-                own = [row, *given, study.names[outcome], "" if math.isnan(factor) else factor, int(fall)]
-                rows.writerow(own + (_also(also.get(row)) if checked is not None else []))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    with writing(path), path.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(head)
+        values, outcomes = study.samples.values.tolist(), study.outcome.tolist()
+        fails, factors = study.fails.tolist(), study.factor.tolist()
+        for row, (given, outcome, factor, fall) in enumerate(zip(values, outcomes, factors, fails, strict=True)):
+            own = [row, *given, study.names[outcome], "" if math.isnan(factor) else factor, int(fall)]
+            rows.writerow(own + (_also(also.get(row)) if checked is not None else []))
 
 
 def _also(point: Point | None) -> list[Any]:
@@ -134,3 +139,93 @@ def _also(point: Point | None) -> list[Any]:
         return [point.code, "", ""]
     limit = point.factors.limit
     return [point.factors.status, "" if limit is None else limit, int(point.factors.moments_govern)]
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What the method that counts says of the samples."""
+
+    names: tuple[str, ...]
+    outcome: np.ndarray
+    factor: Floats
+    fails: Bools
+    evaluator: str
+    points: tuple[Point, ...] = ()
+
+    def among(self, *beginnings: str) -> Bools:
+        """Samples whose outcome begins with one of these."""
+        found: Bools = np.array([name.startswith(beginnings) for name in self.names])[self.outcome]
+        return found
+
+    @property
+    def forms(self) -> Bools:
+        """Samples that form a block."""
+        return ~self.among("E", IMPOSSIBLE) | self.among("E211", "E212")
+
+    @property
+    def possible(self) -> Bools:
+        """Samples that a design can have and whose outcome is known."""
+        return ~self.among("E1", IMPOSSIBLE, *UNJUDGED)
+
+    @property
+    def disagree(self) -> int:
+        """Samples on which the methods disagree or PRE-IE did not converge, where PRE-IE looked at all."""
+        return sum(point.is_in_doubt for point in self.points)
+
+
+def failing(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:
+    """Whether each sample falls short of the target: `falls_short` for arrays."""
+    stays = [name.startswith(("E", IMPOSSIBLE)) or name in ("no_driving_force", "not_converged") for name in names]
+    with np.errstate(invalid="ignore"):
+        fails: Bools = ~np.array(stays)[outcome] & ~(factor >= target)
+    return fails
+
+
+def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], ...]:
+    """Spearman's coefficient of each column with the factor, the strongest first."""
+    has_one = np.flatnonzero(~np.isnan(factor))
+    if len(has_one) < 3:
+        return ()
+    has_one = has_one[:: -(-len(has_one) // _RANKED)]
+    found = [
+        (path, rank_correlation(samples.values[has_one, column], factor[has_one]))
+        for column, path in enumerate(samples.names)
+    ]
+    known = [(path, value) for path, value in found if value is not None]
+    return tuple(sorted(known, key=lambda entry: -abs(entry[1])))
+
+
+def notices_of(
+    target: float, judged: Judged, samples: Samples, share: Share, confirmation: Confirmation | None
+) -> Iterator[Notice]:
+    impossible = int(judged.among("E1", IMPOSSIBLE).sum())
+    if impossible:
+        yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
+                     "and count nowhere: bound the distribution with min or max")  # fmt: skip
+    unsolved = int(judged.among(*UNJUDGED).sum())
+    if unsolved:
+        yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
+                     "or a bolt that misses the block or is too short): left out of the probability, which may be off "
+                     "by as much")  # fmt: skip
+    if share.count < _RARE and share.of:
+        yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
+    if confirmation is None:
+        governed = sum(point.factors is not None and point.factors.moments_govern for point in judged.points)
+        if governed:
+            yield Notice(
+                "W353",
+                f"moments govern in {governed} of {len(samples.values)} samples: the closed form would be too high",
+            )
+        return
+    open_ones = len(confirmation.index) - confirmation.settled
+    if open_ones:
+        codes = ", ".join(dict.fromkeys(point.code or "not_converged" for point in confirmation.unsettled))
+        yield Notice("W351", f"PRE-IE gave no answer for {open_ones} of the {len(confirmation.index)} samples it was "
+                     f"asked of ({codes}): they confirm nothing")  # fmt: skip
+    if confirmation.governed:
+        of = int(confirmation.at_random.sum())
+        yield Notice("W353", f"moments govern in {confirmation.governed} of {of} samples at random: there the closed "
+                     "form is too high; --by pre-ie asks PRE-IE of every sample")  # fmt: skip
+    if confirmation.unsafe:
+        yield Notice("W354", f"{confirmation.unsafe} of {len(confirmation.index)} samples fail by PRE-IE and stand by "
+                     "the closed form: judge by PRE-IE")  # fmt: skip

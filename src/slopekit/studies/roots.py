@@ -326,6 +326,3 @@ def near_by(grid: Sequence[float], low: float, high: float, own: float | None) -
     if own > 0.0 and _spans_decades(low, high, own):
         first, last = max(own / _TIMES, low), min(own * _TIMES, high)
     return sorted({first, *(place for place in grid if first < place < last), last})
-
-
-__all__ = ["Crossing", "Sample", "Search", "near_by", "places"]

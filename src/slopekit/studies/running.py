@@ -2,25 +2,101 @@
 
 Any `concurrent.futures.Executor` will do. What is done goes to a journal, so that an interrupted run goes on where it
 stopped; a worker that dies loses no task.
+
+A journal keeps what is done line by line, so that an interrupted study goes on where it stopped.
 """
 
+import hashlib
+import json
 import signal
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, TypeAlias
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError, SolverError
-from slopekit.studies.journal import Journal
+from slopekit.errors import DesignError, Fault, SlopekitError, SolverError, writing
 
+_EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.
 Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
+
+
+@dataclass(slots=True)
+class Journal:
+    """Records of finished tasks by their number.
+
+    Attributes
+    ----------
+    path : the file; another run (other inputs, seed, version) has another name, so that none takes what is not its own
+    streamed : whether records are written as they come, a second at a time; else only when `save` is called
+    """
+
+    path: Path
+    key: str
+    streamed: bool = True
+    held: dict[int, Any] = field(default_factory=dict)
+    unwritten: list[int] = field(default_factory=list)
+    last: float = field(default_factory=time.monotonic)
+
+    @classmethod
+    def of(cls, folder: Path, study: str, run: Any, streamed: bool = True) -> "Journal":
+        """The journal of a run.
+
+        Parameters
+        ----------
+        study : its name; run : everything that its records depend on, as JSON values
+        """
+        text = json.dumps([__version__, study, run], sort_keys=True, default=str)
+        key = hashlib.sha256(text.encode()).hexdigest()
+        return cls(folder / f"{study}-{key[:12]}.journal", key, streamed)
+
+    def records(self, count: int) -> Iterator[tuple[int, Any]]:
+        """What an earlier run of the same name has done; a last line cut short is passed over."""
+        if self.path.is_file():
+            for line in self.path.read_text(encoding="utf-8").splitlines():
+                try:
+                    entry = json.loads(line)
+                    if entry["key"] != self.key:
+                        continue
+                    found = {int(index): record for index, record in entry["records"]}
+                except (ValueError, KeyError, TypeError):
+                    continue
+                self.held |= {index: record for index, record in found.items() if 0 <= index < count}
+        yield from sorted(self.held.items())
+
+    def keep(self, indices: Sequence[int], records: Sequence[Any]) -> None:
+        """Take records in, as they come."""
+        self.held |= dict(zip(indices, records, strict=True))
+        self.unwritten += indices
+        if self.streamed and time.monotonic() - self.last > _EVERY_S:
+            self.save()
+
+    def save(self) -> None:
+        """Write what is not yet written.
+
+        Raises
+        ------
+        DesignError
+            E129 where the file cannot be written.
+        """
+        if not self.unwritten:
+            return
+        line = json.dumps({"key": self.key, "records": [[index, self.held[index]] for index in self.unwritten]})
+        with writing(self.path), self.path.open("a", encoding="utf-8") as file:
+            file.write(f"\n{line}\n")  # a line that an interruption cut short ends here
+        self.unwritten, self.last = [], time.monotonic()
+
+    def remove(self) -> None:
+        """The run is complete: its results are written elsewhere."""
+        self.path.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True, slots=True)

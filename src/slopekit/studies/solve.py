@@ -28,8 +28,7 @@ from slopekit.studies.points import Evaluation, Point
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.running import ALONE, Advance, Crew, run_all
-from slopekit.studies.solutions import ALIKE, TOLERANCE, Answers, Found, Method, Solution
-from slopekit.studies.solve_notices import notices, reason_of
+from slopekit.studies.solutions import ALIKE, TOLERANCE, Answers, Found, Method, Solution, notices, reason_of
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
 _SECTIONS = 24
@@ -405,6 +404,3 @@ def _target(design: Design, fos: float | None) -> tuple[float, bool]:
         message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
         raise DesignError([Fault("E314", message, "", advice)])
     return fos, False
-
-
-__all__ = ["factor_at", "level_of", "solve"]

@@ -11,16 +11,16 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias
 
-from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
+from slopekit.studies.points import study_head
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.running import ALONE, Advance, Crew
-from slopekit.studies.solve_notices import end_advice
+from slopekit.studies.solutions import end_advice
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
@@ -98,11 +98,7 @@ class ProbabilitySolution:
         """The solution as JSON values."""
         found = self.answer
         return {
-            "slopekit": __version__,
-            "study": "solve",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("solve", self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"probability_of_failure": self.target},
@@ -123,7 +119,7 @@ class ProbabilitySolution:
             },
             "evaluations": self.evaluations,
             "reason": None if self.reason is None else self.reason.to_dict(),
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 

@@ -24,11 +24,28 @@ from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.orientation import Line
 from slopekit.studies.support_directions import NO_STRENGTH, Optimum, Way, Ways
-from slopekit.studies.support_options import Options, read_options
 from slopekit.studies.support_pattern import Layout, centre_of, groups, layout, too_short
-from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, Which, built_way, enough
-from slopekit.studies.support_search import Found, least_force
-from slopekit.studies.support_site import Answer, Site, pre_ie, pre_ie_coarse, site_of
+from slopekit.studies.support_records import (
+    Case,
+    Need,
+    Options,
+    Pattern,
+    Pressure,
+    Support,
+    Which,
+    built_way,
+    enough,
+    read_options,
+)
+from slopekit.studies.support_search import (
+    Answer,
+    Found,
+    Site,
+    least_force,
+    pre_ie,
+    pre_ie_coarse,
+    site_of,
+)
 
 _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
@@ -49,22 +66,26 @@ def support(
     bond: object = 3.0,
     length: object = None,
 ) -> Support:
-    """Bolts and pressure that give a design a factor of safety; bolts that it has stay and count.
+    """Bolts, or a pressure on the face, that give a wedge or a plane a factor of safety; bolts that it has count.
 
     Parameters
     ----------
     fos : the target
-    acts : active or passive; None for both
-    toward : trend/plunge of the bolts' force on the block, into the rock
-    plunge : least and most plunge of a direction that can be drilled, "-5,15" (positive downward)
-    bolt_capacity : kN a bolt; spacing : m, of its heads; bond : m, anchorage behind the joint; length : m, of all
+    acts : "active" or "passive"; both when left out
+    toward : "000/-05", trend/plunge of the bolts' force on the block, into the rock; the best direction comes as well
+    plunge : "-5,15", plunges that can be drilled (positive downward), for the best direction within them
+    bolt_capacity : kN; spacing : m, of the heads on the face; bond : m, anchorage behind the joint; length : m, of all
 
     Raises
     ------
     DesignError
-        E320 for other kinds than wedge and plane, E321 for options that are not understood.
-    GeometryError
-        Where no block can be formed.
+        E320 for other kinds, E321 for what is not understood. GeometryError where no block can be formed.
+
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> bolts = sk.support(sk.load(wedge), 1.7, acts="active").cases[0]
+    >>> round(bolts.force), round(bolts.closed_form.fos, 6), round(bolts.pre_ie.fos, 6)
+    (168045, 1.7, 1.7)
     """
     began = time.perf_counter()
     options = read_options(

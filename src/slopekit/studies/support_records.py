@@ -1,23 +1,115 @@
-"""What support came to: needs by method, patterns, cases, and their JSON (a contract: keys never change)."""
+"""What support is asked for, and what it came to: needs by method, patterns, cases, their JSON (a contract)."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.design.common import Bolt, Design
-from slopekit.errors import Notice
-from slopekit.orientation import Line
+from slopekit.design.words import above_zero, line_of_words
+from slopekit.errors import DesignError, Fault, Faults, Notice
+from slopekit.orientation import Line, number
+from slopekit.studies.points import study_head
 from slopekit.studies.support_directions import Optimum
-from slopekit.studies.support_options import Options
 from slopekit.studies.support_pattern import Layout
-from slopekit.studies.support_site import Answer
+from slopekit.studies.support_search import Answer
+from slopekit.units import quantity
 
 Which = Literal["best", "given", "practical"]
+Acts = Literal["active", "passive"]
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Options of a support study: kN, m, degrees.
+
+    Attributes
+    ----------
+    target : factor of safety
+    acts : how bolts act; toward : direction of their force on the block, None where none is given
+    plunge : limits of the practical direction, None without
+    capacity : of a bolt; spacing : None where it follows from the force; bond : anchorage behind the joint
+    length : of every bolt, None where each is as long as it must be
+    """
+
+    target: float
+    acts: tuple[Acts, ...]
+    toward: Line | None
+    plunge: tuple[float, float] | None
+    capacity: float
+    spacing: float | None
+    bond: float
+    length: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The options as JSON values."""
+        return {
+            "acts": list(self.acts), "toward": None if self.toward is None else asdict(self.toward),
+            "plunge_deg": None if self.plunge is None else list(self.plunge), "bolt_capacity_kn": self.capacity,
+            "spacing_m": self.spacing, "bond_m": self.bond, "length_m": self.length,
+        }  # fmt: skip
+
+
+def read_options(
+    *, fos: object, acts: object, toward: object, plunge: object, bolt_capacity: object, spacing: object, bond: object,
+    length: object,
+) -> Options:  # fmt: skip
+    """Read options as a user gives them.
+
+    Raises
+    ------
+    DesignError
+        E321 with every option that is not understood, and what `quantity` raises.
+    """
+    faults = Faults()
+
+    def positive(value: object, kind: str, name: str, option: str) -> float | None:
+        where = f"{option} {value}"
+        return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E321", where))
+
+    target = positive(fos, "ratio", "the target factor of safety", "--fos")
+    capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "--bolt-capacity")
+    apart = positive(spacing, "length", "the spacing of the bolts", "--spacing")
+    anchorage = positive(bond, "length", "the anchorage behind the joint", "--bond")
+    long = positive(length, "length", "the length of the bolts", "--length")
+    both = faults.of(lambda: _acts(acts))
+    line = toward if isinstance(toward, Line) or toward is None else faults.of(
+        lambda: line_of_words(toward, "the bolts", "E321", f"--toward {toward}")
+    )  # fmt: skip
+    limits = None if plunge is None else faults.of(lambda: _plunges(plunge))
+    if target is None and not faults:
+        faults.append(Fault("E321", "the target factor of safety is missing", "--fos", "For example --fos 1.5."))
+    if faults or target is None or capacity is None or anchorage is None or both is None:
+        raise DesignError(faults or [Fault("E321", "capacity and bond are needed", "--bolt-capacity, --bond")])
+    return Options(target, both, line, limits, capacity, apart, anchorage, long)
+
+
+def _acts(value: object) -> tuple[Acts, ...]:
+    if value is None or value == "both":
+        return "active", "passive"
+    if value == "active":
+        return ("active",)
+    if value == "passive":
+        return ("passive",)
+    advice = "Leave it out for both."
+    raise DesignError([Fault("E321", f"bolts are active or passive, not {value}", f"--acts {value}", advice)])
+
+
+def _plunges(value: object) -> tuple[float, float]:
+    where = f"--plunge {value}"
+    parts = re.split(r"\s*[,:]\s*", value.strip()) if isinstance(value, str) else value
+    if not isinstance(parts, Sequence) or len(parts) != 2:
+        advice = "Write least,most: --plunge -5,15; positive is downward into the rock."
+        raise DesignError([Fault("E321", f"limits of plunge are two numbers, not {value}", where, advice)])
+    low, high = (quantity(part, "angle", "a limit of plunge", where) for part in parts)
+    if not -90.0 <= low <= high <= 90.0:
+        message = f"limits of plunge run from low to high between -90 and 90, not {number(low)} to {number(high)}"
+        raise DesignError([Fault("E321", message, where)])
+    return low, high
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,11 +368,7 @@ class Support:
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
         return {
-            "slopekit": __version__,
-            "study": "support",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("support", self.design),
             "target_fos": self.target,
             "unit": self.unit,
             "reached": self.reached,
@@ -297,7 +385,7 @@ class Support:
             "options": self.options.to_dict(),
             "bolts": [case.to_dict(self.design.bolts, self.unit) for case in self.cases],
             "pressure": None if self.pressure is None else self.pressure.to_dict(),
-            "warnings": [_notice(notice) for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 
@@ -353,7 +441,7 @@ def _line_words(line: Line) -> str:
 
 
 def _notice(notice: Notice | None) -> dict[str, str] | None:
-    return None if notice is None else {"code": notice.code, "message": notice.message}
+    return None if notice is None else notice.to_dict()
 
 
 def _finite(value: float | None) -> float | None:

@@ -17,16 +17,14 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from slopekit._version import __version__
 from slopekit.design.common import Design
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.orientation import number
-from slopekit.studies.journal import Journal
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
 from slopekit.studies.ranges import MOST, parse_values
-from slopekit.studies.running import ALONE, Advance, Crew, run_all
+from slopekit.studies.running import ALONE, Advance, Crew, Journal, run_all
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
 
@@ -96,10 +94,7 @@ class Sweep:
         """The methods that were asked and are there, the one that counts first."""
         if self.methods == "closed-form":
             return ("closed_form",)
-        both = self.methods == "both" and any(
-            point.factors is not None and (point.factors.closed_form is not None or point.factors.closed_status)
-            for point in self.points
-        )
+        both = self.methods == "both" and any(point.has_closed_form for point in self.points)
         return ("pre_ie", "closed_form") if both else ("pre_ie",)
 
     def status(self, point: Point) -> str:
@@ -172,10 +167,7 @@ class Sweep:
     @property
     def disagree(self) -> int:
         """Points at which the methods disagree, or PRE-IE did not converge."""
-        return sum(
-            point.factors is not None and (point.factors.agree is False or point.factors.status == "not_converged")
-            for point in self.points
-        )
+        return sum(point.is_in_doubt for point in self.points)
 
     @property
     def exit_code(self) -> int:
@@ -199,11 +191,7 @@ class Sweep:
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
         return {
-            "slopekit": __version__,
-            "study": "sweep",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("sweep", self.design),
             "keys": [
                 {"key": key.path, "unit": key.unit, "now": key.value, "values": list(values)}
                 for key, values in zip(self.keys, self.values, strict=True)
@@ -228,7 +216,7 @@ class Sweep:
                 for one in self.critical
             ],
             "shape": {method: self.shape(method) or None for method in self.asked},
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 
@@ -261,19 +249,15 @@ def sweep(
     began = time.perf_counter()
     one_or_two(keys)
     check_methods(design, methods)
-    faults: list[Fault] = []
-    found: list[tuple[Key, tuple[float, ...]]] = []
+    faults, found = Faults(), list[tuple[Key, tuple[float, ...]]]()
     for path, given in keys.items():
-        try:
+        with faults.kept():
             key = key_of(design, path)
             found.append((key, parse_values(key, given)))
-        except DesignError as error:
-            faults += error.faults
     count = math.prod(len(values) for _, values in found)
     if count > MOST:
         faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     if len({key.path for key, _ in found}) < len(found):
         raise DesignError([Fault("E313", f"{found[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in found), tuple(of for _, of in found)

@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Point
+from slopekit.studies.points import Point, study_head
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew
 from slopekit.studies.solutions import Method, point_record
@@ -83,9 +82,7 @@ class Tornado:
         """The methods that were asked and are there, the one that counts first."""
         if self.methods == "closed-form":
             return ("closed_form",)
-        factors = self.base.factors
-        has = factors is not None and (factors.closed_form is not None or bool(factors.closed_status))
-        return ("pre_ie", "closed_form") if has else ("pre_ie",)
+        return ("pre_ie", "closed_form") if self.base.has_closed_form else ("pre_ie",)
 
     @property
     def points(self) -> list[Point]:
@@ -95,10 +92,7 @@ class Tornado:
     @property
     def disagree(self) -> int:
         """Points at which the methods disagree, or PRE-IE did not converge."""
-        return sum(
-            point.factors is not None and (point.factors.agree is False or point.factors.status == "not_converged")
-            for point in self.points
-        )
+        return sum(point.is_in_doubt for point in self.points)
 
     @property
     def exit_code(self) -> int:
@@ -125,11 +119,7 @@ class Tornado:
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
         return {
-            "slopekit": __version__,
-            "study": "tornado",
-            "kind": self.design.kind,
-            "title": self.design.title,
-            "input_sha256": self.design.input_hash(),
+            **study_head("tornado", self.design),
             "methods": self.methods,
             "rule": RULE,
             "base": point_record(self.base),
@@ -144,7 +134,7 @@ class Tornado:
             ],
             "left_out": [{"key": path, "why": why} for path, why in self.left_out],
             "disagree": self.disagree,
-            "warnings": [{"code": notice.code, "message": notice.message} for notice in self.warnings],
+            "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
 
@@ -171,15 +161,12 @@ def tornado(
     """
     began = time.perf_counter()
     check_methods(design, methods)
-    given, faults = dict[str, tuple[Key, tuple[float, float]]](), list[Fault]()
+    given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
     for path, text in (ranges or {}).items():
-        try:
+        with faults.kept():
             key = key_of(design, path)
             given[key.path] = key, parse_within(key, text)
-        except DesignError as error:
-            faults += error.faults
-    if faults:
-        raise DesignError(faults)
+    faults.refuse()
     chosen: list[tuple[Key, float, float, str]] = []
     left_out: list[tuple[str, str]] = []
     for key in keys_of(design):

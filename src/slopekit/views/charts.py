@@ -1,14 +1,20 @@
-"""Charts (matplotlib, off-screen): error against time, error along a sweep. Needs the extra `plot`."""
+"""Charts of one design (matplotlib): what accuracy costs, what facets do to a curved surface, what reducing does.
+
+Error against time and the curves of a check come from its JSON, as does figure 7 of Sheng et al. (2023). Need the extra
+`plot`.
+"""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from slopekit.errors import DesignError, Fault
-from slopekit.views.drawing import new_figure, save
+from slopekit.kinds.ladders import METHODS
+from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, Damaged, dressed, nothing, short, title_of
+from slopekit.views.entries import factor_text
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
@@ -20,6 +26,13 @@ _BESIDE = ((7, 4), (7, -11), (-7, 4), (-7, -11), (0, 9), (0, -16), (12, 14), (-1
 _LINE, _HANDLE = 125, 7
 _OPEN = "open: no error to 16 digits"
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
+Document = Mapping[str, Any]
+_NORMALS = (
+    ("facet", "fos_cohesion_kept", "facet normals, cohesion kept: facets interlock, too high", PURPLE, "^"),
+    ("true", "fos", "true normals of the surface", BLUE, "o"),
+    ("smoothed", "fos", "smoothed normals of the mesh", BLUE, "o"),
+    ("facet", "fos", "facet normals, cohesion lost where they open", RED, "s"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +55,6 @@ class Curve:
     labels: Sequence[str] = ()
     joined: bool = True
     crossed: Sequence[bool] = ()
-
-
-def speed_error_chart(
-    curves: Sequence[Curve], path: Path, title: str, *, wanted: float | None = None, against: str = "the closed form"
-) -> None:
-    """Error against time, both logarithmic, written as a PNG; see `draw_speed_error`."""
-    _check(curves, path)
-    figure = new_figure(path)
-    draw_speed_error(figure, curves, title, wanted=wanted, against=against)
-    save(figure, path)
 
 
 def draw_speed_error(
@@ -79,78 +82,19 @@ def draw_speed_error(
             axes.annotate(f"wanted: {wanted:g}", (0.995, wanted), xycoords=("axes fraction", "data"), ha="right",
                           va="bottom", fontsize=8, color="#555555")  # fmt: skip
 
-    _check(curves, "")
-    _chart(figure, curves, title, dress)
+    check_curves(curves, "")
+    draw_chart(figure, curves, title, dress)
 
 
-def sweep_chart(
-    curves: Sequence[Curve], path: Path, title: str, label: str, *, tolerance: float | None = None,
-    logarithmic: bool = True, jumps: Sequence[tuple[float, str]] = (), errors: str = "of the factor of safety",
-    tolerances: Sequence[tuple[float, str]] = (), crosses: str = "",
-) -> None:  # fmt: skip
-    """Error along a sweep of one parameter, written as a PNG.
-
-    Parameters
-    ----------
-    label : the parameter with its unit
-    tolerance : drawn as a line
-    logarithmic : of the parameter; the error always is
-    jumps : (where, what) of places where the answer jumps, drawn as upright lines
-    errors : what the errors are relative errors of
-    tolerances : (tolerance, for what) where there is more than one
-    crosses : what a cross means, for the legend
-
-    Raises
-    ------
-    DesignError
-        E140 where matplotlib is not installed, E273 without a point to draw.
-    """
-    lines = [*tolerances, *([] if tolerance is None else [(tolerance, "")])]
-
-    def dress(axes: Any) -> None:
-        axes.set_xlabel(label)
-        axes.set_ylabel(f"relative error {errors}")
-        if not logarithmic:
-            axes.set_xscale("linear")
-        for size, of in lines:
-            axes.axhline(size, color="#888888", linestyle="--", linewidth=1.0)
-            text = f"tolerance {in_short(size)}" + (f": {of}" if of else "")
-            axes.annotate(
-                text, (0.995, size), xycoords=("axes fraction", "data"), ha="right", va="bottom", fontsize=8,
-                color="#555555", zorder=1.9, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-            )  # fmt: skip
-        top, kind = (min(size for size, _ in lines) / 2.0, "data") if lines else (0.97, "axes fraction")
-        for where, what in jumps:  # beneath the lines and their labels
-            axes.axvline(where, color="#c0392b", linestyle=":", linewidth=1.2)
-            axes.annotate(
-                what, (where, top), xytext=(-3, 0), xycoords=("data", kind), textcoords="offset points",
-                rotation=90, ha="right", va="top", fontsize=8, color="#c0392b",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-            )  # fmt: skip
-
-    _check(curves, path, logarithmic)
-    figure = new_figure(path)
-    _chart(figure, curves, title, dress, logarithmic=logarithmic, sizes=(5.0, 9.5), crosses=crosses)
-    save(figure, path)
-
-
-def in_short(size: float) -> str:
-    """A power of ten as people write it.
-
-    >>> in_short(1e-9), in_short(2e-6), in_short(0.0005)
-    ('1e-9', '2e-6', '0.0005')
-    """
-    return f"{size:g}".replace("e-0", "e-").replace("e+0", "e")
-
-
-def _check(curves: Sequence[Curve], path: Path | str, logarithmic: bool = True) -> None:
+def check_curves(curves: Sequence[Curve], path: Path | str, logarithmic: bool = True) -> None:
+    """Raise E273 where no curve has a point that can be drawn."""
     points = [point for curve in curves for point in zip(curve.at, curve.errors, strict=True)]
     if not any(math.isfinite(x + error) and (x > 0.0 or not logarithmic) for x, error in points):
         message = "there is nothing to draw: no curve has a point"
         raise DesignError([Fault("E273", message, str(path), "Give at least one curve with one point.")])
 
 
-def _chart(
+def draw_chart(
     figure: Any, curves: Sequence[Curve], title: str, dress: Callable[[Any], None], *, logarithmic: bool = True,
     sizes: tuple[float, float] = (6.5, 6.5), crosses: str = "",
 ) -> None:  # fmt: skip
@@ -252,3 +196,161 @@ def _write_labels(
 
 def _square(x: float, y: float, half: float) -> tuple[float, float, float, float]:
     return x - half, y - half, x + half, y + half
+
+
+def draw_speed_errors(figure: Any, document: Document) -> None:
+    """Time against error of the ladder of a check.
+
+    Raises
+    ------
+    DesignError
+        E273 where the design has no factor of safety.
+    """
+    reference, against = document["reference"]["value"], document["reference"]["what"]
+    if reference is None:
+        nothing("the design has no factor of safety")
+    own = None if against == "the closed form" else reference  # a rung against itself has no error
+    if len(document["ladder"]) != len(document["timing_s"]["ladder"]):
+        raise Damaged("has a ladder with other times")
+    rungs = list(zip(document["ladder"], document["timing_s"]["ladder"], strict=True))
+    curves = []
+    for method, name in METHODS.items():
+        drawn = [
+            (rung, time["seconds"]) for rung, time in rungs
+            if rung["method"] == method and rung["error"] is not None
+            and not (rung["error"] == 0.0 and rung["fos"] == own)
+        ]  # fmt: skip
+        if drawn:
+            curves.append(
+                Curve(
+                    name,
+                    [seconds for _, seconds in drawn],
+                    [rung["error"] for rung, _ in drawn],
+                    [_label(rung) for rung, _ in drawn],
+                )
+            )
+    title = f"{short(document['title'] or document['kind'])}: {document['status']}, limit "
+    title += factor_text(document["fos"]["limit"]).strip()
+    draw_speed_error(figure, curves, title, wanted=document["agree_within"], against=against)
+
+
+def _label(rung: Document) -> str:
+    if rung["method"] == "passes":
+        return f"{rung['effort']:.0f}"
+    if rung["method"] == "tolerance":
+        return f"{rung['effort']:.0e}"
+    return f"{rung['node_pairs']}" if rung["method"] == "mesh" else ""
+
+
+def draw_normals(figure: Any, document: Document) -> None:
+    """Factor of safety against mesh edge, by the normals that the node pairs of a curved surface are given.
+
+    Raises
+    ------
+    DesignError
+        E273 where no mesh gave a factor.
+    """
+    rungs = [rung for rung in document["normals"] if rung["fos"] is not None and rung["edge_m"]]
+    if not rungs:
+        nothing("no mesh of the slip surface gave a factor of safety")
+    axes = figure.subplots()
+    for kind, key, name, colour, marker in _NORMALS:
+        own = sorted((rung["edge_m"], rung[key]) for rung in rungs
+                     if rung["normals"] == kind and rung.get(key) is not None)  # fmt: skip
+        if not own:
+            continue
+        axes.plot(*zip(*own, strict=True), color=colour, marker=marker, linewidth=1.4,
+                  label=name)  # fmt: skip
+        place: dict[str, Any] = {"xytext": (0, 8), "ha": "center", "va": "bottom"}
+        if kind == "facet":  # beside the lines
+            place = {"xytext": (8, -3), "ha": "left", "va": "top"} if key != "fos" else (
+                {"xytext": (0, -8), "ha": "center", "va": "top"}
+            )  # fmt: skip
+        for edge, value in own:
+            axes.annotate(f"{value:.4g}", (edge, value), textcoords="offset points", fontsize=8, color=colour, bbox=BOX,
+                          zorder=2.5, **place)  # fmt: skip
+    fos = document["fos"]
+    for name, value, style in (("closed form", fos["closed_form"], "-."), ("static bound", fos["static_bound"], "--")):
+        if value is not None:
+            axes.axhline(value, color=DARK if name == "closed form" else GREY, linestyle=style, linewidth=1.2,
+                         label=f"{name}, {value:.4g}")  # fmt: skip
+    axes.set_xscale("log", base=2)
+    edges = sorted({rung["edge_m"] for rung in rungs})
+    apart = [edge for k, edge in enumerate(edges) if k == 0 or edge > 1.25 * edges[k - 1]]
+    axes.set_xticks(apart, [f"{edge:.3g}" for edge in apart])
+    axes.minorticks_off()
+    axes.margins(x=0.12, y=0.12)
+    axes.set_xlabel("mean edge of the triangles of the slip surface, m (coarse at the right)")
+    axes.set_ylabel("factor of safety (limit, PRE-IE)")
+    axes.set_title(title_of(document), fontsize=11)
+    dressed(axes)
+    figure.legend(fontsize=8.5, loc="outside lower center", ncols=2, frameon=False)
+
+
+def _failed(steps: Sequence[Document]) -> tuple[list[float], list[float]]:
+    """Factors, and how many node pairs failed at them."""
+    return [step["factor"] for step in steps], [step["failed_pairs"] for step in steps]
+
+
+def draw_reduction(figure: Any, document: Document) -> None:
+    """Displacement (left) and failed node pairs (right) against the strength reduction factor; the limit upright.
+
+    Raises
+    ------
+    DesignError
+        E273 where no factor was looked at.
+    """
+    series, searched = document.get("series") or [], (document.get("all_pairs") or {}).get("history") or []
+    if not series and not searched:
+        nothing("no strength reduction factor was looked at")
+    from matplotlib.ticker import MaxNLocator
+
+    every = document["model"]["node_pairs"]
+    axes = figure.subplots()
+    right = axes.twinx()
+    moved = [(step["factor"], _size(step["displacement_m"])) for step in series if step["displacement_m"]]
+    if moved:
+        in_mm = max(size for _, size in moved) < 1.0
+        axes.plot([at for at, _ in moved], [size * (1e3 if in_mm else 1.0) for _, size in moved], color=BLUE,
+                  marker="o", linewidth=1.5, label="displacement of the centroid", zorder=3)  # fmt: skip
+        axes.set_ylabel(f"displacement of the centroid, {'mm' if in_mm else 'm'}", color=BLUE)
+        axes.set_ylim(bottom=0.0)
+        axes.margins(y=0.12)
+    else:
+        axes.set_yticks([])
+    if searched:
+        right.plot(*_failed(searched), color=DARK, marker=".", markersize=8, linewidth=1.1, linestyle=":",
+                   label="failed node pairs, all-pairs search")  # fmt: skip
+    stands = [step for step in series if step["stands"]]
+    falls = [step for step in series if not step["stands"]]
+    if stands:
+        right.plot(*_failed(stands), color=RED, marker="s", linewidth=1.5, linestyle="--", label="failed node pairs")
+    if falls:
+        right.plot(*_failed(falls), color=RED, marker="x", markersize=8, markeredgewidth=1.8, linestyle="none",
+                   label="no longer stands: all count as failed")  # fmt: skip
+    right.axhline(every, color=GREY, linestyle=":", linewidth=1.0)
+    right.set_ylim(0.0, 1.12 * every)
+    right.set_ylabel(f"failed node pairs, of {every}", color=RED if series else DARK)
+    right.set_yticks([tick for tick in MaxNLocator(integer=True).tick_values(0, every) if 0 <= tick <= every])
+    _upright(axes, document)
+    axes.set_xlabel("strength reduction factor")
+    axes.set_title(title_of(document), fontsize=11)
+    dressed(axes)
+    figure.legend(fontsize=8.5, loc="outside lower center", ncols=3, frameon=False)
+
+
+def _upright(axes: Any, document: Document) -> None:
+    """The limit and the factor at which all pairs fail; the label of the smaller at the left of its line."""
+    fos = document["fos"]
+    lines = [("limit", fos["limit"], "-"), ("all pairs failed", fos["all_pairs_failed"], "-.")]
+    known = sorted((line for line in lines if line[1] is not None), key=lambda line: float(line[1]))
+    for k, (name, value, style) in enumerate(known):
+        left = k == 0
+        axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
+        axes.annotate(f"{name} {value:.4g}", (value, 0.04), xytext=(-4 if left else 4, 0), rotation=90,
+                      xycoords=("data", "axes fraction"), textcoords="offset points", va="bottom",
+                      ha="right" if left else "left", fontsize=8.5, color=DARK, bbox=BOX)  # fmt: skip
+
+
+def _size(vector: Any) -> float:
+    return math.sqrt(sum(part * part for part in vector))

@@ -9,8 +9,7 @@ from slopekit.kinds import kind_named
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
 from slopekit.studies.combos import Combos, PairCheck
-from slopekit.studies.pair_outcomes import NOT_REMOVABLE, PAIR_OUTCOMES
-from slopekit.studies.pair_shapes import LIMITED_BY
+from slopekit.studies.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.views.entries import WIDTH, block, factor_text
 
 _WHY = {

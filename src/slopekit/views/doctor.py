@@ -71,9 +71,10 @@ def _templates() -> tuple[str, bool]:
 
 
 def _wedge() -> tuple[str, bool]:
-    import slopekit
+    from slopekit.design.reading import wedge_design
+    from slopekit.kinds import analyse
 
-    fos = slopekit.wedge(dips=("45/115", "45/245")).fos
+    fos = analyse(wedge_design({"dips": ("45/115", "45/245")})).fos
     if fos.limit is None or fos.closed_form is None:
         return "no factor", False
     right = abs(fos.limit - _PAPER_WEDGE) < 1e-8 and abs(fos.limit - fos.closed_form) < 1e-9
@@ -106,10 +107,11 @@ def _drawing() -> tuple[str, bool]:
     import tempfile
     from pathlib import Path
 
-    import slopekit
+    from slopekit.design.reading import wedge_design
+    from slopekit.kinds import analyse
     from slopekit.views.scenes import draw
 
     with tempfile.TemporaryDirectory() as place:
         target = Path(place) / "wedge.png"
-        draw(slopekit.wedge(dips=("45/115", "45/245")).to_dict(), "scene", target)
+        draw(analyse(wedge_design({"dips": ("45/115", "45/245")})).to_dict(), "scene", target)
         return f"a picture of {target.stat().st_size // 1000} kB", target.stat().st_size > 10_000

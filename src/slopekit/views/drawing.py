@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from slopekit.errors import DesignError, Fault
+from slopekit.errors import DesignError, Fault, writing
 
 #: Colours that the colour-blind tell apart (Okabe & Ito 2008), darkened where they stand on white.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = "#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#56b4e9"
@@ -53,12 +53,8 @@ def save(figure: Any, path: Path) -> None:
     import matplotlib as mpl
 
     stamps = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}.get(path.suffix.lower())
-    try:
-        with mpl.rc_context({"svg.hashsalt": "slopekit"}):
-            figure.savefig(path) if stamps is None else figure.savefig(path, metadata=stamps)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
+    with writing(path), mpl.rc_context({"svg.hashsalt": "slopekit"}):
+        figure.savefig(path) if stamps is None else figure.savefig(path, metadata=stamps)
 
 
 def nothing(why: str) -> NoReturn:

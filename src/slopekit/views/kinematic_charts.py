@@ -12,18 +12,27 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.orientation import Plane, number, parse_plane
-from slopekit.studies.kinematic_criteria import Lines, Modes, lines_of, modes_of
-from slopekit.studies.kinematic_zones import Planes, planes_of_poles, zones_of_lines, zones_of_poles
-from slopekit.views.drawing import GREY, RED, short
-from slopekit.views.net_parts import (
-    BLUE,
+from slopekit.studies.kinematic_criteria import (
+    Lines,
+    Modes,
+    Planes,
+    lines_of,
+    modes_of,
+    planes_of_poles,
+    zones_of_lines,
+    zones_of_poles,
+)
+from slopekit.views.drawing import BLUE, GREY, PURPLE, RED, short
+from slopekit.views.stereonet import (
     FACE,
     LIGHT,
-    PURPLE,
+    NETS,
     SHADE,
+    Net,
     arrange,
     cells,
     envelope,
+    mean_axis,
     plane_circle,
     points,
     set_marks,
@@ -31,8 +40,7 @@ from slopekit.views.net_parts import (
     spokes,
     start,
     steeper_than,
-)  # fmt: skip
-from slopekit.views.stereonet import NETS, Net, mean_axis
+)
 
 Document = Mapping[str, Any]
 #: What `--test` takes.

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
 
-from slopekit.explanations import EXPLANATIONS
+from slopekit.explanations import explanations
 
 _CODE = re.compile(r"[EW]\d{3}")
 _MOST = 4  # first lines of one code
@@ -32,7 +32,7 @@ _PARTS = (
 def messages_page() -> str:
     """Every code with its first lines and its long text, as Markdown."""
     found = _first_lines()
-    codes = sorted(EXPLANATIONS)
+    codes = sorted(explanations())
     lines = [_HEAD]
     for start, title in _PARTS:
         lines.append(f"## {title}\n")
@@ -45,15 +45,13 @@ def messages_page() -> str:
 
 def _marked(code: str) -> str:
     """The long text, its signs kept from Markdown."""
-    return re.sub(r"([*<])", r"\\\1", EXPLANATIONS[code])
+    return re.sub(r"([*<])", r"\\\1", explanations()[code])
 
 
 def _first_lines() -> Mapping[str, list[str]]:
     """The first lines of every code, in the order of the source."""
     found: dict[str, list[str]] = {}
     for path in sorted(Path(__file__).parents[1].rglob("*.py")):
-        if path.name.endswith("explanations.py"):
-            continue
         source = path.read_text(encoding="utf-8")
         if not _CODE.search(source):
             continue

@@ -12,15 +12,15 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.orientation import Line, Plane, downward, line_of, number, parse_plane
-from slopekit.studies.kinematic_zones import zones_of_lines
-from slopekit.views.drawing import DARK, GREY, nothing, short, title_of
-from slopekit.views.net_parts import (
-    BLUE,
+from slopekit.studies.kinematic_criteria import zones_of_lines
+from slopekit.views.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
+from slopekit.views.stereonet import (
     FACE,
     MARKERS,
-    RED,
+    NETS,
     SETS,
     SHADE,
+    Net,
     arrange,
     cells,
     envelope,
@@ -29,8 +29,7 @@ from slopekit.views.net_parts import (
     shade,
     start,
     steeper_than,
-)  # fmt: skip
-from slopekit.views.stereonet import NETS, Net
+)
 
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one

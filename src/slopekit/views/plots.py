@@ -41,6 +41,75 @@ _OF_SCENES = {
     "--explode": ("exploded",), "--magnify": ("displacement", "mechanism"), "--step": ("mechanism",),
 }  # fmt: skip
 _OF_MANY = ("factors", "ravelling")
+_NUMBER = (float, None)
+_TEXT = (str, None)
+_POINT = {
+    "status": _TEXT, "limit": _NUMBER, "closed_status": _TEXT, "closed_form": _NUMBER, "moments_govern": (bool, None),
+    "agree": (bool, None), "code": _TEXT, "message": _TEXT,
+}  # fmt: skip
+_SWEEP = {
+    "methods": str,
+    "keys": [{"key": str, "unit": str, "values": [float], "now": _NUMBER}],
+    "points": [_POINT],
+    "levels": [{"fos": float, "what": str}],
+    "critical": [{"method": str, "at": _NUMBER, "fos": float}],
+    "changes": [{"between": [float], "statuses": [str]}],
+}
+_SHARE = {"probability": _NUMBER, "low": _NUMBER, "high": _NUMBER, "of": float, "confidence": float, "limits_by": str}
+_FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_pairs_failed": _NUMBER}
+_NEEDS: Mapping[str, Mapping[str, Any]] = {
+    "curve": _SWEEP,
+    "contour": _SWEEP,
+    "tornado": {
+        "methods": str, "rule": str, "base": _POINT,
+        "bars": [{
+            "key": str, "unit": str, "low": float, "high": float, "at_low": _POINT, "at_high": _POINT,
+            "shown": ([str], None), "swing": {"pre_ie": _NUMBER, "closed_form": _NUMBER},
+        }],
+    },
+    "histogram": {
+        "target": float, "n": float, "by": str, "outcomes": dict,
+        "histogram": ({
+            "edges": [float], "counts": [float], "below": float, "above": float,
+            "pre_ie_at_random": ([float], None), "pre_ie_samples": _NUMBER, "pre_ie_without_factor": _NUMBER,
+            "failing_without_factor": _NUMBER,
+        }, None),
+        "fos": ({"min": float, "max": float, "samples": float}, None),
+        "probability_of_failure": {"all_samples": _SHARE, "samples_that_form_a_block": _SHARE},
+    },
+    "speed-error": {
+        "ladder": [{"method": str, "error": _NUMBER, "fos": _NUMBER, "effort": _NUMBER, "node_pairs": _NUMBER}],
+        "timing_s": {"ladder": [{"seconds": float}]},
+        "reference": {"value": _NUMBER, "what": str}, "agree_within": _NUMBER, "fos": _FOS, "status": str,
+    },
+    "normals": {
+        "normals": [{"normals": str, "edge_m": _NUMBER, "fos": _NUMBER, "fos_cohesion_kept": _NUMBER}], "fos": _FOS,
+    },
+    "reduction": {
+        "series": ([{
+            "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
+        }], None),
+        "all_pairs": ({"history": ([{"factor": float, "failed_pairs": float}], None)}, None),
+        "fos": _FOS, "model": {"node_pairs": float},
+    },
+    "stereonet": {
+        "inputs": {
+            "joints": (Mapping, list, None), "joint": _TEXT, "friction_angle_deg": ([float], float, None),
+            "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
+            "sets": ([{"name": str, "plane": str, "strength": _TEXT}], None), "face": _TEXT, "upper": _TEXT,
+            "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
+        },
+        "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
+    },
+}  # fmt: skip
+_KINEMATIC: Mapping[str, Any] = {
+    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
+    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
+    "survey": {"name": _TEXT}, "input_sha256": str,
+}  # fmt: skip
+_SCENE: Mapping[str, Any] = {
+    "inputs": dict, "fos": _FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +218,6 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
 
 def _damage(document: Document, what: str, error: Exception) -> str:
     """What is wrong with a document that could not be drawn, "" where it has all that the picture needs."""
-    from slopekit.views.needs import need_of
 
     if isinstance(error, Damaged):
         return str(error)
@@ -208,11 +276,10 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
 
 def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, Document], None]:
     """The function that draws it on a figure."""
-    from slopekit.views import check_charts, sweep_charts
+    from slopekit.views import charts, sweep_charts
     from slopekit.views.kinematic_charts import draw_kinematic
     from slopekit.views.orientation_charts import draw_orientations
     from slopekit.views.probability_charts import draw_histogram
-    from slopekit.views.reduction_charts import draw_reduction
 
     if what == "stereonet" and document.get("kind") == "kinematic":
         return lambda figure, of: draw_kinematic(figure, of, options.net, options.test)
@@ -220,8 +287,8 @@ def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, D
         return lambda figure, of: draw_orientations(figure, of, options.net)
     drawers: dict[str, Callable[[Any, Document], None]] = {
         "histogram": draw_histogram, "curve": sweep_charts.draw_curve, "contour": sweep_charts.draw_contour,
-        "tornado": sweep_charts.draw_tornado, "speed-error": check_charts.draw_speed_errors,
-        "reduction": draw_reduction, "normals": check_charts.draw_normals,
+        "tornado": sweep_charts.draw_tornado, "speed-error": charts.draw_speed_errors,
+        "reduction": charts.draw_reduction, "normals": charts.draw_normals,
     }  # fmt: skip
     return drawers[what]
 
@@ -340,3 +407,8 @@ def checked_document(document: Any, name: str) -> Document:
     if not isinstance(document.get("kind", ""), str) or ("version" in document and "kind" not in document):
         raise DesignError([Fault("E341", f"{name} is no result of slopekit", name)])
     return document
+
+
+def need_of(what: str, kinematic: bool = False) -> Mapping[str, Any]:
+    """The form of a document that can give a picture; of scenes what stands beside the scene."""
+    return _KINEMATIC if what == "stereonet" and kinematic else _NEEDS.get(what, _SCENE)

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Floats, cross
-from slopekit.errors import DesignError, Fault
-from slopekit.views.layers import Layer
-from slopekit.views.picture import Bar, Picture
+from slopekit.errors import DesignError, Fault, writing
+from slopekit.views.layers import Bar, Layer, Picture
 from slopekit.views.scene_parts import nice
 
 _WIDTH, _HEIGHT, _DPI = 1130, 800, 100
@@ -32,14 +31,11 @@ def save(picture: Picture, path: Path) -> None:
         E140 where pyvista or matplotlib is not installed, E129 where the file cannot be written.
     """
     suffix = path.suffix.lower()
-    try:
+    with writing(path):
         if suffix in (".glb", ".gltf"):
             _save_gltf(picture, path)
         else:
             _save_png(picture, path)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
 
 
 def require_drawing(path: Path) -> None:

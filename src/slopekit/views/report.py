@@ -1,7 +1,9 @@
 """The report of a result: one page of HTML that needs no network, made of the JSON. Needs the extra `report`."""
 
+import base64
 import json
 import re
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -10,13 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, Notice
+from slopekit.errors import DesignError, Fault, Notice, writing
 from slopekit.kinds import words_named
 from slopekit.views import report_tables as tables
+from slopekit.views.plots import checked_document
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
-from slopekit.views.report_pictures import still_pictures
 from slopekit.views.report_words import answer, meaning
-from slopekit.views.verification_excerpt import WHOLE, shipped
 from slopekit.views.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -24,9 +25,16 @@ _DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, Arithme
 _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
 #: Sheet entries that say what the slope is; the label differs by kind.
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
+#: Where the whole of the verification is.
+_WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
 NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
+#: Pictures of a result in the order of the page, those of blocks for many blocks only.
+_OF_RESULT = ("scene", "stereonet", "tractions", "mechanism", "factors", "ravelling", "reduction")
+_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
+_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+_LARGEST_SVG = 250_000  # bytes; beyond that a PNG is smaller and as legible
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +152,7 @@ def _chunks(entries: list[str]) -> list[list[str]]:
 
 def _verification(kind: str) -> dict[str, Any]:
     """The rows of the shipped excerpt that stand for a kind; a bench is solved as blocks are."""
-    found = shipped()
+    found = verification_excerpt()
     like = "blocks" if kind == "bench" else kind
     rows = []
     for row in found["rows"]:
@@ -157,10 +165,18 @@ def _verification(kind: str) -> dict[str, Any]:
     sources = [(key, found["sources"][key]) for key in found["sources"]
                if any(row["source"] == key and row["kind"] == like for row in found["rows"])]  # fmt: skip
     return {
-        "version": found["slopekit"], "counts": found["counts"], "whole": WHOLE, "sources": sources,
+        "version": found["slopekit"], "counts": found["counts"], "whole": _WHOLE, "sources": sources,
         "bench": kind == "bench",
         "table": Table("", head, tuple(rows), "Why a row is not judged stands in the whole.", left=2),
     }  # fmt: skip
+
+
+def verification_excerpt() -> dict[str, Any]:
+    """The excerpt of docs/verification.json that came with this slopekit."""
+    found: dict[str, Any] = json.loads(
+        Path(__file__).with_name("verification_excerpt.json").read_text(encoding="utf-8")
+    )
+    return found
 
 
 def _rendered(context: Mapping[str, Any]) -> str:
@@ -181,3 +197,72 @@ def _template() -> Any:
     )  # fmt: skip
     environment.tests["figure"] = lambda text: bool(_NUMBER.match(str(text)))
     return environment.get_template("report.html.j2")
+
+
+def write_report(document: Mapping[str, Any], path: Path, name: str = "", with_pictures: bool = True) -> Report:
+    """Make the page of a document and write it.
+
+    Raises
+    ------
+    DesignError
+        As `report_of`; E341 where it is none of slopekit's, E129 where the file cannot be written.
+    """
+    made = report_of(checked_document(document, name or "the document"), name or str(path), with_pictures)
+    with writing(path):
+        path.write_text(made.html, encoding="utf-8")
+    return made
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture: its word, what it shows, and itself as a data URI."""
+
+    what: str
+    caption: str
+    uri: str
+
+    @property
+    def is_chart(self) -> bool:
+        """Whether it is a chart, in place of a scene."""
+        return self.what not in _SCENES
+
+
+def still_pictures(document: Mapping[str, Any]) -> tuple[list[Picture], list[str]]:
+    """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each."""
+    from slopekit.views.plots import offers
+
+    offered = offers(document)
+    names = [what for what in _OF_RESULT if what in offered] if "fos" in document else list(offered)
+    if document.get("assembly") is not None:
+        names = _of_many(names, document["assembly"])
+    found: list[Picture] = []
+    missing: dict[str, list[str]] = {}
+    for what in names:
+        try:
+            found.append(Picture(what, offered[what], _drawn(document, what)))
+        except DesignError as error:
+            fault = error.faults[0]
+            missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
+    return found, [f"{', '.join(whats)}: {why}" for why, whats in missing.items()]
+
+
+def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
+    """Without pictures that would show one colour: factors and order say something where several differ."""
+    factors = [value for value in assembly["factor_by_block"].values() if value is not None]
+    left = {"tractions"}
+    left |= set() if factors and max(factors) > 1.02 * min(factors) else {"factors"}
+    left |= set() if len(assembly["mechanisms"]) > 1 else {"ravelling"}
+    return [what for what in names if what not in left]
+
+
+def _drawn(document: Mapping[str, Any], what: str) -> str:
+    from slopekit.views.plots import draw
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"
+        draw(document, what, path)
+        if path.suffix == ".svg" and path.stat().st_size > _LARGEST_SVG:
+            path = path.with_suffix(".png")
+            draw(document, what, path)
+        data = base64.b64encode(path.read_bytes()).decode()
+    return f"data:{_TYPES[path.suffix]};base64,{data}"

@@ -10,9 +10,8 @@ from slopekit.kinds import status_text, words_named
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.orientation import line_of
 from slopekit.result import STATUSES
-from slopekit.views.report_blocks import block_table, factor, happens, in_names
 from slopekit.views.report_inputs import Table
-from slopekit.views.report_words import limit_of
+from slopekit.views.report_words import block_table, factor, happens, in_names, limit_of
 
 Document = Mapping[str, Any]
 

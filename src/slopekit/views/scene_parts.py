@@ -8,8 +8,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene, Contacts, joined
-from slopekit.views.layers import Colour, Layer, contacts_body, layer
-from slopekit.views.picture import BLOCK, ROCK, STANDS, Bar, Picture
+from slopekit.views.layers import BLOCK, ROCK, STANDS, Bar, Colour, Layer, Picture, contacts_body, layer
 from slopekit.views.stage import Stage, joint_colour
 
 Legend = list[tuple[str, Colour, float]]

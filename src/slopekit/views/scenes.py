@@ -4,18 +4,30 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `view
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from slopekit.arrays import Bools, Floats
 from slopekit.block_scene import MODES, OPEN
 from slopekit.errors import DesignError, Fault
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
 from slopekit.views.layers import (
+    BLOCK,
+    DARK,
+    FALLS,
+    LOADS,
+    MODE_COLOURS,
+    MOTION_COLOURS,
+    ROCK,
+    STANDS,
+    UNSETTLED,
+    Bar,
+    Picture,
     arrows,
     blocks_layer,
     free_normal,
@@ -23,22 +35,13 @@ from slopekit.views.layers import (
     rigid,
     spheres,
 )
-from slopekit.views.picture import (
-    BLOCK,
-    DARK,
-    LOADS,
-    MODE_COLOURS,
-    MOTION_COLOURS,
-    ROCK,
-    STANDS,
-    Picture,
-)
 from slopekit.views.scene_parts import (
     Legend,
     amount,
     balanced,
     block_legend,
     counted,
+    ends,
     has_contacts,
     joint_faces,
     kilonewtons,
@@ -52,11 +55,12 @@ from slopekit.views.scene_parts import (
     spacing,
     spread,
     touched,
+    unsettled,
     ways,
     widened,
+    without_strength,
 )
 from slopekit.views.stage import Stage, joint_colour
-from slopekit.views.value_scenes import factors, ravelling
 
 #: What can be drawn of a result, and what it shows.
 SCENES: Mapping[str, str] = {
@@ -72,6 +76,7 @@ SCENES: Mapping[str, str] = {
 _DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
 _EXPLODED = 0.35
 _NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
+_NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,9 +219,6 @@ def _tractions(stage: Stage, _: Asked) -> Picture:
     return picture(stage, "tractions", layers, legend, notes=notes, labels=names(stage, only=seen))
 
 
-_NO_LIMIT = "no limit state was found: what the joints carry is not known"
-
-
 def _on(stage: Stage) -> str:
     return " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
 
@@ -349,3 +351,66 @@ _COMPOSERS: Mapping[str, Callable[[Stage, Asked], Picture]] = {
     "mechanism": _mechanism, "factors": lambda stage, _: factors(stage),
     "ravelling": lambda stage, _: ravelling(stage),
 }  # fmt: skip
+
+
+def factors(stage: Stage) -> Picture:
+    """Blocks by the factor of safety at which they fail."""
+    factor = stage.scene.factor
+    known = np.isfinite(factor)
+    bar = Bar("factor of safety at which a block fails", *ends(factor[known])) if known.any() else None
+    one = bar is not None and not np.ptp(factor[known]) > 1e-9 * float(factor[known].max())
+    fixed = int(stage.scene.shapes.fixed.sum())
+    falls, open_ = without_strength(stage), unsettled(stage)
+    none = int((stage.free & ~known & ~falls & ~open_).sum())
+    text = "no factor: it stands, or was not looked at" if not stage.alone else "no factor of safety"
+    asked = [(f"{text} ({none})", STANDS, 1.0)] if none else []
+    asked += _special(falls, open_)
+    asked += [(f"bedrock ({fixed})", ROCK, 1.0)] if fixed else []
+    notes = ("a block that only the one before it held fails together with it",) if not stage.alone else ()
+    if one and bar is not None:  # one value needs no scale
+        colour = tuple(bar.colours(factor[known][:1])[0].tolist())
+        asked = [(f"fails at {float(factor[known][0]):.4f} ({int(known.sum())})", colour, 1.0), *asked]
+    return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
+
+
+def ravelling(stage: Stage) -> Picture:
+    """Blocks by the order in which they fail.
+
+    Raises
+    ------
+    DesignError
+        E352 where nothing moves.
+    """
+    order = stage.scene.order
+    if not order.any():
+        raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
+    open_ = unsettled(stage)
+    values = np.where((order > 0) & ~open_, order.astype(np.float64), np.nan)
+    bar = Bar("order in which blocks fail", 1.0, float(order.max()), whole=True)
+    left = int((stage.free & (order == 0)).sum())
+    legend = [(f"left in place ({left})", STANDS, 1.0)] if left else []
+    legend += _special(np.zeros_like(open_), open_)
+    legend += [("bedrock", ROCK, 1.0)] if stage.scene.shapes.fixed.any() else []
+    standing = (stage.document.get("assembly") or {}).get("standing")
+    return _by_value(stage, "ravelling", values, bar, legend, (str(standing),) if standing else ())
+
+
+def _special(falls: Bools, open_: Bools) -> Legend:
+    """Blocks without a number that do not stand either."""
+    legend: Legend = [(f"held by no strength that was tried ({int(falls.sum())})", FALLS, 1.0)] if falls.any() else []
+    last = f"moves in a mechanism that did not settle ({int(open_.sum())})"
+    return [*legend, (last, UNSETTLED, 1.0)] if open_.any() else legend
+
+
+def _by_value(
+    stage: Stage, what: str, values: Floats, bar: Bar | None, legend: Legend,
+    notes: Sequence[str], scale: bool = True,
+) -> Picture:  # fmt: skip
+    colours = np.tile(np.array(STANDS), (len(values), 1))
+    known = np.isfinite(values)
+    if bar is not None:
+        colours[known] = bar.colours(values[known])
+    colours[without_strength(stage) & ~known] = FALLS
+    colours[unsettled(stage) & ~known] = UNSETTLED
+    layers = [*stage.rock(), blocks_layer("blocks", stage.scene.shapes, stage.free, colours, stage.still)]
+    return picture(stage, what, layers, legend, notes=notes, bar=bar if scale else None, labels=names(stage))

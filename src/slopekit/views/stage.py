@@ -13,6 +13,10 @@ from slopekit.block_scene import BlockScene
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, parse_plane
 from slopekit.views.layers import (
+    BLOCK,
+    JOINTS,
+    ROCK,
+    STANDS,
     Layer,
     block_of_vertex,
     blocks_layer,
@@ -20,7 +24,6 @@ from slopekit.views.layers import (
     layer,
     rock_around,
 )
-from slopekit.views.picture import BLOCK, JOINTS, ROCK, STANDS
 
 _LETTERS = 72  # of a title
 

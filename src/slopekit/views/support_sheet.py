@@ -8,7 +8,7 @@ from slopekit.errors import Notice
 from slopekit.kinds import status_text
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
-from slopekit.studies.support_site import Answer
+from slopekit.studies.support_search import Answer
 from slopekit.views.entries import LABEL, WIDTH, block, factor_text
 
 _ROLES = {

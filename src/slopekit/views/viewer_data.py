@@ -13,7 +13,7 @@ import numpy as np
 from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
 from slopekit.errors import DesignError, Fault
-from slopekit.views.picture import BLOCK, FALLS, JOINTS, MODE_COLOURS, ROCK, STANDS, UNSETTLED
+from slopekit.views.layers import BLOCK, FALLS, JOINTS, MODE_COLOURS, ROCK, STANDS, UNSETTLED
 from slopekit.views.scene_parts import unsettled, without_strength
 from slopekit.views.stage import Stage
 

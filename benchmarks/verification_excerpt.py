@@ -1,6 +1,6 @@
-"""The short excerpt of docs/verification.json that reports show; `verification_excerpt.json` ships with the package.
+"""The short excerpt of docs/verification.json that reports show; it ships with the package.
 
-Made again by `python -m slopekit.views.verification_excerpt docs/verification.json`; a test holds it to that file.
+Made again by `python -m benchmarks.verification_excerpt docs/verification.json`; a test holds it to that file.
 """
 
 import json
@@ -9,9 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-_FILE = Path(__file__).with_suffix(".json")
-#: Where the whole page is.
-WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
+_FILE = Path(__file__).resolve().parents[1] / "src/slopekit/views/verification_excerpt.json"
 #: Rows that stand for their kind: those published first.
 _ROWS = (
     "1b_sheng_hb_wedge_g981: all_pairs_failed", "2g_wm_dry: limit", "lythos-readme-dry: limit",
@@ -53,12 +51,6 @@ def excerpt(verification: Mapping[str, Any]) -> dict[str, Any]:
         "sources": {key: verification["sources"][key] for key in dict.fromkeys(row["source"] for row in kept)},
         "rows": kept,
     }
-
-
-def shipped() -> dict[str, Any]:
-    """The excerpt that came with this slopekit."""
-    found: dict[str, Any] = json.loads(_FILE.read_text(encoding="utf-8"))
-    return found
 
 
 def main() -> None:

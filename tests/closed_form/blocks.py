@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.closed_form.search import first_loss
-from slopekit.errors import DesignError, Fault
+from slopekit.closed_form.toppling import first_loss
 
 Floats = NDArray[np.float64]
 _SMALL = 1e-12
@@ -74,11 +73,6 @@ def block_on_incline(
     ----------
     base_m, height_m : m, along the incline and square to it; per metre of depth
 
-    Raises
-    ------
-    DesignError
-        E260 a size or a strength out of range.
-
     Formula: F = (c b + W cos β tan φ) / (W sin β); it topples where b / h < tan β (Hoek & Bray 1981, ch. 2).
 
     >>> block = block_on_incline(30, 2, 1, 5, 35, 25)
@@ -107,11 +101,6 @@ def stack_on_incline(
     base_m, height_m : m, of one block, along the incline and square to it; count : blocks
     cohesion_kpa, friction_angle_deg : of the base; joint_... : between blocks, None: the same
 
-    Raises
-    ------
-    DesignError
-        E260 a size or a strength out of range.
-
     Formula: the least of F_j = (c_j b + W_j cos β tan φ_j) / (W_j sin β), W_j what stands on joint j; the whole stack
     topples first, where b / (n h) < tan β.
 
@@ -121,16 +110,6 @@ def stack_on_incline(
     """
     joint_cohesion = cohesion_kpa if joint_cohesion_kpa is None else joint_cohesion_kpa
     joint_friction = friction_angle_deg if joint_friction_angle_deg is None else joint_friction_angle_deg
-    _check(
-        {
-            "the base": base_m,
-            "the height": height_m,
-            "the number of blocks": count,
-            "the unit weight": unit_weight_kn_m3,
-        },
-        {"the cohesion": cohesion_kpa, "the cohesion of the joints": joint_cohesion},
-        {"the dip": dip_deg, "the friction angle": friction_angle_deg, "that of the joints": joint_friction},
-    )
     dip = math.radians(dip_deg)
     if dip == 0.0:
         return ClosedFormBlock("no_driving_force", None, None, math.inf)
@@ -154,11 +133,6 @@ def running_bond_wall(
     Parameters
     ----------
     length_m : m, down the incline; courses : number of them; course_height_m : m
-
-    Raises
-    ------
-    DesignError
-        E260 a size or an angle out of range.
 
     Formula: F = tan φ / tan β; it topples where length / height < tan β.
 
@@ -190,11 +164,6 @@ def two_blocks(
     weights_kn, base_dips_deg, base_lengths_m, friction_angles_deg, cohesions_kpa : active, passive; kN per metre,
         degrees down toward the passive block's free side (below 0: its base climbs), m, degrees, kPa
 
-    Raises
-    ------
-    DesignError
-        E260 a size or a strength out of range, E261 the active base is not the steeper one.
-
     Formula: with t = tan φ / F, c / F and T = c_i h + E t_i on the interface,
     E = ((W₁ - c_i h)(sin α₁ - t₁ cos α₁) - c₁ l₁) / (cos α₁ + t₁ sin α₁ + t_i (sin α₁ - t₁ cos α₁)) and
     (W₂ + T) sin α₂ + E cos α₂ = c₂ l₂ + ((W₂ + T) cos α₂ - E sin α₂) t₂ (Sultan & Seed 1967, here per base).
@@ -204,20 +173,6 @@ def two_blocks(
     >>> found.status, round(found.factor, 6)
     ('slides', 3.291798)
     """
-    _check(
-        {f"the {what} of the {name} block": pair[i]
-         for what, pair in (("weight", weights_kn), ("base", base_lengths_m))
-         for i, name in enumerate(("active", "passive"))},
-        {"the cohesion of the active base": cohesions_kpa[0], "the cohesion of the passive base": cohesions_kpa[1],
-         "the cohesion of the interface": interface_cohesion_kpa, "the height of the interface": interface_height_m},
-        {"the friction angle of the active base": friction_angles_deg[0],
-         "the friction angle of the passive base": friction_angles_deg[1],
-         "the friction angle of the interface": interface_friction_angle_deg},
-    )  # fmt: skip
-    if not -90.0 < base_dips_deg[1] < base_dips_deg[0] < 90.0 or not base_dips_deg[0] > 0.0:
-        message = "the active base dips {:.6g}°, the passive one {:.6g}°".format(*base_dips_deg)
-        advice = "The active base dips more than the passive one, above 0 and below 90 degrees."
-        raise DesignError([Fault("E261", message, "", advice)])
     dips = tuple(math.radians(dip) for dip in base_dips_deg)
     tangents = tuple(math.tan(math.radians(angle)) for angle in friction_angles_deg)
     bonds = tuple(c * length for c, length in zip(cohesions_kpa, base_lengths_m, strict=True))
@@ -254,12 +209,3 @@ def _verdict(sliding: float, ratio: float, joint: int) -> ClosedFormBlock:
     if ratio < 1.0 - _ROUNDING:
         return ClosedFormBlock("topples", 0.0, sliding, ratio, joint)
     return ClosedFormBlock("slides", sliding, sliding, ratio, joint)
-
-
-def _check(above: dict[str, float], from_nothing: dict[str, float], angles: dict[str, float]) -> None:
-    """Raise E260 with everything that is out of range."""
-    wrong = [f"{name} is {value:.6g}, it is above 0" for name, value in above.items() if not 0.0 < value < math.inf]
-    wrong += [f"{k} is {v:.6g}, it is 0 or more" for k, v in from_nothing.items() if not 0.0 <= v < math.inf]
-    wrong += [f"{k} is {v:.6g}, it is from 0 to below 90 degrees" for k, v in angles.items() if not 0.0 <= v < 90.0]
-    if wrong:
-        raise DesignError([Fault("E260", message) for message in wrong])

@@ -1,0 +1,156 @@
+"""Commands on what slopekit has written: plot, export, report."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from slopekit._version import __version__
+from slopekit.cli.common import JSON, folder_of, json_text, number_of, whole_number
+from slopekit.errors import DesignError, Fault
+
+if TYPE_CHECKING:
+    from slopekit.exchange.export import Written
+
+_WHAT = typer.Argument(help="The picture; without it: the pictures that this file can give.", metavar="WHAT")
+
+
+def plot(
+    result: Annotated[str, typer.Argument(help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
+                                          metavar="RESULT")],
+    what: Annotated[str | None, _WHAT] = None,
+    output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
+                                               "scenes .png .glb .gltf.")] = None,
+    show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
+    equal_angle: Annotated[bool, typer.Option("--equal-angle", help="Stereonet: equal angle, not equal area.")] = False,
+    test: Annotated[str | None, typer.Option(help="Stereonet of kinematic: planar, wedge or toppling [all].")] = None,
+    explode: Annotated[str | None, typer.Option(help="exploded: how far blocks are drawn apart.")] = None,
+    magnify: Annotated[str | None, typer.Option(help="displacement, mechanism: drawn times this.")] = None,
+    step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",
+) -> None:  # fmt: skip
+    """A picture of any JSON that slopekit wrote (extra: plot).
+
+    Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet histogram curve
+    contour tornado speed-error reduction normals. Without WHAT: those that the file can give.
+    """
+    from slopekit.views import plots
+
+    path = plots.document_file(Path(result))
+    document = plots.read_document(path)
+    if what is None:
+        typer.echo(_listed(path, plots.offers(document)))
+        return
+    options = plots.Options(
+        show=show, net="angle" if equal_angle else "area", test=test,
+        explode=None if explode is None else number_of(explode, "--explode"),
+        magnify=None if magnify is None else number_of(magnify, "--magnify"), step=whole_number(step, "--step"),
+    )  # fmt: skip
+    target = path.with_name(f"{path.stem}-{what}.png") if output is None else Path(output)
+    if target.is_dir():
+        target = target / f"{path.stem}-{what}.png"
+    plots.check(document, what, target, options, path.name)
+    if not show:
+        folder_of(target.parent)
+    plots.draw(document, what, None if show else target, options, path.name)
+    if not show:
+        typer.echo(f"wrote {target}")
+
+
+def _listed(path: Path, given: dict[str, str]) -> str:
+    if not given:
+        return f"{path.name} has nothing that can be drawn"
+    lines = [f"{path.name} can give", *(f"  {what:<14}{shows}" for what, shows in given.items())]
+    return "\n".join([*lines, f"for example: slopekit plot {path} {next(iter(given))}"])
+
+
+def export(
+    result: Annotated[str, typer.Argument(help="A result: DIR of run -o DIR, or its result.json.", metavar="RESULT")],
+    output: Annotated[
+        str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
+    ] = None,
+    what: Annotated[str, typer.Option(help="blocks, interfaces, pairs; several with commas.")] = "blocks",
+    blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
+    moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
+    binary: Annotated[bool, typer.Option("--binary", help="STL in binary: float32, smaller.")] = False,
+    split: Annotated[
+        str | None, typer.Option(help="A folder for one mesh a block and blocks.yaml that reads them.", metavar="DIR")
+    ] = None,
+    split_as: Annotated[str, typer.Option("--as", help="Meshes of --split: stl or obj.")] = "stl",
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
+) -> None:
+    """Blocks, interfaces or node pairs of a result for CAD, ParaView and other programs, in your own coordinates."""
+    from slopekit.exchange.export import export as export_result
+
+    done = export_result(
+        result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
+        split=None if split is None else Path(split), split_as=split_as,
+    )  # fmt: skip
+    if as_json:
+        typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
+    elif quiet:
+        typer.echo("\n".join(str(path) for path in done.files))
+    else:
+        for one in done.written:
+            typer.echo("\n".join(_lines(one)))
+        for notice in done.warnings:
+            typer.echo(f"NOTE      {notice}")
+        if split is not None and done.files and done.written[-1].files[0].suffix == ".yaml":
+            typer.echo(f"try: slopekit run {done.written[-1].files[0]}")
+
+
+def _lines(one: "Written") -> list[str]:
+    """What was written, for a person."""
+    counts = [
+        f"{count} {word if count != 1 else word[:-1]}"
+        for count, word in ((one.blocks, "blocks"), (one.interfaces, "interface polygons"), (one.pairs, "node pairs"))
+        if count
+    ]
+    volume = "" if one.volume_m3 is None else f", {one.volume_m3:.9g} m³"
+    files = [str(path) for path in one.files]
+    if len(one.files) > 4:
+        files = [str(one.files[0]), f"and {len(one.files) - 1} files beside it"]
+    return [
+        f"WROTE     {', '.join(files)}",
+        f"          {one.format}, metres: {', '.join(counts)}{volume}",
+        f"PRECISION {one.precision}",
+    ]
+
+
+def report(
+    result: Annotated[str, typer.Argument(help="result.json of run or wedge, or its folder.", metavar="RESULT")],
+    output: Annotated[str | None, typer.Option("-o", help="The page to write, .html [report.html beside it].")] = None,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="Without still pictures: quicker, smaller; the view to turn stays.")
+    ] = False,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
+) -> None:
+    """One self-contained page of a result: the answer, its check, pictures, a view to turn (extra: report)."""
+    from slopekit.views.plots import read_document
+    from slopekit.views.report import require_jinja, write_report
+
+    source = Path(result)
+    source = source / "result.json" if source.is_dir() else source
+    target = source.parent / "report.html" if output is None else Path(output)
+    if target.is_dir():
+        target = target / "report.html"
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise DesignError([Fault("E373", f"the page {target} is not a .html file", str(target), "-o report.html")])
+    require_jinja(target)
+    document = read_document(source)
+    folder_of(target.parent)
+    made = write_report(document, target, str(source), not no_pictures)
+    size = target.stat().st_size
+    if as_json:
+        said = {
+            "slopekit": __version__, "report": str(target), "bytes": size, "pictures": list(made.pictures),
+            "missing": list(made.missing), "warnings": [n.to_dict() for n in made.notices],
+        }  # fmt: skip
+        typer.echo(json_text(said))
+    elif not quiet:
+        typer.echo(f"wrote {target} ({size / 1e3:.0f} kB)")
+        for one in made.missing:
+            typer.echo(f"     not drawn: {one}")
+        for notice in made.notices:
+            typer.echo(f"     {notice}")

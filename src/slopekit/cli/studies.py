@@ -1,0 +1,273 @@
+"""Studies of one design: prob, sweep, solve, support."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, cast
+
+import typer
+
+from slopekit.cli.common import (
+    FILE,
+    JOBS,
+    JSON,
+    SCHEDULER,
+    SEED,
+    SET,
+    checked_image,
+    deliver,
+    folder_of,
+    load_design,
+    number_of,
+    whole_number,
+)
+from slopekit.cli.progress import progress
+from slopekit.errors import DesignError, Fault
+
+if TYPE_CHECKING:
+    from slopekit.design.common import Design
+    from slopekit.studies.probability import By
+    from slopekit.studies.running import Crew
+    from slopekit.studies.solutions import Solution
+    from slopekit.studies.solve_probability import ProbabilitySolution
+    from slopekit.studies.sweep import Methods, Sweep
+    from slopekit.studies.tornado import Tornado
+
+_KEYS = typer.Argument(help="KEY=from:to:how many, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
+                       metavar="KEY=VALUES")  # fmt: skip
+_ABOUT = 60  # evaluations: for the bar
+
+
+def prob(
+    design: Annotated[str, FILE],
+    n: Annotated[str | None, typer.Option("-n", help="Samples [20000; 1000 where PRE-IE does them all].")] = None,
+    method: Annotated[str, typer.Option(help="monte-carlo, latin-hypercube or sobol.")] = "monte-carlo",
+    by: Annotated[str | None, typer.Option(help="closed-form or pre-ie: whose factors count.")] = None,
+    fos: Annotated[str, typer.Option(help="What fails has a factor of safety below this.")] = "1",
+    confirm: Annotated[str, typer.Option(help="Samples at random that PRE-IE looks at too.")] = "200",
+    near: Annotated[str | None, typer.Option(help="It looks at all within this of the target [1%].")] = None,
+    confidence: Annotated[str, typer.Option(help="Of the confidence limits.")] = "95%",
+    accept: Annotated[
+        str | None, typer.Option(help="Largest probability accepted; exit code 1 where the upper limit lies above.")
+    ] = None,
+    seed: Annotated[str, SEED] = "1",
+    jobs: Annotated[str, JOBS] = "1",
+    scheduler: Annotated[str | None, SCHEDULER] = None,
+    sets: Annotated[list[str] | None, SET] = None,
+    picture: Annotated[
+        str | None, typer.Option(help="Draw a histogram to a .png, .svg or .pdf file (extra: plot).")
+    ] = None,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="One line: the probability and its limits.")] = False,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for prob.json, .txt, samples.csv, picture.")] = None,
+) -> None:
+    """Probability of failure: Monte Carlo, Latin hypercube or Sobol on the distributions of a design.
+
+    The closed form judges every sample; PRE-IE looks at some at random and at all near the target. Ctrl-C keeps what
+    is done: the same command goes on from there. Exit codes: 0 done, 1 not accepted, 4 the methods disagree.
+    """
+    from slopekit.studies.probability import probability
+    from slopekit.studies.probability_records import write_samples
+    from slopekit.studies.running import checked_crew
+    from slopekit.views.probability_sheet import probability_line, probability_sheet
+
+    folder = None if output is None else folder_of(Path(output))
+    image = checked_image(picture)
+    study = probability(
+        load_design(design, sets), None if n is None else whole_number(n, "-n"), seed=whole_number(seed, "--seed"),
+        method=method, by=cast("By | None", by), target=number_of(fos, "--fos"),
+        confirm_count=whole_number(confirm, "--confirm"), near=None if near is None else number_of(near, "--near"),
+        confidence=number_of(confidence, "--confidence"),
+        accept=None if accept is None else number_of(accept, "--accept"),
+        crew=checked_crew(jobs, scheduler), folder=folder, bar=progress,
+    )  # fmt: skip
+    if folder is not None:
+        write_samples(study, folder / "samples.csv")
+    deliver(study, "prob", probability_sheet(study), probability_line(study), folder, as_json, quiet, what="histogram",
+            image=image)  # fmt: skip
+    if folder is not None:
+        study.discard_journals()
+    raise typer.Exit(study.exit_code)
+
+
+def sweep(
+    design: Annotated[str, FILE],
+    keys: Annotated[list[str] | None, _KEYS] = None,
+    tornado: Annotated[bool, typer.Option("--tornado", help="Every number of the design, one at a time.")] = False,
+    closed_form: Annotated[bool, typer.Option("--closed-form", help="The closed form alone: quick.")] = False,
+    pre_ie: Annotated[bool, typer.Option("--pre-ie", help="PRE-IE alone.")] = False,
+    fos: Annotated[str | None, typer.Option(help="A factor of safety: where it is passed is said.")] = None,
+    jobs: Annotated[str, JOBS] = "1",
+    scheduler: Annotated[str | None, SCHEDULER] = None,
+    sets: Annotated[list[str] | None, SET] = None,
+    picture: Annotated[str | None, typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")] = None,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="One line: points, factors, check.")] = False,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for sweep.json, .txt, .csv and a picture.")] = None,
+) -> None:
+    """A design at many values of one number (a curve) or of two (a grid), or of each in turn (--tornado).
+
+    Points that form no block are kept, with their reason. Exit codes: 0 done, 3 no point forms a block, 4 the methods
+    disagree at a point, or no convergence.
+    """
+    folder = None if output is None else folder_of(Path(output))
+    image = checked_image(picture)
+    if closed_form and pre_ie:
+        raise DesignError([Fault("E313", "--closed-form and --pre-ie exclude each other", "", "Leave both out.")])
+    if tornado and fos is not None:
+        raise DesignError([Fault("E313", "--fos says nothing of a tornado", "--fos", "Leave it out.")])
+    methods: Methods = "closed-form" if closed_form else "pre-ie" if pre_ie else "both"
+    given = _given(keys or [])
+    study = (_tornado if tornado else _sweep)(design, sets, given, methods, fos, jobs, scheduler, folder)
+    _finish(study, folder, image, as_json, quiet)
+
+
+def _given(keys: list[str]) -> dict[str, str]:
+    """Paths and what follows their equals signs."""
+    faults, found = [], dict[str, str]()
+    for text in keys:
+        path, equals, values = text.partition("=")
+        path = path.strip()
+        if not equals:
+            advice = f"Write {path}=60:80:5 (from, to, how many), or {path}=60,70,80."
+            faults.append(Fault("E312", f"{path} has no values", text, advice))
+        elif path in found:
+            faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
+        found[path] = values
+    if faults:
+        raise DesignError(faults)
+    return found
+
+
+def _sweep(
+    design: str, sets: list[str] | None, given: dict[str, str], methods: "Methods", fos: str | None, jobs: str,
+    scheduler: str | None, folder: Path | None,
+) -> "Sweep":  # fmt: skip
+    from slopekit.studies.running import checked_crew
+    from slopekit.studies.sweep import one_or_two
+    from slopekit.studies.sweep import sweep as sweep_design
+
+    one_or_two(given)
+    target = None if fos is None else number_of(fos, "--fos")
+    return sweep_design(load_design(design, sets), given, methods=methods, fos=target,
+                        crew=checked_crew(jobs, scheduler), folder=folder, bar=progress)  # fmt: skip
+
+
+def _tornado(
+    design: str, sets: list[str] | None, given: dict[str, str], methods: "Methods", _fos: str | None, jobs: str,
+    scheduler: str | None, folder: Path | None,
+) -> "Tornado":  # fmt: skip
+    from slopekit.studies.running import checked_crew
+    from slopekit.studies.tornado import tornado as tornado_of
+
+    crew = checked_crew(jobs, scheduler)
+    return tornado_of(load_design(design, sets), given, methods=methods, crew=crew, folder=folder, bar=progress)
+
+
+def _finish(study: "Sweep | Tornado", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
+    """Write and print a study, draw it where matplotlib is there, and leave with its exit code."""
+    from slopekit.studies.sweep import Sweep
+    from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet, tornado_line, tornado_sheet
+
+    if isinstance(study, Sweep):
+        what, tables = "curve" if len(study.keys) == 1 else "contour", {"sweep.csv": sweep_csv(study)} if folder else {}
+        deliver(study, "sweep", sweep_sheet(study), sweep_line(study), folder, as_json, quiet, tables=tables,
+                what=what, image=image)  # fmt: skip
+    else:
+        deliver(study, "tornado", tornado_sheet(study), tornado_line(study), folder, as_json, quiet, what="tornado",
+                image=image)  # fmt: skip
+    raise typer.Exit(study.exit_code)
+
+
+def solve(
+    design: Annotated[str, FILE],
+    key: Annotated[str, typer.Argument(help="strength.weak.phi, or with a range: slope.height=10m:40m", metavar="KEY")],
+    fos: Annotated[str | None, typer.Option(help="Factor of safety wanted [the acceptance rule's].")] = None,
+    pf: Annotated[str | None, typer.Option("--pf", help="Probability of failure wanted instead, 5% or 0.05.")] = None,
+    n: Annotated[str | None, typer.Option("-n", help="With --pf: samples [20000].")] = None,
+    seed: Annotated[str | None, SEED] = None,
+    jobs: Annotated[str, JOBS] = "1",
+    scheduler: Annotated[str | None, SCHEDULER] = None,
+    sets: Annotated[list[str] | None, SET] = None,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="One line: the value, status, check.")] = False,
+    output: Annotated[str | None, typer.Option("-o", help="Folder for solve.json, solve.txt.")] = None,
+) -> None:
+    """The value of any one number of a design that gives a target, by both methods.
+
+    With --pf, --fos is what fails lies below [1]. Exit codes: 0 found, 1 there is no such value (the sheet says why),
+    4 the methods disagree at it.
+    """
+    from slopekit.studies.running import checked_crew
+
+    folder = None if output is None else folder_of(Path(output))
+    crew = checked_crew(jobs, scheduler)
+    if pf is None and (n is not None or seed is not None):
+        option = "-n" if n is not None else "--seed"
+        raise DesignError([Fault("E313", f"{option} belongs to --pf: a factor of safety needs no samples", option)])
+    read = load_design(design, sets)
+    target = None if fos is None else number_of(fos, "--fos")
+    solution: Solution | ProbabilitySolution
+    if pf is not None:
+        samples = None if n is None else whole_number(n, "-n")
+        first = 1 if seed is None else whole_number(seed, "--seed")
+        solution, sheet, line = _by_probability(read, key, number_of(pf, "--pf"), target, samples, first, crew)
+    else:
+        from slopekit.studies.solve import solve as solve_design
+        from slopekit.views.solve_sheet import solve_line, solve_sheet
+
+        with progress("evaluations", _ABOUT) as advance:
+            solution = solve_design(read, key, fos=target, crew=crew, advance=advance)
+        sheet, line = solve_sheet(solution), solve_line(solution)
+    deliver(solution, "solve", sheet, line, folder, as_json, quiet)
+    raise typer.Exit(solution.exit_code)
+
+
+def _by_probability(
+    design: "Design", key: str, pf: float, fos: float | None, n: int | None, seed: int, crew: "Crew"
+) -> "tuple[ProbabilitySolution, str, str]":
+    from slopekit.studies.solve_probability import solve_for_probability
+    from slopekit.views.solve_sheet import probability_solution_line, probability_solution_sheet
+
+    with progress("probabilities", _ABOUT) as advance:
+        solution = solve_for_probability(design, key, pf, fos=fos, n=n, seed=seed, crew=crew, advance=advance)
+    return solution, probability_solution_sheet(solution), probability_solution_line(solution)
+
+
+def support(
+    design: Annotated[str, FILE],
+    fos: Annotated[str, typer.Option(help="The factor of safety that is wanted.")] = "1.5",
+    acts: Annotated[str | None, typer.Option(help="active (a load) or passive (strength) [both].")] = None,
+    toward: Annotated[
+        str | None,
+        typer.Option(help="Direction of the bolts' force on the block, into the rock.", metavar="TREND/PLUNGE"),
+    ] = None,
+    plunge: Annotated[
+        str | None,
+        typer.Option(help="Plunges that can be drilled, positive downward: -5,15.", metavar="LEAST,MOST"),
+    ] = None,
+    bolt_capacity: Annotated[str, typer.Option(help="Of one bolt.")] = "200 kN",
+    spacing: Annotated[str | None, typer.Option(help="Of the heads on the face [what the force asks for].")] = None,
+    bond: Annotated[str, typer.Option(help="Anchorage behind the deepest joint.")] = "3 m",
+    length: Annotated[str | None, typer.Option(help="Of every bolt [each as long as it must be].")] = None,
+    sets: Annotated[list[str] | None, SET] = None,
+    as_json: Annotated[bool, JSON] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="A line for each way the bolts act.")] = False,
+    output: Annotated[
+        str | None, typer.Option("-o", help="Folder for support.json, support.txt and the bolts as YAML.")
+    ] = None,
+) -> None:
+    """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
+
+    For a wedge or a plane. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
+    1 not reached, 4 the methods disagree.
+    """
+    from slopekit.studies.support import support as study
+    from slopekit.views.support_sheet import support_line, support_sheet
+
+    folder = None if output is None else folder_of(Path(output))
+    found = study(
+        load_design(design, sets), fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity,
+        spacing=spacing, bond=bond, length=length,
+    )  # fmt: skip
+    deliver(found, "support", support_sheet(found), support_line(found), folder, as_json, quiet,
+            tables=found.snippets() if folder else {})  # fmt: skip
+    raise typer.Exit(found.exit_code)

@@ -1,0 +1,416 @@
+"""All pairs of a joint survey: what is given, the wedges that they cut, what becomes of each by the closed form.
+
+One height serves every pair: the slope's own, vertical, from the toe of a wedge to the crest straight up the dip of
+the face. Where the crest is level, that is the height of every trace too. Where it is not, the heights of traces differ
+(Hoek & Bray's H1 is the height at the trace of joint 1), so that of each trace follows from the one given.
+
+A wedge that a limit makes smaller keeps its shape and its crest: its toe moves up the face.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.design import words
+from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.design.wedge import WedgeDesign
+from slopekit.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.orientation import Plane, number
+from slopekit.units import quantity
+
+#: What made a wedge smaller.
+LIMITED_BY = ("", "persistence", "bench width", "max volume")
+_PARALLEL = 1e-6  # as in geometry.rockmass
+HEIGHT_M = 15.0
+TOP = 10
+_SLOPE = (
+    "upper", "height", "c", "phi", "density", "unit_weight", "water", "seismic", "gravity", "water_unit_weight",
+    "agree_within",
+)  # fmt: skip
+#: Why a pair cuts no wedge that could leave the slope, by the code that one wedge would have (`explain CODE`).
+NOT_REMOVABLE: Mapping[str, str] = {
+    "E201": "parallel", "E203": "too_steep", "E204": "into_the_slope", "E205": "flatter_than_upper_slope",
+    "E206": "along_the_face", "E207": "no_crack", "E208": "no_wedge", "E209": "no_crest",
+}  # fmt: skip
+#: What may become of a pair.
+PAIR_OUTCOMES = (*(NOT_REMOVABLE.get(name, name) for name in OUTCOMES), "below_min_volume")
+TOO_SMALL = len(OUTCOMES)
+NEVER = ("no_crack", "no_crest")  # pairs have no crack, and the crest is looked at before
+_STATUSES = OUTCOMES.index("E201")  # below it: a wedge is there
+_SLIDES = tuple(OUTCOMES.index(f"slides_{way}") for way in ("on_both", "on_J1", "on_J2", "up"))
+_STANDS = OUTCOMES.index("no_driving_force")
+_NO_CORNER = OUTCOMES.index("E206")
+_AT_ONCE = 1 << 18  # pairs: 4.5 million at a time would take gigabytes
+
+
+@dataclass(frozen=True, slots=True)
+class SizeLimits:
+    """Limits of size, None where there is none.
+
+    Attributes
+    ----------
+    persistence_m : the longest edge that the face of a joint has in a wedge: traces and line of intersection
+    bench_width_m : how far behind the crest a wedge reaches, horizontally and square to the crest
+    max_volume_m3 : wedges are scaled down to it; min_volume_m3 : smaller ones are left out
+    """
+
+    persistence_m: float | None = None
+    bench_width_m: float | None = None
+    max_volume_m3: float | None = None
+    min_volume_m3: float | None = None
+
+    def to_dict(self) -> dict[str, float | None]:
+        """As JSON values."""
+        return {
+            "persistence_m": self.persistence_m, "bench_width_m": self.bench_width_m,
+            "max_volume_m3": self.max_volume_m3, "min_volume_m3": self.min_volume_m3,
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class PairShapes:
+    """Pairs of joints as wedges.
+
+    Attributes
+    ----------
+    first, second : (m,) indices of the joints, in the order in which the height is that of the first one's trace
+    height_m : (m,) of that trace at the wedge's own size, 0 or less where neither trace climbs to the crest
+    scale : (m,) of lengths, 1 for the full slope; limited_by : (m,) indices into `LIMITED_BY`
+    """
+
+    first: Ints
+    second: Ints
+    height_m: Floats
+    scale: Floats
+    limited_by: NDArray[np.int8]
+
+
+def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
+    """Offset of the upper slope from the toe of a wedge: normal · x at the crest.
+
+    Raises
+    ------
+    GeometryError
+        E209 face and upper slope make no crest above the toe.
+    """
+    edge = np.cross(face.normal(), upper.normal())
+    if math.sqrt(float(edge @ edge)) < _PARALLEL:
+        raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
+    offset = float(upper.normal() @ _crest_point(face, height_m))
+    if not offset > _PARALLEL * height_m or math.hypot(edge[0], edge[1]) < _PARALLEL:
+        message = f"the upper slope ({upper}) climbs as fast as the face ({face}): they make no crest above the toe"
+        raise GeometryError([Fault("E209", message)])
+    return offset
+
+
+def pair_shapes(
+    normals: Floats, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
+) -> PairShapes:
+    """The size of the wedge of every pair; of pairs that cut no wedge it means nothing.
+
+    Parameters
+    ----------
+    normals : (n, 3) upward, of the joints; first, second : (m,) indices
+    height_m : vertical, up the dip of the face from the toe to the crest
+
+    Raises
+    ------
+    GeometryError
+        As `crest_offset`.
+    """
+    offset = crest_offset(face, upper, height_m)
+    top = upper.normal()
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        traces = np.cross(normals, face.normal())
+        climb = traces @ top
+        flat = (np.abs(climb) < _PARALLEL) | (np.abs(traces[:, 2]) < _PARALLEL)
+        crests = traces * np.where(flat, 0.0, offset / climb)[:, None]
+        heights = crests[:, 2]
+        swap = (heights[first] <= 0.0) & (heights[second] > 0.0)
+        one, two = np.where(swap, second, first), np.where(swap, first, second)
+        scale, by = np.ones(len(one)), np.zeros(len(one), dtype=np.int8)
+        if limits.persistence_m or limits.bench_width_m or limits.max_volume_m3:
+            line = np.cross(normals[one], normals[two])
+            back = line * (offset / (line @ top))[:, None]
+            for kind, factor in enumerate(_factors(crests, one, two, back, face, top, height_m, limits), 1):
+                less = factor < scale
+                scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
+    return PairShapes(one, two, heights[one] * scale, scale, by)
+
+
+def _factors(
+    crests: Floats, one: Ints, two: Ints, back: Floats, face: Plane, top: Floats, height_m: float, limits: SizeLimits
+) -> list[Floats]:
+    """How much smaller each limit makes each wedge, in the order of `LIMITED_BY`."""
+    none = np.full(len(one), np.inf)
+    found = [none, none, none]
+    if limits.persistence_m:
+        lengths = _length(crests)
+        longest = np.maximum(lengths[one], lengths[two])
+        for edge in (back, crests[one] - back, crests[two] - back):
+            longest = np.maximum(longest, _length(edge))
+        found[0] = limits.persistence_m / longest
+    if limits.bench_width_m:
+        edge = np.cross(face.normal(), top)
+        across = np.array([-edge[1], edge[0], 0.0]) / math.hypot(edge[0], edge[1])
+        found[1] = limits.bench_width_m / np.abs((back - _crest_point(face, height_m)) @ across)
+    if limits.max_volume_m3:
+        volume = np.abs(np.einsum("ij,ij->i", crests[one], np.cross(crests[two], back))) / 6.0
+        found[2] = np.cbrt(limits.max_volume_m3 / volume)
+    return found
+
+
+def _crest_point(face: Plane, height_m: float) -> Floats:
+    """The crest straight up the dip of the face from the toe, (3,)."""
+    dip, direction = math.radians(face.dip_deg), math.radians(face.dip_direction_deg)
+    back = math.cos(dip) / math.sin(dip) if face.dip_deg > 0.0 else math.inf
+    return height_m * np.array([-math.sin(direction) * back, -math.cos(direction) * back, 1.0])
+
+
+def _length(vectors: Floats) -> Floats:
+    length: Floats = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
+    return length
+
+
+@dataclass(frozen=True, slots=True)
+class PairInputs:
+    """Everything that the pairs of a list depend on.
+
+    Attributes
+    ----------
+    slope : face, upper slope, height and loads as a wedge design whose joints mean nothing
+    cohesion_kpa, friction_deg : (n,) of the joints; own : how many have their own c and phi
+    target : factor of safety, None without; top : how many of the worst PRE-IE looks at
+    defaults : names of the inputs that were left out
+    """
+
+    joints: JointList
+    slope: WedgeDesign
+    limits: SizeLimits
+    cohesion_kpa: Floats
+    friction_deg: Floats
+    own: tuple[int, int]
+    target: float | None
+    top: int
+    defaults: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """All but the joints, as JSON values."""
+        slope, water = self.slope, self.slope.water
+        return {
+            "face": str(slope.face), "upper": str(slope.upper), "height_m": slope.height_m,
+            "unit_weight_kn_m3": slope.unit_weight_kn_m3, "density_kg_m3": slope.density_kg_m3,
+            "water": {"mode": water.mode, "fill": water.fill, "pressures_kpa": list(water.pressures_kpa[:1])},
+            "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3,
+            "seismic": {"k": slope.seismic.coefficient, "trend_deg": slope.seismic.trend_deg},
+            "agree_within": slope.agree_within,
+            "cohesion_kpa": _range(self.cohesion_kpa, self.own[0]),
+            "friction_deg": _range(self.friction_deg, self.own[1]),
+            "limits": self.limits.to_dict(), "fos": self.target, "top": self.top,
+        }  # fmt: skip
+
+    def input_hash(self) -> str:
+        """SHA-256 of the inputs and the joints with their strengths."""
+        planes = [(plane.dip_deg, plane.dip_direction_deg) for plane in (self.slope.face, self.slope.upper)]
+        strengths = [self.cohesion_kpa.tolist(), self.friction_deg.tolist()]
+        exact = [self.to_dict(), planes, self.joints.rows(), strengths]
+        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+
+
+def pair_inputs(
+    joints: Any,
+    given: Mapping[str, Any],
+    limits: Mapping[str, Any],
+    convention: str | None,
+    skip_bad: bool,
+    fos: Any,
+    top: Any,
+    option: Callable[[str], str],
+) -> PairInputs:
+    """Read and check what `combos` is given; every fault at once."""
+    faults = Faults()
+    listed: JointList | None = faults.of(partial(joint_list, joints, convention, skip_bad, 2))
+    face: Plane | None = faults.of(partial(plane_of, given.get("face"), "face", option("face")))
+    slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
+    sizes: SizeLimits | None = faults.of(partial(_limits, limits, option))
+    where = f"{option('fos')} {fos}"
+    target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
+    most: int | None = TOP if top is None else faults.of(partial(_whole, top, option("top")))
+    strengths = []
+    if listed is not None:
+        for key in ("c", "phi"):
+            # where the slope is faulty, what is missing is still said
+            common = None if given.get(key) is None else 0.0
+            if slope is not None and common is not None:
+                common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
+            values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
+            strengths.append((values, own))
+            faults += [] if fault is None else [fault]
+    faults.refuse()
+    # no fault, so nothing is missing: what follows only tells the type checker
+    assert listed is not None and slope is not None and sizes is not None and most is not None  # noqa: PT018
+    defaults = tuple(
+        name for name in ("upper", "height", "density", "seismic.trend")
+        if name in slope.defaults or (name in ("upper", "height") and given.get(name) is None)
+    )  # fmt: skip
+    (cohesion, own_c), (friction, own_phi) = strengths
+    return PairInputs(listed, slope, sizes, cohesion, friction, (own_c, own_phi), target, most, defaults)
+
+
+def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str], str]) -> WedgeDesign:
+    """The slope and its loads, read as a wedge whose joints mean nothing."""
+    from slopekit.design.reading import wedge_design
+
+    face = face or Plane(60.0, 180.0)
+    own = {key: given.get(key) for key in _SLOPE}
+    unknown = {key: value for key, value in given.items() if key not in (*_SLOPE, "face")}
+    own["upper"] = Plane(0.0, face.dip_direction_deg) if own["upper"] is None else own["upper"]
+    own["height"] = HEIGHT_M if own["height"] is None else own["height"]
+    joints = (Plane(45.0, face.dip_direction_deg), Plane(45.0, (face.dip_direction_deg + 90.0) % 360.0))
+    faults: list[Fault] = []
+    for key in ("c", "phi", "water"):
+        if _has_two(own[key]):
+            message = f"{key} has two values: the joints of a list are no J1 and J2"
+            advice = "Give one value for all; columns c and phi of the list give each joint its own."
+            faults.append(Fault("E339", message, f"{option(key)} {words.shown(own[key])}", advice))
+            own[key] = None
+    try:
+        slope = wedge_design({"dips": joints, "face": face, **own, **unknown}, option)
+    except DesignError as error:
+        own_faults = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
+        raise DesignError([*faults, *own_faults]) from None
+    if faults:
+        raise DesignError(faults)
+    return slope
+
+
+def _has_two(value: object) -> bool:
+    parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
+    return len(parts) > 1 and any(part != parts[0] for part in parts)
+
+
+def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimits:
+    faults, found = Faults(), dict[str, float | None]()
+    for key, kind, unit in (
+        ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
+        ("min_volume", "volume", "_m3"),
+    ):  # fmt: skip
+        value = given.get(key)
+        if value is not None:
+            name, where = key.replace("_", " "), f"{option(key)} {value}"
+            found[key + unit] = faults.of(partial(words.above_zero, value, kind, name, "E334", where))
+    least, most = found.get("min_volume_m3"), found.get("max_volume_m3")
+    if least is not None and most is not None and least > most:
+        message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
+        faults.append(Fault("E334", message, option("min_volume")))
+    faults.refuse()
+    return SizeLimits(**found)
+
+
+def _whole(value: object, option: str) -> int:
+    found = quantity(value, "ratio", "top", f"{option} {value}")
+    if found != int(found) or found < 0:
+        advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out."
+        raise DesignError(
+            [Fault("E335", f"top is {number(found)}, a whole number is needed", f"{option} {value}", advice)]
+        )
+    return int(found)
+
+
+def _range(values: Floats, own: int) -> dict[str, float | int]:
+    return {"least": float(values.min()), "most": float(values.max()), "own": own, "given": len(values) - own}
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """Every pair of the list, (m,) each.
+
+    Attributes
+    ----------
+    shapes : the joints of each pair, its height and scale
+    outcome : index into `PAIR_OUTCOMES`; factor : of the closed form, nan unless the wedge slides
+    volume_m3, trend_deg, plunge_deg : of the wedge at its size and its line of intersection, nan where there is none
+    """
+
+    shapes: PairShapes
+    outcome: NDArray[np.int8]
+    factor: Floats
+    volume_m3: Floats
+    trend_deg: Floats
+    plunge_deg: Floats
+
+    def __len__(self) -> int:
+        return len(self.outcome)
+
+    @property
+    def is_removable(self) -> Bools:
+        """Which pairs form a wedge that could leave the slope, and is large enough to count."""
+        found: Bools = self.outcome < _STATUSES
+        return found
+
+    def ranked(self) -> Ints:
+        """The removable pairs: what nothing holds, then by factor, ties by volume (larger first), then what stands."""
+        removable = np.flatnonzero(self.is_removable)
+        outcome, factor = self.outcome[removable], self.factor[removable]
+        rank = np.where(np.isin(outcome, _SLIDES), 1, np.where(outcome == _STANDS, 2, 0))
+        order = np.lexsort((-self.volume_m3[removable], np.nan_to_num(factor), rank))
+        return removable[order]
+
+    def fails(self, target: float) -> Bools:
+        """Which of all pairs lie below a factor of safety by the closed form; what nothing holds is among them."""
+        slides = np.isin(self.outcome, _SLIDES)
+        found: Bools = self.is_removable & ((slides & (self.factor < target)) | (~slides & (self.outcome != _STANDS)))
+        return found
+
+
+def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats) -> Pairs:
+    """All pairs by the vectorised closed form, each wedge at the size that the limits leave it."""
+    first, second = joints.pairs()
+    parts = [
+        _part(joints, slope, limits, cohesion, friction, first[at : at + _AT_ONCE], second[at : at + _AT_ONCE])
+        for at in range(0, len(first), _AT_ONCE)
+    ]
+    if len(parts) == 1:
+        return parts[0]
+    shapes = PairShapes(
+        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in PairShapes.__slots__)
+    )
+    rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
+    return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
+
+
+def _part(
+    joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
+    second: Ints,
+) -> Pairs:  # fmt: skip
+    shapes = pair_shapes(joints.normals(), first, second, slope.face, slope.upper, slope.height_m, limits)
+    one, two = shapes.first, shapes.second
+    climbs = shapes.height_m > 0.0
+    dips, ways = joints.dips_deg, joints.dip_directions_deg
+    found = hoek_bray_wedges(
+        WedgeArrays(
+            joint1_dip_deg=dips[one], joint1_dip_direction_deg=ways[one], joint2_dip_deg=dips[two],
+            joint2_dip_direction_deg=ways[two], face_dip_deg=slope.face.dip_deg,
+            face_dip_direction_deg=slope.face.dip_direction_deg, upper_dip_deg=slope.upper.dip_deg,
+            upper_dip_direction_deg=slope.upper.dip_direction_deg, height_m=np.where(climbs, shapes.height_m, 1.0),
+            cohesion1_kpa=cohesion[one], cohesion2_kpa=cohesion[two], friction1_deg=friction[one],
+            friction2_deg=friction[two], unit_weight_kn_m3=slope.unit_weight_kn_m3, fill=slope.water.fill,
+            pressures_kpa=slope.water.pressures_kpa[:2], water_unit_weight_kn_m3=slope.water_unit_weight_kn_m3,
+            seismic=slope.seismic.coefficient, seismic_trend_deg=slope.seismic.trend_deg,
+        ),
+    )  # fmt: skip
+    outcome, volume = found.outcome.copy(), found.volume_m3
+    outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
+    if limits.min_volume_m3:
+        outcome[(outcome < _STATUSES) & (volume < limits.min_volume_m3)] = TOO_SMALL
+    factor = np.where(np.isin(outcome, _SLIDES), found.factor, np.nan)
+    return Pairs(shapes, outcome, factor, volume, *found.line_trend_plunge_deg())
