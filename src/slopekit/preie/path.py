@@ -26,6 +26,7 @@ from slopekit.preie.bed import Bed, Forces, Step
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.program import BlockProgram, Strengths
 from slopekit.preie.rounded import RoundedPath
+from slopekit.preie.undilated import rest_without_dilation
 
 _STRIDE = 0.85  # of the strength, a step of stage A
 _RUNS = 30.0  # work in parts of the elastic: the blocks run
@@ -43,6 +44,7 @@ _STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in 
 _ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
 _FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
@@ -476,7 +478,8 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     """
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
-    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, far=_RUNS, patience=_TO_REST)
+    at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, far=_RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
