@@ -10,8 +10,10 @@ import numpy as np
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import RUNS, PathLimit
+from slopekit.preie.undilated import rest_without_dilation
 
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
 _MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
@@ -30,7 +32,8 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     """
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
-    flow = relaxed(bed, bed.elastic_displacement, strong, 1.0, far=RUNS, patience=_TO_REST)
+    at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, far=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
