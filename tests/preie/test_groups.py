@@ -9,7 +9,7 @@ import pytest
 from benchmarks.benches import bench
 from slopekit.preie import blocks, ravelling
 from slopekit.preie.blocks import Basis, limit_of_blocks
-from slopekit.preie.path import PathOutcome
+from slopekit.preie.path_limit import PathOutcome
 from tests.preie.block_scenes import boxes_in_space, first_part
 
 EXACT = math.tan(math.radians(35.0)) / math.tan(math.radians(45.0))

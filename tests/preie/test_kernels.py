@@ -18,9 +18,10 @@ from slopekit.preie import kernels as module
 from slopekit.preie.bed import Bed, Drive, Forces
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.cones import longest_step
+from slopekit.preie.fronts import Fronts
 from slopekit.preie.patterns import ContactPattern, compiled_contacts
 from slopekit.preie.program import BlockProgram
-from slopekit.preie.stiffness import Fronts, Stiffness
+from slopekit.preie.stiffness import Stiffness
 from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
 from tests.preie.test_path import BEDS

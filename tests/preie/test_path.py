@@ -16,7 +16,9 @@ from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limi
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathOutcome, follow, proposed
+from slopekit.preie.path import follow
+from slopekit.preie.path_limit import PathOutcome
+from slopekit.preie.proposal import proposed
 from tests.preie import path_oracle
 from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, random_bench, rectangles, stack
 from tests.preie.path_oracle import model_of

@@ -10,14 +10,16 @@ import pytest
 
 from benchmarks import populations
 from benchmarks.benches import bench
-from slopekit.preie import path as path_room
+from slopekit.preie import traced as traced_room
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.flow import stepped
-from slopekit.preie.path import PathLimit, PathOutcome, _traced_in_section, follow
+from slopekit.preie.path import follow
+from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.rounded import RoundedPath
+from slopekit.preie.traced import traced_in_section
 from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, first_part, wall
 
@@ -117,7 +119,7 @@ def traced(model: AssemblyModel, rounding: float) -> PathLimit | None:
     bed, strength = bed_of(model), 2.0 / static_bound(model).factor
     step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, strength, 0.0)
     assert step.settled
-    return _traced_in_section(bed, step.at, strength, (rounding,))
+    return traced_in_section(bed, step.at, strength, (rounding,))
 
 
 @pytest.mark.parametrize(("population", "number"), SECTIONS)
@@ -142,7 +144,7 @@ def test_a_section_too_large_for_its_modes_settles_where_they_are_exact(populati
     """λ goes like the limit plus a part of 1 / work: beside the limit state that a smaller section gets."""
     model = path_oracle.model_of(getattr(populations, population)(number))
     exact = traced(model, 1e-2)
-    monkeypatch.setattr(path_room, "_BORDERED", 0)
+    monkeypatch.setattr(traced_room, "BORDERED", 0)
     found = traced(model, 1e-2)
     assert (exact.outcome, found.outcome) == (PathOutcome.LIMIT, PathOutcome.SETTLED)
     assert found.parameter == pytest.approx(exact.parameter, rel=3e-6)
@@ -161,8 +163,8 @@ def test_sharp_states_that_do_not_agree_are_no_limit(drift, settles, monkeypatch
                 reduction=moved, displacement=sharp.displacement, work=sharp.work, forces=sharp.forces, bed=sharp.bed
             )
 
-    monkeypatch.setattr(path_room, "_BORDERED", 0)
-    monkeypatch.setattr(path_room, "RoundedPath", Drifting)
+    monkeypatch.setattr(traced_room, "BORDERED", 0)
+    monkeypatch.setattr(traced_room, "RoundedPath", Drifting)
     assert (traced(path_oracle.model_of(populations.wall(0)), 1e-2) is not None) == settles
 
 

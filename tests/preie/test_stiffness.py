@@ -14,9 +14,10 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from slopekit.errors import SolverError
-from slopekit.preie import stiffness as module
+from slopekit.preie import fronts, stiffness
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.stiffness import Band, Dense, Fronts, Stiffness
+from slopekit.preie.fronts import Fronts
+from slopekit.preie.stiffness import Band, Dense, Stiffness
 from tests.preie.block_scenes import Scene, bench, boxes_in_space, columns, stack, wall
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
@@ -63,7 +64,7 @@ def stiffness_of(model: AssemblyModel, symmetric: bool, seed: int) -> np.ndarray
 @pytest.fixture(autouse=True)
 def small_pieces(monkeypatch, kernels) -> None:
     """Pieces of two blocks in space, four in a section, so that small models make trees of many fronts."""
-    monkeypatch.setattr(module, "_LEAF", 12)
+    monkeypatch.setattr(fronts, "_LEAF", 12)
 
 
 @pytest.mark.parametrize("way", [*WAYS, None])
@@ -145,7 +146,7 @@ def test_the_shift_grows_where_a_stiffness_is_not_quite_definite(way) -> None:
 
 @pytest.mark.parametrize("way", WAYS)
 def test_too_large_for_memory(way, monkeypatch) -> None:
-    monkeypatch.setattr(module, "_MOST_BYTES", 1000)
+    monkeypatch.setattr(stiffness, "_MOST_BYTES", 1000)
     with pytest.raises(SolverError, match="E504"):
         Stiffness(model_of("wall"), way)
     with pytest.raises(SolverError, match="E504"):
@@ -155,7 +156,7 @@ def test_too_large_for_memory(way, monkeypatch) -> None:
 def test_pivots_that_a_front_does_not_have_are_found_in_the_band(monkeypatch) -> None:
     """No growth allowed, as if rows of a front had next to nothing among its own unknowns."""
     monkeypatch.setattr(Stiffness, "_chosen", lambda self, symmetric: Fronts(self.model, symmetric))
-    monkeypatch.setattr(module, "_GROWTH", 0.0)
+    monkeypatch.setattr(fronts, "_GROWTH", 0.0)
     model = model_of("wall")
     stiffness, right = stiffness_of(model, False, 4), np.random.default_rng(4).normal(size=model.load.size)
     found = Stiffness(model).factored(stiffness, 0.0, False)(right)

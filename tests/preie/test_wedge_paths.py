@@ -1,6 +1,7 @@
 """The limit of the elastic path of one block against its exact limit state, and against an incremental history."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from benchmarks.wedge_paths import compared
 from slopekit.arrays import frozen
 from slopekit.design.reading import wedge_design
 from slopekit.kinds import analyse, cut
+from slopekit.kinds.moments import _bond_gone
 from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
-from slopekit.preie.one_path import by_path, on_flat_contacts, range_of
+from slopekit.preie.one_path import by_path, on_flat_contacts, path_limit, range_of
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
 from slopekit.views.sheet import document_of
@@ -89,6 +91,19 @@ def test_a_block_that_rests_at_no_strength_topples() -> None:
     model = found.scene.model
     assert limit_analysis(model).governing.factor
     assert history(model, 2.0).end == "no rest at the start"
+
+
+@pytest.mark.parametrize("number", [2, 12, 16])
+def test_where_the_path_settles_the_limit_state_there_is_exact(number: int) -> None:
+    """Joints that open have lost their cohesion: it is the limit of the passes, which settle to 1e-8."""
+    rng = np.random.default_rng(7)
+    model = cut(wedge_design([random_wedge(rng) for _ in range(number + 1)][-1])).scene(0).model
+    gone, _ = _bond_gone(model)
+    bare = replace(model, cohesion=model.cohesion * gone.bond)
+    passes = limit_analysis(bare).governing
+    found = path_limit(bare, passes.factor)
+    assert found.change == 0.0
+    assert found.factor == pytest.approx(passes.factor, rel=1e-7)
 
 
 #: 52 on coarse pairs, 133 on finer ones; 48 of seed 7 with its cohesion, by the rule that the bond is gone

@@ -12,6 +12,7 @@ stick and pull; with η large enough it always has one solution.
 Passive bolts are friction forces of their own, one-sided: 0 <= T <= λ r, and nothing where the bolt gets shorter.
 """
 
+import copy
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -414,6 +415,14 @@ class Bed:
         few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
         few.unbalanced_at_most = self.unbalanced_at_most[those]
         return few
+
+    def dilating(self, part: float, parameter: float) -> "Bed":
+        """The same blocks on joints that dilate by a part of their friction angle (its tangent) at a strength λ."""
+        other = copy.copy(self)
+        reduction, _ = self.drive.at(parameter)
+        other.model = replace(self.model, tan_dilation=part * reduction * self.friction)
+        other.dilates = True
+        return other
 
     def polished(self, at: Floats, parameter: float) -> tuple[Floats, Forces]:
         """A state at rest nearer to balance, so that slivers are too, and its forces."""

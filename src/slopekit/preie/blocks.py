@@ -27,7 +27,9 @@ from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import PathLimit, PathOutcome, follow, limit_state, proposed
+from slopekit.preie.path import follow
+from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
+from slopekit.preie.proposal import proposed
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest

@@ -18,7 +18,8 @@ from slopekit.preie.limit import LimitAnalysis, governed
 from slopekit.preie.limit_state import settled_limit_state
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.passes import Limit, Outcome, exact_limit, unit
-from slopekit.preie.path import ROUGHER, PathOutcome, follow
+from slopekit.preie.path import ROUGHER, follow
+from slopekit.preie.path_limit import PathOutcome
 
 _START = 2.0  # times the strength that is needed: gravity comes on there, or at ever more
 STRONGEST = _START * 2.0**ROUGHER  # times that strength is the most that is tried

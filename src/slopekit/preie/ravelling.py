@@ -24,7 +24,8 @@ from slopekit.preie.bounds import mechanism_range
 from slopekit.preie.key_blocks import slide_alone
 from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import JUST, PathLimit, PathOutcome, at_their_limit, rests_before
+from slopekit.preie.path_limit import PathLimit, PathOutcome
+from slopekit.preie.rests import JUST, at_their_limit, rests_before
 
 MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
 _SAME = 1e-6  # factors this near are one

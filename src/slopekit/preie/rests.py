@@ -1,0 +1,68 @@
+"""Whether all blocks come to rest just before a factor, and whether they are at their limit there.
+
+What was found another way than along the path, by a group or by rounded joints, is held against this.
+"""
+
+import math
+
+import numpy as np
+
+from slopekit.preie.bed import Bed
+from slopekit.preie.flow import THICK, Flow, relaxed, stepped
+from slopekit.preie.path_limit import RUNS, PathLimit
+from slopekit.preie.undilated import rest_without_dilation
+
+_FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
+_THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
+_CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
+_TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
+_MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
+
+
+def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
+    """All blocks towards a factor from the strong side.
+
+    Parameters
+    ----------
+    near : a rest that is nearer in parts of the factor is an answer where slivers do not settle any nearer
+
+    Returns
+    -------
+    their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
+    """
+    gap = _FIRST
+    strong = 1.0 / (factor * (1.0 - gap))
+    at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, far=RUNS, patience=_TO_REST)
+    stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
+    while flow.ended == "rest" and gap > JUST:
+        trial = gap * stride
+        parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
+        step = stepped(bed, ahead, ahead, parameter, 0.0)
+        if step.settled and abs(float(bed.working @ step.at)) < 5.0 * abs(float(bed.working @ flow.at)):
+            ahead_of_it = Flow(step.at, step.forces, "rest", flow.at, 0.0)
+        elif stride < _CLOSE_BY:
+            stride = math.sqrt(stride)
+            continue
+        else:
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=RUNS, patience=_TO_REST)
+        if ahead_of_it.ended in ("slow", "lost") and gap < near:
+            return flow, gap
+        moved, width = ahead_of_it.at - flow.at, gap - trial
+        flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
+    return flow, gap
+
+
+def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
+    """Whether blocks at rest just before a limit are at it: theirs is not far above.
+
+    They are where the strength along its motion (N,) is used up to a twentieth: between what it needs and that strength
+    lie what is not used up, and normal forces where the motion opens. Else they are let go beyond it, and have to run.
+    """
+    assert limit.parameter is not None
+    _, slip = bed.motion(limit.motion, limit.parameter)
+    resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
+    if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
+        return True
+    beyond = (1.0 - _BEYOND) * limit.parameter
+    return relaxed(bed, flow.at, beyond, THICK, far=RUNS, patience=_LET_GO).ended == "runs"

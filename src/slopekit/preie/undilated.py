@@ -1,0 +1,197 @@
+"""Many blocks in space brought to rest at one strength: joints that dilate first, then less and less.
+
+Joints that dilate by all of their reduced friction angle have an energy, and it is convex: Newton's method with a line
+search along its slope finds their rest wherever there is one. From there the dilation is taken away, by a tenth a step,
+and a step is one of Newton's with viscosity in its stiffness alone (pseudo-transient continuation: Kelley & Keyes 1998,
+SIAM J. Numer. Anal. 35, 508). Every block has a viscosity of its own (local time steps): as much as it is out of
+balance, more where that grows, less where it does not, so that the slivers of one place do not hold up all the others.
+The few blocks that are out of balance in the end are settled by themselves, all others held (`preie.flow`).
+"""
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from slopekit.arrays import Bools, Floats, Ints
+from slopekit.errors import SolverError
+from slopekit.onlooker import say
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.flow import Flow, relaxed
+
+_CONVEX, _HALVINGS, _FLAT = 60, 12, 0.5  # Newton steps of joints that dilate, trials of a length, part of the slope
+_LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away beside
+_CALM, _WAITS = 0.2, 3  # mean unbalance up to which dilation goes on falling, or after so many steps
+_STEPS, _AFTER = 150, 60  # Newton steps in all, and after dilation has gone
+_FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
+_VISCOUS, _THINNEST, _THICKEST = 0.03, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
+_GREW, _UP, _DOWN = 1.15, 2.0, 0.6  # what is out of balance grows by more: viscosity times these
+_OUT = 3.0  # of a block's load: more out of balance counts as that
+_ENOUGH = 0.3  # of what may stay unbalanced
+_ROUNDS, _ALONE, _PATIENCE = 9, 25, 150  # of settling blocks by themselves; steps, factorisations for it
+
+
+def rest_without_dilation(bed: Bed, parameter: float) -> Flow | None:
+    """All blocks at rest at one strength λ; None where they do not come to rest this way.
+
+    Only for joints that do not dilate, without bolts.
+    """
+    say("rest of all blocks, strength divided by", 1.0 / parameter)
+    if bed.dilates or bed.bolted is not None:
+        return None
+    begun = _dilated(bed, parameter)
+    if begun is None:
+        return None
+    at = _eased(bed, begun, parameter)
+    return _settled(bed, at, parameter)
+
+
+def _out(bed: Bed, there: Forces) -> Floats:
+    """What is out of balance, (n,), in parts of what may be."""
+    worst: Floats = np.abs(there.unbalanced / bed.unbalanced_at_most).reshape(-1, bed.model.unknowns).max(axis=1)
+    return worst
+
+
+def _dilated(bed: Bed, parameter: float) -> Floats | None:
+    """The rest (N,) of joints that dilate by all of their reduced friction angle."""
+    rough, at = bed.dilating(1.0, parameter), bed.elastic_displacement
+    there = rough.forces(at, parameter)
+    for _ in range(_CONVEX):
+        if _out(rough, there).max() < 1.0:
+            return at
+        try:
+            way = bed.factored(rough.tangent(there, parameter), True)(there.unbalanced)
+        except SolverError:
+            return None
+        slope, low, high, length = float(there.unbalanced @ way), 0.0, np.inf, 1.0
+        for _ in range(_HALVINGS):
+            there = rough.forces(at + length * way, parameter)
+            now = float(there.unbalanced @ way)
+            if abs(now) < _FLAT * abs(slope):
+                break
+            low, high = (length, high) if now > 0.0 else (low, length)
+            length = 2.0 * length if high == np.inf else 0.5 * (low + high)
+        at = at + length * way
+        there = rough.forces(at, parameter)
+    return None
+
+
+def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
+    """From joints that dilate to joints that do not: a displacement (N,) with few blocks out of balance."""
+    easing = _Easing(bed)
+    part, waits, after = 1.0, 0, 0
+    last = _out(bed, bed.dilating(part, parameter).forces(at, parameter))
+    for _ in range(_STEPS):
+        calm = float(np.sqrt((easing.share(last, 1.0) ** 2).mean())) < _CALM
+        if part > 0.0 and (calm or waits == _WAITS):
+            part, waits = max(_LESS * part - _NONE, 0.0), 0
+        else:
+            waits += 1
+        now = bed if part == 0.0 else bed.dilating(part, parameter)
+        there = now.forces(at, parameter)
+        if part == 0.0:
+            after += 1
+            out = int((_out(bed, there) > 1.0).sum())
+            if (out <= _FEW * len(last) and easing.steady) or after > _AFTER:
+                break
+        trial = easing.step(now, at, there, parameter)
+        if trial is None:
+            break
+        at = trial
+        last = _out(bed, now.forces(at, parameter))
+    return at
+
+
+class _Easing:
+    """Newton steps with a viscosity (n,) of each block in the stiffness, which goes with what is out of balance."""
+
+    def __init__(self, bed: Bed) -> None:
+        model = bed.model
+        self.plus, self.minus = model.plus, np.where(model.minus < 0, model.plus, model.minus)
+        self.viscosity: Floats | None = None
+        self.before, self.count, self.least = np.zeros(0), np.inf, 0
+
+    @property
+    def steady(self) -> bool:
+        """Whether fewer blocks are out of balance no more from step to step."""
+        return self.least >= 2
+
+    def share(self, out: Floats, most: float = _OUT) -> Floats:
+        """Unbalanced force of each block in parts of its load."""
+        part: Floats = np.minimum(1e-6 * out, most)
+        return part
+
+    def step(self, bed: Bed, at: Floats, there: Forces, parameter: float) -> Floats | None:
+        """A step on from a displacement (N,)."""
+        out = _out(bed, there)
+        share, count = self.share(out), float((out > 1.0).sum())
+        self.least = self.least + 1 if count >= 0.9 * self.count else 0
+        self.count = min(count, self.count)
+        wanted = np.clip(_VISCOUS * share, _THINNEST, _THICKEST)
+        if self.viscosity is None:
+            self.viscosity = wanted
+        else:
+            more = np.maximum(np.minimum(_UP * self.viscosity, _THICKEST), 0.3 * wanted)
+            self.viscosity = np.where(share > _GREW * self.before, more, _DOWN * self.viscosity)
+            self.viscosity = np.clip(self.viscosity, _THINNEST, 3.0 * wanted)
+        self.before = share
+        around = self.viscosity.copy()
+        for one, other in ((self.plus, self.minus), (self.minus, self.plus)):
+            np.maximum.at(around, one, self.viscosity[other])
+        of_contact = np.maximum(around[self.plus], around[self.minus])[:, None, None]
+        try:
+            way = bed.factored(bed.tangent(there, parameter) + of_contact * bed.elastic)(there.unbalanced)
+        except SolverError:
+            return None
+        return at + way if np.isfinite(way).all() else None
+
+
+def _settled(bed: Bed, at: Floats, parameter: float) -> Flow | None:
+    """All blocks at rest, those out of balance settled by themselves: alone, with neighbours, with theirs."""
+    size = bed.model.unknowns
+    for turn in range(_ROUNDS):
+        there = bed.forces(at, parameter)
+        out = _out(bed, there) > _ENOUGH
+        if not out.any():
+            return Flow(at, there, "rest", at, 0.0)
+        for _ in range(turn % 3):
+            out = bed.model.touching(out)
+        trial = at.copy()
+        for blocks in _clusters(bed.model, out):
+            those = (blocks[:, None] * size + np.arange(size)).ravel()
+            few = bed.among(blocks, at)
+            there_alone = _alone(few, at[those], parameter)
+            if there_alone is not None:
+                trial[those] = there_alone
+        found = bed.newton(trial, trial, parameter, 0.0, None, downhill=True)
+        if found.settled:
+            return Flow(found.at, found.forces, "rest", found.at, 0.0)
+        left = [int((_out(bed, forces) > _ENOUGH).sum()) for forces in (found.forces, bed.forces(trial, parameter))]
+        at = found.at if left[0] <= left[1] else trial
+    return None
+
+
+def _alone(few: Bed, at: Floats, parameter: float) -> Floats | None:
+    """A few blocks at rest, all others held."""
+    easing, here = _Easing(few), at
+    for _ in range(_ALONE):
+        there = few.forces(here, parameter)
+        if _out(few, there).max() < 1.0:
+            return here
+        trial = easing.step(few, here, there, parameter)
+        if trial is None:
+            break
+        here = trial
+    flow = relaxed(few, at, parameter, 0.0, far=1e6, patience=_PATIENCE)
+    return flow.at if flow.ended == "rest" else None
+
+
+def _clusters(model: AssemblyModel, among: Bools) -> list[Ints]:
+    """Blocks among some that touch each other, together."""
+    blocks = np.flatnonzero(among)
+    both = among[model.plus] & (model.minus >= 0) & among[model.minus]
+    count = len(among)
+    graph = sparse.coo_matrix((np.ones(int(both.sum())), (model.plus[both], model.minus[both])), shape=(count, count))
+    _, label = connected_components(graph, directed=False)
+    order = np.argsort(label[blocks], kind="stable")
+    return np.split(blocks[order], np.flatnonzero(np.diff(label[blocks][order])) + 1)

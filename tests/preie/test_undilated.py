@@ -1,0 +1,87 @@
+"""Rests by way of joints that dilate: what they prove, against cone programs, and what they are when none dilates."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slopekit.preie import rests, undilated
+from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.bounds import static_bound
+from slopekit.preie.rests import JUST, rests_before
+from slopekit.preie.undilated import rest_without_dilation
+from tests.preie.block_scenes import random_bench
+from tests.preie.test_flow import model_of_bench
+
+LIMIT = 0.70020754  # of the benches of `benchmarks.benches` without cohesion, those of every size
+
+
+def bed_of(model: AssemblyModel) -> Bed:
+    return Bed(model, Drive(model.load.ravel()))
+
+
+def admissible(model: AssemblyModel, factor: float, normal, friction, strength) -> None:
+    assert np.abs(model.unbalanced(normal, friction)).max() < 1e-5
+    assert (np.hypot(*friction.T) <= strength / factor * (1.0 + 1e-12) + 1e-15).all()
+    assert normal.min() >= 0.0
+
+
+@pytest.mark.parametrize("seed", [3, 5, 8])
+def test_joints_that_dilate_by_their_friction_angle_rest_up_to_the_static_bound(seed) -> None:
+    """Of a cone program: their forces balance at a factor below it, and none do above."""
+    scene, phi = random_bench(seed)
+    model = scene.model(phi)
+    bound = static_bound(model).factor
+    assert bound is not None
+    bed = bed_of(model)
+    below, above = 0.99 * bound, 1.01 * bound
+    at = undilated._dilated(bed, 1.0 / below)
+    assert at is not None
+    forces = bed.dilating(1.0, 1.0 / below).forces(at, 1.0 / below)
+    admissible(model, below, forces.normal, forces.friction, forces.strength)
+    assert undilated._dilated(bed, 1.0 / above) is None
+
+
+@pytest.mark.parametrize("part", [0.3, 1.0])
+def test_a_bed_that_dilates_is_one_of_a_model_that_does(part) -> None:
+    scene, phi = random_bench(3)
+    model = scene.model(phi)
+    bed, factor = bed_of(model), 0.8
+    other = bed_of(replace(model, tan_dilation=part * model.tan_friction / factor))
+    at = 1.3 * bed.elastic_displacement
+    found, wanted = bed.dilating(part, 1.0 / factor).forces(at, 1.0 / factor), other.forces(at, 1.0 / factor)
+    assert found.unbalanced == pytest.approx(wanted.unbalanced, abs=1e-13 * wanted.largest)
+    plain = bed.forces(at, 1.0 / factor)  # and the bed itself does not dilate from then on
+    assert np.abs(plain.unbalanced - wanted.unbalanced).max() > 1e-3 * wanted.largest
+
+
+def test_blocks_rest_without_dilation(monkeypatch) -> None:
+    """74 blocks a tenth before their limit: in balance, within their strength, with no dilation left."""
+    model = model_of_bench(monkeypatch, 1.6)
+    bed = bed_of(model)
+    rest = rest_without_dilation(bed, 1.0 / 0.63)
+    assert rest is not None
+    assert rest.ended == "rest"
+    forces = bed.forces(rest.at, 1.0 / 0.63)
+    admissible(model, 0.63, forces.normal, forces.friction, forces.strength)
+    # Newton's method from the rest of the joints that dilate does not get there
+    begun = undilated._dilated(bed, 1.0 / 0.63)
+    assert begun is not None
+    assert not bed.newton(begun, begun, 1.0 / 0.63, 0.0, None, downhill=True).settled
+
+
+def test_where_nothing_balances_the_loads_there_is_no_rest(monkeypatch) -> None:
+    model = model_of_bench(monkeypatch, 1.9)
+    assert rest_without_dilation(bed_of(model), 1.0 / 3.0) is None
+
+
+def test_large_assemblies_come_to_rest_that_way(monkeypatch) -> None:
+    """As thousands of blocks do: from that first rest on to a thousandth before the limit."""
+    model = model_of_bench(monkeypatch, 1.6)
+    bed = bed_of(model)
+    monkeypatch.setattr(rests, "_THOUSANDS", 0)
+    monkeypatch.setattr(rests, "relaxed", lambda *_, **__: pytest.fail("viscous flow from the start"))
+    flow, gap = rests_before(bed, LIMIT, 5e-2)
+    assert flow.ended == "rest"
+    assert gap <= JUST
