@@ -204,7 +204,8 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]] 
             **given, passive_kn=bolts,
             pressures_kpa=() if pressures[0] is None else pressures,
             force_kn=None if force[0] is None else force,
-        )
+        ),
+        forces=False,
     )  # fmt: skip
     return ClosedForms(OUTCOMES, found.outcome, found.factor)
 
