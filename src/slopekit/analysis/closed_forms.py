@@ -70,12 +70,14 @@ def answers(
         alike.setdefault(tuple(name for name, value in arguments.items() if value is None), []).append(number)
     found: dict[int, tuple[float | None, str]] = {}
     for numbers in alike.values():
-        columns = {name: np.array([designs[number][name] for number in numbers]) for name in designs[numbers[0]]
-                   if designs[numbers[0]][name] is not None}  # fmt: skip
-        forms = closed_forms(dict.fromkeys(designs[numbers[0]]) | columns)
+        columns: dict[str, Any] = {}
+        for name, first in designs[numbers[0]].items():
+            values = [designs[number][name] for number in numbers]
+            columns[name] = first if values.count(first) == len(values) else np.array(values)
+        forms = closed_forms(columns)
         for place, number in enumerate(numbers):
             try:
-                form = forms.of(place)
+                form = forms.of(place if forms.outcome.size > 1 else 0)
             except GeometryError:
                 found[number] = None, nothing
             else:
