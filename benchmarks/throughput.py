@@ -156,7 +156,7 @@ def speed(name: str, given: Arrays) -> None:
     wedges, few = WedgeArrays(**given), {key: values[:FEW] for key, values in given.items()}
     count = len(given["height_m"])
     runs: dict[str, tuple[Callable[[], object], int]] = {
-        "arrays: tests, outcome, factor": (lambda: hoek_bray_wedges(wedges), count),
+        "arrays: tests, outcome, factor": (lambda: hoek_bray_wedges(wedges, forces=False), count),
         "NumPy plainly: factor alone": (lambda: plainly(given), count),
         "one by one, with the tests": (lambda: list(one_by_one(few, tests=True)), FEW),
         "one by one, without": (lambda: list(one_by_one(few, tests=False)), FEW),

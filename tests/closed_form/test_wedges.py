@@ -417,6 +417,9 @@ def test_none_and_one() -> None:
     found = hoek_bray_wedges(one())
     assert (OUTCOMES[found.outcome[0]], found.factor.round(4).tolist()) == ("slides_on_both", [1.5574])
     same(found, hoek_bray_wedges(one(fill=[0.0])))
+    alone = hoek_bray_wedges(one(), forces=False)
+    same(found, alone)
+    assert (alone.areas_m2.size, found.areas_m2.shape) == (0, (3, 1))
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_a_block_that_rests_at_no_strength_topples() -> None:
 def test_where_the_path_settles_the_limit_state_there_is_exact(number: int) -> None:
     """Joints that open have lost their cohesion: it is the limit of the passes, which settle to 1e-8."""
     rng = np.random.default_rng(7)
-    model = cut(wedge_design([random_wedge(rng) for _ in range(number + 1)][-1])).scene(0).model
+    model = cut(wedge_design([random_wedge(rng) for _ in range(number + 1)][-1])).scene_at(0).model
     gone, _ = _bond_gone(model)
     bare = replace(model, cohesion=model.cohesion * gone.bond)
     passes = limit_analysis(bare).governing

@@ -41,7 +41,7 @@ _E207, _E208 = _NUMBER["E207"], _NUMBER["E208"]
 _REFUSED: Final = _NUMBER["E201"]  # this code and those behind it: there is no wedge
 
 #: How many are taken at a time: of fewer the calls take the time, of more the cache does not hold the rows.
-CHUNK: Final = 8192
+CHUNK: Final = 16384
 _KEPT: Final = 1 << 21  # 16 MB
 _PARALLEL: Final = 1e-6  # sine of the angle below which two planes are one, as in geometry.rockmass
 _DAYLIGHTS: Final = 1e-12
@@ -56,8 +56,7 @@ _FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
 
 # rows of the normals
 _FACE, _UPPER, _CRACK = 2, 3, 4
-# cross products of them: traces of J1 and J2 on the face, line of intersection, crest
-_LEFT, _RIGHT = [J1, J2, J1, _FACE], [_FACE, _FACE, J2, _UPPER]
+# rows of their cross products, behind the traces of J1 and J2 on the face: line of intersection, crest
 _LINE, _CREST = 2, 3
 
 
@@ -148,8 +147,13 @@ class ClosedFormWedges:
         return np.degrees(np.arctan2(-east, -north)) % 360.0, np.degrees(np.arctan2(up, np.hypot(east, north)))
 
 
-def hoek_bray_wedges(wedges: WedgeArrays) -> ClosedFormWedges:
+def hoek_bray_wedges(wedges: WedgeArrays, *, forces: bool = True) -> ClosedFormWedges:
     """Outcome, factor of safety and forces of wedges on two joints, maybe with a tension crack.
+
+    Parameters
+    ----------
+    wedges : what is given of them
+    forces : False leaves out all but outcomes and factors: the other arrays are empty
 
     Raises
     ------
@@ -173,7 +177,7 @@ def hoek_bray_wedges(wedges: WedgeArrays) -> ClosedFormWedges:
     columns, count = _columns(wedges)
     bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
     outcome = np.empty(count, dtype=np.int8)
-    numbers = np.empty((17, count))
+    numbers = np.empty((17 if forces else 1, count))
     # glibc hands what a chunk frees back to the system, to get it again page by page, which takes as long as to compute
     # with it: but not once a larger block was freed
     np.empty(_KEPT if count > CHUNK else 0)
@@ -181,9 +185,10 @@ def hoek_bray_wedges(wedges: WedgeArrays) -> ClosedFormWedges:
         for first in range(0, count, CHUNK):
             part = slice(first, first + CHUNK)
             _solve(of_chunk(columns, part), bolts, outcome[part], numbers[:, part])
+    rest = numbers if forces else np.empty((17, 0))
     return ClosedFormWedges(
-        outcome, numbers[0], numbers[1:3], numbers[3], numbers[4], numbers[5:8], numbers[8:11], numbers[11],
-        numbers[12], numbers[13], numbers[14:17],
+        outcome, numbers[0], rest[1:3], rest[3], rest[4], rest[5:8], rest[8:11], rest[11], rest[12], rest[13],
+        rest[14:],
     )  # fmt: skip
 
 
@@ -210,7 +215,7 @@ def _solve(columns: Columns, bolts: Sequence[Bolt], outcome: Codes, numbers: Flo
         columns = of_chunk(columns, those)
     kept = cut if isinstance(those, slice) else cut.of(those)
     outcome[those], found = _moved(columns, kept, bolts)
-    for row, values in zip(numbers, found, strict=True):
+    for row, values in zip(numbers, found, strict=False):
         row[those] = values
     others = np.flatnonzero(~cut.formed)
     if others.size:
@@ -228,12 +233,14 @@ class _Cut(NamedTuple):
     """What the planes' normals say, (k, m) of k planes or lines.
 
     `lines` are cross products of normals: the traces of J1 and J2 on the face, the line of intersection, the crest;
-    `climbs` are n_upper · line of the first three, `out` is n_face · line of intersection, `offset` of the upper slope.
+    `squares` of their lengths, `length` that of the line of intersection; `climbs` are n_upper · line of the first
+    three, `out` is n_face · line of intersection, `offset` of the upper slope.
     """
 
     normals: Vector
     lines: Vector
-    sines: Floats
+    squares: Floats
+    length: Floats
     climbs: Floats
     out: Floats
     high: Floats
@@ -256,35 +263,39 @@ def _cut(columns: Columns, count: int) -> _Cut:
     sine, cosine = np.sin(angles), np.cos(angles)
     normals = sine[0] * sine[1], sine[0] * cosine[1], cosine[0]
 
-    lines = cross(rows(normals, _LEFT), rows(normals, _RIGHT))
-    sines = length(lines)
+    room = np.empty((3, 4, count))
+    lines = room[0], room[1], room[2]
+    cross(rows(normals, slice(2)), rows(normals, _FACE), rows(lines, slice(2)))
+    cross(rows(normals, slice(J1, 4, 2)), rows(normals, slice(J2, 4, 2)), rows(lines, slice(_LINE, 4)))
+    squares = dot(lines, lines)
+    long = np.sqrt(squares[_LINE])
     climbs = dot(rows(normals, _UPPER), rows(lines, slice(_CREST)))
     out = dot(rows(normals, _FACE), rows(lines, _LINE))
     trace1, rise = lines[2][J1], lines[2][_LINE]
     high = columns["height_m"] / trace1
     offset = dot(rows(normals, _UPPER), times(rows(lines, J1), high))
     # into the rock the line climbs, out of the face and to the upper slope
-    least, toward = _DAYLIGHTS * sines[_LINE], np.copysign(1.0, out)
-    formed = (np.minimum.reduce(sines) >= _PARALLEL) & (np.abs(out) > least) & (rise * toward < -least)
+    least, toward = _DAYLIGHTS * long, np.copysign(1.0, out)
+    formed = (np.minimum.reduce(squares) >= _PARALLEL**2) & (np.abs(out) > least) & (rise * toward < -least)
     formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= _PARALLEL) & (offset > 0.0)
-    formed &= np.abs(climbs[J2]) >= _PARALLEL * sines[J2]
-    return _Cut(normals, lines, sines, climbs, out, high, offset, formed)
+    formed &= climbs[J2] * climbs[J2] >= _PARALLEL**2 * squares[J2]
+    return _Cut(normals, lines, squares, long, climbs, out, high, offset, formed)
 
 
 def _refused(cut: _Cut) -> Codes:
     """Why planes cut no wedge: the first test that fails counts."""
-    sines, climbs, out, rise = cut.sines, cut.climbs, cut.out, cut.lines[2][_LINE]
-    least, toward = _DAYLIGHTS * sines[_LINE], np.copysign(1.0, out)
+    climbs, out, rise = cut.climbs, cut.out, cut.lines[2][_LINE]
+    least, toward, parallel = _DAYLIGHTS * cut.length, np.copysign(1.0, out), cut.squares < _PARALLEL**2
     daylights = (np.abs(out) > least) & (rise * toward < -least) & (climbs[_LINE] * toward < -least)
     codes = np.full(out.size, _E208)
     for where, code in (
-        (np.abs(climbs[J2]) < _PARALLEL * sines[J2], _NUMBER["E206"]),
+        (climbs[J2] * climbs[J2] < _PARALLEL**2 * cut.squares[J2], _NUMBER["E206"]),
         (cut.offset <= 0.0, _NUMBER["E209"]),
         (np.abs(cut.lines[2][J1]) < _PARALLEL, _NUMBER["E206"]),
         (~daylights, _hidden(rows(cut.lines, _LINE), rows(cut.normals, _FACE))),
-        ((sines[J1] < _PARALLEL) | (sines[J2] < _PARALLEL), _NUMBER["E206"]),
-        (sines[_CREST] < _PARALLEL, _NUMBER["E209"]),
-        (sines[_LINE] < _PARALLEL, _NUMBER["E201"]),
+        (parallel[J1] | parallel[J2], _NUMBER["E206"]),
+        (parallel[_CREST], _NUMBER["E209"]),
+        (parallel[_LINE], _NUMBER["E201"]),
     ):
         codes = np.where(where, code, codes)
     return codes
@@ -399,7 +410,7 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
     weight = columns["unit_weight_kn_m3"] * shape.volume
     pressures = _pressures(columns, shape)
     load, size = _load(columns, cut, shape, weight, pressures)
-    line = times(rows(cut.lines, _LINE), 1.0 / cut.sines[_LINE])
+    line = times(rows(cut.lines, _LINE), 1.0 / cut.length)
     joints = rows(shape.inward, slice(2))
     between = dot(rows(joints, J1), rows(joints, J2))
     strength = np.empty((2, 2, weight.size))

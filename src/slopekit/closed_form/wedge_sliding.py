@@ -172,11 +172,18 @@ def rows(vector: Vector, which: int | slice | list[int]) -> Vector:
 
 
 def dot(a: Sequence[Value], b: Sequence[Value]) -> Value:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    found = a[0] * b[0]
+    found = found + a[1] * b[1]
+    found += a[2] * b[2]
+    return found
 
 
-def cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+def cross(a: Vector, b: Vector, into: Vector = (None, None, None)) -> Vector:
+    east, north, up = (np.multiply(a[i], b[j], out=out) for i, j, out in zip((1, 2, 0), (2, 0, 1), into, strict=True))
+    east -= a[2] * b[1]
+    north -= a[0] * b[2]
+    up -= a[1] * b[0]
+    return east, north, up
 
 
 def plus(a: Vector, b: Vector) -> Vector:
@@ -192,4 +199,4 @@ def times(a: Vector, by: Value) -> Vector:
 
 
 def length(a: Vector) -> Value:
-    return np.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    return np.sqrt(dot(a, a))

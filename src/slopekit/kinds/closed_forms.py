@@ -71,13 +71,15 @@ class OnArrays(Generic[D]):
             missing = tuple(name for name, value in arguments.items() if value is None)
             alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
         found: dict[int, tuple[float | None, str]] = {}
-        for (missing, bolts), numbers in alike.items():
-            columns = {name: np.array([given[number][name] for number in numbers]) for name in given[numbers[0]]
-                       if name not in missing}  # fmt: skip
-            forms = self.closed_forms(dict.fromkeys(missing) | columns, bolts)
+        for (_, bolts), numbers in alike.items():
+            columns: dict[str, Any] = {}
+            for name, first in given[numbers[0]].items():
+                values = [given[number][name] for number in numbers]
+                columns[name] = first if values.count(first) == len(values) else np.array(values)
+            forms = self.closed_forms(columns, bolts)
             for place, number in enumerate(numbers):
                 try:
-                    form = forms.of(place)
+                    form = forms.of(place if forms.outcome.size > 1 else 0)
                 except GeometryError:
                     found[number] = None, nothing
                 else:
