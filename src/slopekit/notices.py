@@ -56,14 +56,18 @@ class Facts:
     by_rules: bool = False
 
 
-def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
-    """What a reader must know of the inputs, whatever the kind."""
+def _of_inputs(design: Design) -> Iterator[Notice]:
     for name, value in design.assumed:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+
+
+def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
+    """What a reader must know of the inputs, whatever the kind."""
+    yield from _of_inputs(design)
     if any(rule.name == "fos.static_bound" and rule.relation in (">=", ">") for rule in design.rules):
         yield Notice("W332", "a rule judges the static bound: an upper bound is unsafe as an answer")
     if any(strength.tension_kpa for strength in strengths):
@@ -76,12 +80,7 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
 def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> Iterator[Notice]:
     """The notices of one analysed block, in the order of their weight for the reader."""
     analysis, model, block = facts.analysis, facts.model, facts.block
-    for name, value in design.assumed:
-        yield Notice("W320", f"{name} is a distribution: this run takes {value}")
-    if design.left_out:
-        yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
-    if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
-        yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
+    yield from _of_inputs(design)
     alone, limit = analysis.forces_only, analysis.governing
     if facts.status == "topples":
         opened = "" if limit.bond.all() else " once the joints that open have lost their cohesion"

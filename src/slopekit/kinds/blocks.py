@@ -177,7 +177,7 @@ def _slope(design: BlocksDesign, _result: Result) -> SheetPart:
         on = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")
-        entries.append(f"{name}  {strength_in_words(strength)}  {' and '.join(on) or 'on no interface'}")
+        entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
     return SheetPart("BLOCKS", entries + _own_weights(design))
 
 

@@ -43,7 +43,6 @@ from slopekit.result import (
     AllPairs,
     AtFactorOne,
     CohesionUnderMoments,
-    ContactOpening,
     FactorsOfSafety,
     Forces,
     ModelSize,
@@ -200,6 +199,21 @@ def kind_of_one_block(
         name, words, analyse, factors, ladder, strengths, lambda design, found: tuple(slope(design, found)), cut,
         closed_form, has_site, paper_keys=paper_keys,
     )  # fmt: skip
+
+
+def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:
+    """The closed form of a block on one plane, as PRE-IE is compared with it."""
+    return ClosedForm(
+        factor, "slides_on_J1" if status == "slides" else status, DILATES if strength.dilation_deg else ""
+    )
+
+
+def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
+    """A little more friction and cohesion, by name."""
+    if strength.friction_angle_deg < 88.0:
+        yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+    if strength.cohesion_kpa:
+        yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
 
 
 def _changed(
@@ -420,9 +434,8 @@ def _under_moments(
     evidence = {}
     for interface in interfaces:
         if (found := rules.contacts.get(interface.key)) is not None:
-            evidence[interface.name] = ContactOpening(
-                found.pressed_share, found.normal_force, place(found.resultant), place(found.opens_at)
-            )
+            resultant, opens_at = place(found.resultant_m), place(found.opens_at_m)
+            evidence[interface.name] = replace(found, resultant_m=resultant, opens_at_m=opens_at)
     return CohesionUnderMoments(
         rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
         max(rules.numbers), rules.runs, evidence,
