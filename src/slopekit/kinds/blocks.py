@@ -202,18 +202,11 @@ def _pressures(design: BlocksDesign) -> list[tuple[str, float]]:
 
 OWN = Blocks(
     Words(
-        "blocks of any shape",
-        "blocks",
-        "the way the file says",
-        "closed form",
-        "",
-        BLOCKS_STATUSES,
+        "blocks of any shape", "blocks", "the way the file says", "closed form", "", BLOCKS_STATUSES,
         "there is none for blocks of any shape",
     ),
-    cut,
-    no_closed_form,
-    no_notices,
-)
+    cut, no_closed_form, no_notices,
+)  # fmt: skip
 KIND = kind_of_many_blocks(
     "blocks", OWN, _slope, _pressures,
 )  # fmt: skip
