@@ -98,18 +98,11 @@ def _surface(name: str, plane: Plane) -> str:
 
 OWN = Blocks(
     Words(
-        "bench cut by joint sets",
-        "bench",
-        "the way the face dips",
-        "closed form",
-        "",
-        BLOCKS_STATUSES,
+        "bench cut by joint sets", "bench", "the way the face dips", "closed form", "", BLOCKS_STATUSES,
         "there is none for blocks cut by joint sets",
     ),
-    cut,
-    no_closed_form,
-    _notices,
-)
+    cut, no_closed_form, _notices,
+)  # fmt: skip
 KIND = kind_of_many_blocks(
     "bench", OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
     told=lambda design: {one.name for one in design.sets},

@@ -177,7 +177,7 @@ def _slope(design: BlocksDesign, _result: Result) -> SheetPart:
         on = [f"on {counted(len(pairs), 'named interface')} ({listed})"] if pairs else []
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")
-        entries.append(f"{name}  {strength_in_words(strength)}  {' and '.join(on) or 'on no interface'}")
+        entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
     return SheetPart("BLOCKS", entries + _own_weights(design))
 
 
@@ -202,18 +202,11 @@ def _pressures(design: BlocksDesign) -> list[tuple[str, float]]:
 
 OWN = Blocks(
     Words(
-        "blocks of any shape",
-        "blocks",
-        "the way the file says",
-        "closed form",
-        "",
-        BLOCKS_STATUSES,
+        "blocks of any shape", "blocks", "the way the file says", "closed form", "", BLOCKS_STATUSES,
         "there is none for blocks of any shape",
     ),
-    cut,
-    no_closed_form,
-    no_notices,
-)
+    cut, no_closed_form, no_notices,
+)  # fmt: skip
 KIND = kind_of_many_blocks(
     "blocks", OWN, _slope, _pressures,
 )  # fmt: skip

@@ -9,10 +9,10 @@ from slopekit.closed_form.footing import footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
@@ -41,8 +41,7 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     found = footing(
         design.load_kn, design.dip_deg, design.length_m, strength.cohesion_kpa, strength.friction_angle_deg, weight
     )
-    status = "slides_on_J1" if found.status == "slides" else found.status
-    return ClosedForm(found.factor, status, DILATES if strength.dilation_deg else "")
+    return on_one_plane(found.factor, found.status, strength)
 
 
 def _block(design: FootingDesign) -> tuple[Section, float]:
@@ -57,14 +56,8 @@ def _block(design: FootingDesign) -> tuple[Section, float]:
 
 
 def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
-    strength = design.strength
     changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
-    if strength.friction_angle_deg < 88.0:
-        steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
-        changes.append(("φ +1°", replace(design, strength=steeper)))
-    if strength.cohesion_kpa:
-        firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
-        changes.append(("c +10 %", replace(design, strength=firmer)))
+    changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.dip_deg < 88.0:
         changes.append(("dip +1°", replace(design, dip_deg=design.dip_deg + 1.0)))
     return changes
@@ -72,7 +65,7 @@ def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
 
 def _slope(design: FootingDesign, result: Result) -> Iterator[SheetPart]:
     long = size_number(design.length_m)
-    words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_short(design.strength)}"
+    words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_words(design.strength)}"
     yield SheetPart("PLANES", [words])
     yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
     off = design.eccentricity_m

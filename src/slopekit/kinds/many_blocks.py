@@ -500,5 +500,5 @@ def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:
 
 def named_strength(design: AssemblyDesign, name: str) -> str:
     """A strength with its name, where there are several to tell apart."""
-    words = strength_in_words(design.strength(name))
+    words = strength_in_words(design.strength(name), ".6g")
     return words if len(design.strengths) == 1 else f"{name}: {words}"

@@ -23,22 +23,9 @@ from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limi
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
+from slopekit.result import ContactOpening
 
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
-
-
-@dataclass(frozen=True, slots=True)
-class ContactEvidence:
-    """A contact at the limit of the cracked base, in m and kN, local axes.
-
-    `resultant` (3,) is where the normal force acts, None without one; `opens_at` (3,) the corner that opens most, None
-    where all of it is pressed.
-    """
-
-    pressed_share: float
-    normal_force: float
-    resultant: Floats | None
-    opens_at: Floats | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +37,7 @@ class CohesionRules:
     rule : which is the headline: the lower of "cracked_base" and "bond_gone"; "forces_alone" where that is lower yet,
         "by_mechanism" where neither has a limit
     runs : the motion runs there; False: the block is still at rest when its pressed part gives way
-    contacts : evidence by interface
+    contacts : evidence by interface, in local axes
     why_not : why the cracked base has no limit
     """
 
@@ -60,7 +47,7 @@ class CohesionRules:
     cracked_base: float | None
     bond_gone: float | None
     runs: bool
-    contacts: Mapping[int, ContactEvidence]
+    contacts: Mapping[int, ContactOpening]
     why_not: str
 
     @property
@@ -241,8 +228,8 @@ def _on_its_pairs(
     return Scene(pairs, own, bedding), limit
 
 
-def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactEvidence]:
-    forces, out = found.forces, dict[int, ContactEvidence]()
+def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
+    forces, out = found.forces, dict[int, ContactOpening]()
     if forces is None or found.opening is None:
         return out
     for k, key in enumerate(bed.keys.tolist()):
@@ -251,7 +238,7 @@ def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> d
         total, pressed = float(push.sum()), float(area[forces.pressed[on]].sum())
         gaps = bed.corner_rows(k)[:, 0] @ found.opening
         most = int(np.argmax(gaps))
-        out[key] = ContactEvidence(
+        out[key] = ContactOpening(
             pressed / float(area.sum()), total * model.force_scale,
             (push @ forces.points[on]) / total * model.length_scale + centroid if total > 0.0 else None,
             bed.corners[k][most] * model.length_scale + centroid if gaps[most] > 0.0 else None,

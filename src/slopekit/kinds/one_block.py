@@ -44,7 +44,6 @@ from slopekit.result import (
     AllPairs,
     AtFactorOne,
     CohesionUnderMoments,
-    ContactOpening,
     FactorsOfSafety,
     Forces,
     ModelSize,
@@ -222,6 +221,21 @@ def _governs(
     designs = [design for _, design in changes]
     found = on_arrays.answers(designs, nothing) if on_arrays is not None else [answer(design) for design in designs]
     return tuple((change, *told) for (change, _), told in zip(changes, found, strict=True))
+
+
+def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:
+    """The closed form of a block on one plane, as PRE-IE is compared with it."""
+    return ClosedForm(
+        factor, "slides_on_J1" if status == "slides" else status, DILATES if strength.dilation_deg else ""
+    )
+
+
+def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
+    """A little more friction and cohesion, by name."""
+    if strength.friction_angle_deg < 88.0:
+        yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
+    if strength.cohesion_kpa:
+        yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
 
 
 def solve(design: Design, made: Cut, clock: Clock) -> Solved:
@@ -440,9 +454,8 @@ def _under_moments(
     evidence = {}
     for interface in interfaces:
         if (found := rules.contacts.get(interface.key)) is not None:
-            evidence[interface.name] = ContactOpening(
-                found.pressed_share, found.normal_force, place(found.resultant), place(found.opens_at)
-            )
+            resultant, opens_at = place(found.resultant_m), place(found.opens_at_m)
+            evidence[interface.name] = replace(found, resultant_m=resultant, opens_at_m=opens_at)
     return CohesionUnderMoments(
         rules.rule, rules.headline, rules.by_mechanism, rules.cracked_base, rules.bond_gone, min(rules.numbers),
         max(rules.numbers), rules.runs, evidence,

@@ -15,10 +15,10 @@ from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, number
@@ -229,16 +229,11 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
 
 
 def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
-    strength, changes = design.strength, []
+    changes = []
     if design.water.mode == "dry" or design.water.fill < 1.0:
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
-    if strength.friction_angle_deg < 88.0:
-        steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
-        changes.append(("φ +1°", replace(design, strength=steeper)))
-    if strength.cohesion_kpa:
-        firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
-        changes.append(("c +10 %", replace(design, strength=firmer)))
+    changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
     if design.joint.dip_deg <= 89.0:
         dipping = replace(design.joint, dip_deg=design.joint.dip_deg + 1.0)
         changes.append((f"dip of {design.joint_name} +1°", replace(design, joint=dipping)))
@@ -272,7 +267,7 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
 def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
     geometry, name = result.geometry, design.joint_name
     entries = [
-        f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_short(design.strength)}  "
+        f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_words(design.strength)}  "
         f"{size_number(geometry.areas_m2[name])} m long",
         f"face {design.face}  {design.face.in_words()}",
         f"upper {design.upper}  {design.upper.in_words()}",

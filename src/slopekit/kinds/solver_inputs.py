@@ -1,17 +1,20 @@
 """What designs give the solver, as arrays: strengths, stiffness, bolts, forces, a block in its section."""
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import J1, Section
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.loads import Loads, PointForce
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.model import JointStrength, build_model
+
+if TYPE_CHECKING:
+    from slopekit.geometry.section import Section
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 
@@ -69,8 +72,10 @@ def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> Poi
     return PointForce(axes @ np.array(force.components_kn), at)
 
 
-def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
+def section_bedding(section: "Section", loads: Loads, given: Strength) -> Bedding:
     """The plane of a section as the bed of the block on it."""
+    from slopekit.geometry.section import J1
+
     strength, centroid = joint_strength([given]), section.block.centroid
     return Bedding(
         {J1: np.array([np.zeros(3), section.bottom])}, centroid,
@@ -78,7 +83,7 @@ def section_bedding(section: Section, loads: Loads, given: Strength) -> Bedding:
     )  # fmt: skip
 
 
-def section_geometry(section: Section, name: str, axes: Floats | None = None) -> SectionGeometry:
+def section_geometry(section: "Section", name: str, axes: Floats | None = None) -> SectionGeometry:
     """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
     areas = {name: section.length}
     if section.crack_depth is not None:

@@ -31,7 +31,7 @@ from slopekit.kinds.one_block import (
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_short, water_in_words
+from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
 from slopekit.onlooker import say
@@ -140,17 +140,6 @@ def cut(design: SurfaceDesign) -> Cut:
     mass = _cut(design)
     loads = _loads(design, mass)
     return _made(design, mass, loads, *_scene(design, mass, loads))
-
-
-def prepare(design: SurfaceDesign) -> Scene:
-    """The stages before the solver, from a design to its node pairs and its model."""
-    return prepare_meshed(design)[0]
-
-
-def prepare_meshed(design: SurfaceDesign) -> tuple[Scene, float]:
-    """The same, with the mean edge (m) of the triangles on the slip surface."""
-    cut = _cut(design)
-    return _scene(design, cut, _loads(design, cut))[1], cut.mass.edge
 
 
 def _scene(design: SurfaceDesign, cut: _Mass, loads: Loads) -> tuple[Slippage, Scene]:
@@ -426,10 +415,12 @@ def _meshed(
         wanted = None if design.slip.shape == "mesh" else times * _ROOM * geometry.edge_m
         say(f"{normals} normals, edges of {times * geometry.edge_m:.3g} m", head=True)
         try:
-            scene, edge = prepare_meshed(replace(design, slip=replace(design.slip, edge_m=wanted, normals=normals)))
+            made = cut(replace(design, slip=replace(design.slip, edge_m=wanted, normals=normals)))
         except (DesignError, GeometryError):
             continue
-        yield level, times * geometry.edge_m, scene, edge
+        meshed = made.geometry()
+        assert isinstance(meshed, SurfaceGeometry)
+        yield level, times * geometry.edge_m, made.scene_at(0), meshed.edge_m
 
 
 def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
@@ -485,7 +476,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[SheetPart, ...]:
     lets = {0: "no motion exactly", 1: "one motion"}.get(geometry.motions, f"{geometry.motions} motions")
     turned = f", turned by {geometry.misfit_deg:.2g}° to follow it" if geometry.misfit_deg else ""
     entries = [
-        f"{design.slip.in_words()}  {strength_in_short(design.strength)}  area {area} m²",
+        f"{design.slip.in_words()}  {strength_in_words(design.strength)}  area {area} m²",
         f"normals {geometry.normals}, edges {geometry.edge_m:.3g} m; the surface lets {lets} through{turned}",
         ground,
     ]

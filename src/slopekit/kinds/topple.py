@@ -157,18 +157,11 @@ def _slope(design: ToppleDesign, _: Result) -> SheetPart:
 
 OWN = Blocks(
     Words(
-        "toppling columns",
-        "topple",
-        "out of the slope",
-        "Goodman & Bray closed form",
-        "Goodman & Bray",
-        BLOCKS_STATUSES,
-        "Goodman & Bray's method does not take this design (see NOTE)",
+        "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
+        BLOCKS_STATUSES, "Goodman & Bray's method does not take this design (see NOTE)",
     ),
-    cut,
-    goodman_bray,
-    _notices,
-)
+    cut, goodman_bray, _notices,
+)  # fmt: skip
 KIND = kind_of_many_blocks(
     "topple", OWN, _slope, lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit

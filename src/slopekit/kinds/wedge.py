@@ -21,7 +21,15 @@ from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
-from slopekit.kinds.words import SheetPart, line_in_words, loads_part, size_number, size_part, water_in_words
+from slopekit.kinds.words import (
+    SheetPart,
+    line_in_words,
+    loads_part,
+    size_number,
+    size_part,
+    strength_in_words,
+    water_in_words,
+)
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, line_of
@@ -255,19 +263,12 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
 def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
     entries, geometry = [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
-    for k, plane in enumerate(design.joints):
-        extra = ""
-        if design.dilation_deg[k]:
-            extra += f"  ψ {design.dilation_deg[k]:.1f}°"
-        if design.tension_kpa[k]:
-            extra += f"  σt {design.tension_kpa[k]:.4g} kPa"
-        area = size_number(geometry.areas_m2[f"J{k + 1}"])
-        name, own = f"J{k + 1}", design.joint_names[k]
-        name += "" if own == name else f" ({own})"
-        entries.append(
-            f"{name} {plane}  {plane.in_words()}  c {design.cohesion_kpa[k]:.1f} kPa  "
-            f"φ {design.friction_angle_deg[k]:.1f}°{extra}  area {area} m²"
-        )
+    for (_, name), own, plane, strength in zip(
+        JOINTS, design.joint_names, design.joints, strengths_of(design), strict=True
+    ):
+        called = name if own == name else f"{name} ({own})"
+        area = size_number(geometry.areas_m2[name])
+        entries.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
     entries.append(f"face {design.face}  {design.face.in_words()}")
     entries.append(f"upper {design.upper}  {design.upper.in_words()}")
     if design.crack:

@@ -166,21 +166,11 @@ def weight_in_words(result: Result) -> str:
     return f"weight {size_number(result.forces.weight)} kN  unit weight {design.unit_weight_kn_m3:.5g} kN/m³{density}"
 
 
-def strength_in_words(strength: Strength) -> str:
-    """Cohesion and friction with the digits they were given in."""
-    words = f"c {strength.cohesion_kpa:.6g} kPa  φ {strength.friction_angle_deg:.6g}°"
+def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
+    """Cohesion and friction, and what else there is, angles with so many digits."""
+    words = f"c {strength.cohesion_kpa:{digits}} kPa  φ {strength.friction_angle_deg:{digits}}°"
     if strength.dilation_deg:
-        words += f"  ψ {strength.dilation_deg:.6g}°"
-    if strength.tension_kpa:
-        words += f"  σt {strength.tension_kpa:.4g} kPa"
-    return words
-
-
-def strength_in_short(strength: Strength) -> str:
-    """Cohesion and friction to one decimal."""
-    words = f"c {strength.cohesion_kpa:.1f} kPa  φ {strength.friction_angle_deg:.1f}°"
-    if strength.dilation_deg:
-        words += f"  ψ {strength.dilation_deg:.1f}°"
+        words += f"  ψ {strength.dilation_deg:{digits}}°"
     if strength.tension_kpa:
         words += f"  σt {strength.tension_kpa:.4g} kPa"
     return words

@@ -9,7 +9,7 @@ from slopekit.kinds import dilates
 from slopekit.kinds.words import SheetPart, counted, first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import accept, all_pairs, factor_text, governs, methods, series, verdict
+from slopekit.views.entries import accept, all_pairs, factor_text, forces, governs, methods, series, verdict
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -39,7 +39,7 @@ def assembly_parts(result: Result, findings: Findings) -> Iterator[SheetPart]:
     """The parts of the sheet below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield SheetPart("FORCES", _forces(result))
+    yield SheetPart("FORCES", forces(result))
     yield SheetPart("STATUS", [_status(result, findings, order)])
     yield SheetPart("FoS", _factors(result))
     yield SheetPart("ALL PAIRS", all_pairs(result))
@@ -62,26 +62,6 @@ def _order(result: Result) -> dict[str, int]:
     geometry = result.geometry
     names = geometry.names if isinstance(geometry, AssemblyGeometry) else ()
     return {name: k for k, name in enumerate(names)}
-
-
-def _forces(result: Result) -> list[str]:
-    forces, areas = result.forces, result.geometry.areas_m2
-    parts = []
-    for joint, normal in forces.normal.items():
-        if normal is not None:
-            area = areas.get(joint)
-            parts.append(f"N' {joint} {size_number(normal)} kN" + (f" ({normal / area:.4g} kPa)" if area else ""))
-    shown, rest, _ = first_and_last(parts, 6, 0)
-    more = [f"... and {rest} more"] if rest else []
-    wet = [f"{name} {size_number(push)} kN" for name, push in forces.water.items() if push]
-    some, others, _ = first_and_last(wet, 6, 0)
-    water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
-    held = [
-        f"{what} {size_number(value)} kN"
-        for what, value in (("driving", forces.driving), ("resisting", forces.resisting))
-        if value is not None
-    ]
-    return ["  ".join([*shown, *more, water, *held])]
 
 
 # -- the answer -----------------------------------------------------------------------------------------------------
@@ -303,9 +283,9 @@ def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list
             "settled" if first.change == 0.0 else f"lies {first.change * 100:.2g} % from a strength at which they run"
         )
         entries.append(f"the limit {settled} after {steps}")
-    forces = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
+    balanced = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
     entries += [
-        _check(name, value) for name, value in findings.checks.items() if forces or name != "largest_unbalanced_force"
+        _check(name, value) for name, value in findings.checks.items() if balanced or name != "largest_unbalanced_force"
     ]
     return ["; ".join(entries)] if entries else []
 

@@ -4,6 +4,7 @@ import textwrap
 
 from slopekit.arrays import Floats
 from slopekit.design.common import Rule
+from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import STATUSES, Result
 
 WIDTH = 100
@@ -23,6 +24,28 @@ def block(label: str, entries: list[str], hang: int = 3) -> list[str]:
         indent = " " * (LABEL + hang)
         lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
     return lines
+
+
+def forces(result: Result) -> list[str]:
+    """Normal forces by interface, water, and what drives and resists along the movement."""
+    found, areas = result.forces, result.geometry.areas_m2
+    parts = []
+    for joint, normal in found.normal.items():
+        if normal is not None:
+            area = areas.get(joint)
+            parts.append(f"N' {joint} {size_number(normal)} kN" + (f" ({normal / area:.4g} kPa)" if area else ""))
+    shown, rest, _ = first_and_last(parts, 6, 0)
+    more = [f"... and {rest} more"] if rest else []
+    wet = [f"{name} {size_number(push)} kN" for name, push in found.water.items() if push]
+    some, others, _ = first_and_last(wet, 6, 0)
+    water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
+    held = [
+        f"{what} {size_number(value)} kN"
+        for what, value in (("driving", found.driving), ("resisting", found.resisting))
+        if value is not None
+    ]
+    alone = " (forces alone)" if result.moments_govern and held else ""
+    return ["  ".join([*shown, *more, water, *held]) + alone]
 
 
 def methods(result: Result) -> list[str]:

@@ -18,6 +18,7 @@ from slopekit.views.entries import (
     block,
     cohesion,
     factor_text,
+    forces,
     governs,
     methods,
     series,
@@ -51,7 +52,7 @@ def _parts(result: Result) -> Iterator[SheetPart]:
     if result.findings is not None:
         yield from assembly_parts(result, result.findings)
         return
-    yield SheetPart("FORCES", _forces(result))
+    yield SheetPart("FORCES", forces(result))
     yield SheetPart("STATUS", [_status(result)])
     yield SheetPart("FoS", _factors(result))
     yield SheetPart("COLUMNS", methods(result))
@@ -66,21 +67,6 @@ def _parts(result: Result) -> Iterator[SheetPart]:
     yield SheetPart("GOVERNS", governs(result))
     yield SheetPart("DEFAULTS", _defaults(result))
     yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
-
-
-def _forces(result: Result) -> list[str]:
-    forces, areas = result.forces, result.geometry.areas_m2
-    parts = []
-    for joint, normal in forces.normal.items():
-        if normal is not None:
-            parts.append(f"N' {joint} {size_number(normal)} kN ({normal / areas[joint]:.4g} kPa)")
-    wet = [f"{name} {size_number(push)} kN" for name, push in forces.water.items() if push]
-    parts.append("water " + (", ".join(wet) if wet else "0"))
-    if forces.driving is not None and forces.resisting is not None:
-        alone = " (forces alone)" if result.moments_govern else ""
-        parts.append(f"driving {size_number(forces.driving)} kN")
-        parts.append(f"resisting {size_number(forces.resisting)} kN{alone}")
-    return ["  ".join(parts)]
 
 
 def _status(result: Result) -> str:
