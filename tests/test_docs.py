@@ -29,7 +29,9 @@ from typing import Any
 import pytest
 
 from slopekit.cli import app, main
-from slopekit.design.specs import SPECS
+from slopekit.design.fields import structure_of
+from slopekit.design.files import KINDS as KINDS_OF_DESIGN
+from slopekit.design.files import record_of
 from slopekit.design.templates import names, path_of
 from slopekit.explanations import EXPLANATIONS
 
@@ -323,7 +325,7 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
     sections = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
     shared = page.partition("\n## wedge\n")[0]
     missing = [
-        f"{kind}: {key}" for kind, spec in SPECS.items() for key in _keys_of(spec)
+        f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(structure_of(record_of(kind)))
         if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
     ]  # fmt: skip
     assert missing == []
