@@ -126,7 +126,7 @@ FAULTS = [
      "6:61"),
     # reader.py and units.py: the same words in every kind
     ("E105", "plane", "height: 12 m", "height: nan", "height is nan, not a finite number", "3:31"),
-    ("E106", "surface", "c: 25", "c: many", "c of slate is 'many', a number is needed", "5:22"),
+    ("E106", "surface", "c: 25", "c: many", "c of zone is 'many', a number is needed", "5:22"),
     ("E107", "plane", "unit_weight: 26", "unit_weight: 2600 kg/m3", "unit weight is 2600 kg/m3: that is a density",
      "7:21"),
     ("E112", "plane", "unit_weight: 26", "unit_weight: 26, density: 2600",

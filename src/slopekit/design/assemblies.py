@@ -9,6 +9,7 @@ from slopekit.design.common import Bolt, Force, Seismic, Strength, Water
 from slopekit.design.fields import Field
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_strength
 from slopekit.orientation import number
 
 _SECTION_TRENDS = (90.0, 270.0)
@@ -19,7 +20,7 @@ _PRESSURE = Field("pressures", "pressure", 0.0, code="E119")
 
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
     """Every strength by its name."""
-    read = [(name, reader.strength(node, name)) for name, node in reader.names("strength")]
+    read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
     return tuple((name, strength) for name, strength in read if strength is not None)
 
 
@@ -68,7 +69,7 @@ def common(
     water : pressures in the order of the interfaces
     """
     strengths = named_strengths(reader)
-    found = reader.common(on_blocks=True)
+    found = read_common(reader, on_blocks=True)
     found["seismic"] = _seismic(reader, found["seismic"], in_section, toward)
     found["forces"] = _on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section)
     found["bolts"] = _on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section)

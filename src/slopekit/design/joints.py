@@ -7,6 +7,7 @@ from slopekit.design.common import Strength
 from slopekit.design.named_files import beside
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
+from slopekit.design.sections import read_strength, standard_strength, strength_names
 from slopekit.errors import DesignError
 from slopekit.orientation import Plane
 
@@ -93,11 +94,11 @@ def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength 
     """The strength of each joint: columns of a joint list where they are filled, else those of the design."""
     names: list[str | None] = [None] * len(joints)
     if reader.at("strength") is not None and joints:
-        names = reader.strength_names([(joint.name, joint.strength, joint.at) for joint in joints])
+        names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
     of_design = [None if name is None else reader.at(f"strength.{name}") for name in names]
     measured = {key for joint in joints for key in joint.listed}
     has_strengths = reader.at("strength") is not None
-    standard = reader.standard_strength([own for own in of_design if own is not None], beside=measured)
+    standard = standard_strength(reader, [own for own in of_design if own is not None], beside=measured)
     found: list[Strength | None] = []
     for joint, name, own in zip(joints, names, of_design, strict=True):
         if name is None and has_strengths and not joint.listed:
@@ -111,5 +112,5 @@ def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength 
             elif key not in listed and not given:
                 advice = f"Fill in the column {key}, or give a strength in the design."
                 reader.fault("E143", f"{key} of {joint.name} is missing in {joint.at.text}", joint.at, advice)
-        found.append(reader.strength(own, name or joint.name, standard, listed, joint.at))
+        found.append(read_strength(reader, own, name or joint.name, standard, listed, joint.at))
     return found

@@ -11,6 +11,7 @@ from slopekit.design.common import Strength, Water
 from slopekit.design.joints import joints_of, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
+from slopekit.design.sections import given_water, read_common, read_strength, read_water
 from slopekit.design.wedge import Crack, WedgeDesign
 from slopekit.errors import Fault
 from slopekit.units import is_unit_of, unit_of
@@ -33,7 +34,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     water = _water(reader, crack_node, [*names, *(["crack"] if has_crack else [])])
     own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
-    common = reader.common()
+    common = read_common(reader)
     sound = [one or Strength(0.0, 0.0) for one in strengths]
     return reader.made(
         WedgeDesign, own, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
@@ -46,7 +47,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
 def _without_joints(reader: Reader) -> list[Strength | None]:
     """Strengths whose joints are wrong: what is wrong with them is said all the same."""
     for name, node in reader.names("strength"):
-        reader.strength(node, name, reader.record.DEFAULTS)
+        read_strength(reader, node, name, reader.record.DEFAULTS)
     return [None, None]
 
 
@@ -64,9 +65,9 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
     has_crack = crack is not None
     node = crack.get("water") if crack is not None else None
     if node is None or node.value is None:
-        return reader.water(order, has_crack)[0]
+        return read_water(reader, order, has_crack)[0]
     top = reader.at("water")
-    given = None if top is None or top.value is None else reader.given_water(top, order)
+    given = None if top is None or top.value is None else given_water(reader, top, order)
     water, value = ("dry" if given is None else given[0]), reader.value(node)
     joints = list(water) if isinstance(water, list) else [0.0, 0.0] if water in ("dry", 0.0) else None
 

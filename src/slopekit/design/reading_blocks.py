@@ -9,6 +9,7 @@ from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.polygons import fault_of_polygon
 from slopekit.design.reader import Reader
+from slopekit.design.sections import strength_names
 from slopekit.errors import Fault
 
 _COORDINATE = Field("polygon", "length")
@@ -160,7 +161,7 @@ def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, 
         message = f"interfaces.default is missing, and there are {len(names)} strengths"
         reader.fault("E249", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
     before = len(reader.faults)
-    found = reader.strength_names(users)
+    found = strength_names(reader, users)
     if not has_default or len(pairs) < len(named):  # a strength that none of the others has may be meant there
         reader.faults[before:] = [fault for fault in reader.faults[before:] if fault.code != "E195"]
     interfaces = tuple((*pair, one) for pair, one in zip(pairs, found, strict=False) if one is not None)

@@ -4,6 +4,7 @@ from slopekit.design.assemblies import common, named_pressures, pressures
 from slopekit.design.blocky import MOST_BLOCKS, BenchDesign, JointSetInput, ToppleDesign, column_names
 from slopekit.design.fields import fields_of
 from slopekit.design.reader import Reader
+from slopekit.design.sections import strength_names
 from slopekit.orientation import Plane, number
 
 _WESTWARD = 270.0  # columns rise toward +x and fall toward -x
@@ -32,7 +33,7 @@ def read_topple(reader: Reader) -> ToppleDesign:
         reader.fault("E137", message, reader.at("columns.rows"))
     strengths: list[str | None] = [None, None]
     if reader.at("strength") is not None and node is not None:
-        strengths = reader.strength_names([(name, node.get(name), node) for name in ("base", "sides")])
+        strengths = strength_names(reader, [(name, node.get(name), node) for name in ("base", "sides")])
     by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
     water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
     names = dict.fromkeys(column_names(len(heights), rows), True)
@@ -72,7 +73,7 @@ def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...
     named = reader.names("sets")
     strengths: list[str | None] = [None] * len(named)
     if reader.at("strength") is not None and named:
-        strengths = reader.strength_names([(name, below.get("strength"), below) for name, below in named])
+        strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
     sets: list[JointSetInput] = []
     seen: dict[tuple[float, ...], str] = {}
     wanted = [name for name in fields_of(JointSetInput) if name != "strength"]

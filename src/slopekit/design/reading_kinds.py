@@ -10,6 +10,7 @@ from slopekit.design.kinds import FootingDesign, PlaneDesign, Points, Slip, Surf
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_strengths, read_water
 from slopekit.orientation import Plane
 from slopekit.units import quantity
 
@@ -43,7 +44,7 @@ def read_plane(reader: Reader) -> PlaneDesign:
     water = _water_of_plane(reader, names, said if fills else None, crack is not None)
     if said is not None and (reader.at("water") is not None if fills else water != Water()):
         reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
-    common = reader.common()
+    common = read_common(reader)
     return reader.made(
         PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
@@ -53,7 +54,7 @@ def read_plane(reader: Reader) -> PlaneDesign:
 def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
     if in_crack is not None and reader.at("water") is None:
         return Water("full", 1.0) if in_crack.text == "full" else Water()
-    water, at = reader.water([*names, *(["crack"] if has_crack else [])])
+    water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
     if at is not None and not has_crack and len(at.elements) > 1:
         message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
         reader.fault("E109", message, at)
@@ -73,7 +74,7 @@ def read_footing(reader: Reader) -> FootingDesign:
     own = reader.fields(FootingDesign)
     node = reader.at("weak_plane")
     strength = _strength(reader, "weak_plane", node, None if node is None else node.get("strength"))
-    common = reader.common()
+    common = read_common(reader)
     if common["unit_weight_kn_m3"] is None:
         common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
     if all(reader.at(f"strength.{name}.stiffness.shear") is None for name, _ in reader.names("strength")):
@@ -87,7 +88,7 @@ def _strength(reader: Reader, user: str, own: Node | None, wanted: Node | None) 
     """The one strength of a design with one interface."""
     if reader.at("strength") is None:
         return None
-    return reader.strengths_of([(user, wanted, own if own is not None else reader.root)])[0]
+    return read_strengths(reader, [(user, wanted, own if own is not None else reader.root)])[0]
 
 
 def read_surface(reader: Reader) -> SurfaceDesign:
@@ -103,7 +104,7 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = _strength(reader, "slip", node, None)
-    water, at = reader.water(["slip"])
+    water, at = read_water(reader, ["slip"])
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
         reader.fault("E119", message, at, "Write water: {pressures: 5 kPa}.")
@@ -111,7 +112,7 @@ def read_surface(reader: Reader) -> SurfaceDesign:
         if at is not None and len(at.elements) > 1:
             reader.fault("E109", f"{len(at.elements)} water pressures given, there is one slip surface", at)
         water = Water("pressures", 0.0, water.pressures_kpa[:1])
-    common = reader.common()
+    common = read_common(reader)
     if profile is None and common["seismic"].coefficient and common["seismic"].trend_deg is None:
         message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"
         reader.fault("E122", message, reader.at("loads.seismic"), "Write seismic: {k: 0.1, toward: 90}.")
