@@ -28,6 +28,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.key_reference import PAGE, written
 from slopekit.cli import app, main
 from slopekit.design.fields import structure_of
 from slopekit.design.files import KINDS as KINDS_OF_DESIGN
@@ -329,6 +330,12 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
         if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
     ]  # fmt: skip
     assert missing == []
+
+
+def test_the_key_tables_are_those_of_the_declared_fields() -> None:
+    """`python -m benchmarks.key_reference` writes them."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert written(page) == page
 
 
 #: Groups of a result whose keys are names of the design, stages or changes.

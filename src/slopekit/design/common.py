@@ -27,12 +27,25 @@ class Water:
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
 
-    mode: Literal["dry", "full", "pressures"] = text("mode", default="dry", example="dry")
+    mode: Literal["dry", "full", "pressures"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
     fill: float = number(
-        "fill", "ratio", default=0.0, least=0.0, most=1.0, example="50 %", doc="how full the joints are"
+        "fill",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=1.0,
+        example="50 %",
+        left_out="dry",
+        doc="part of full; one of mode, fill, pressures (E198)",
     )
     pressures_kpa: tuple[float, ...] = number(
-        "pressures", "pressure", default=(), least=0.0, each=True, label="water pressure", doc="mean pressures"
+        "pressures",
+        "pressure",
+        default=(),
+        least=0.0,
+        each=True,
+        label="water pressure",
+        doc="mean pressures: one, a list, or by the names of the interfaces",
     )
     crack_fill: float | None = None
 
@@ -56,7 +69,7 @@ class Seismic:
     )
     trend_deg: float | None = number(
         "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
-        label="trend of seismic", doc="trend it acts toward",
+        label="trend of seismic", left_out="the way of the slope", doc="trend it acts toward",
     )  # fmt: skip
 
 
@@ -73,8 +86,9 @@ class Force:
         "force", "force", code="E123", coordinates=1, forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
         doc="size, or its components",
     )  # fmt: skip
-    at_m: tuple[float, float, float] | None = point("at", default=None, doc="where it acts (the centroid)")
-    block: str | None = text("block", default=None, example="B1", doc="the block it acts on")
+    at_m: tuple[float, float, float] | None = point("at", default=None, left_out="the centroid", doc="where it acts")
+    block: str | None = text("block", default=None, example="B1", left_out="the one it lies in, or the only one",
+                             doc="the block it acts on")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,18 +102,28 @@ class Bolt:
     force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt")
     toward: Line = orientation("toward", "line", example="000/10", doc="direction of its force on the block")
     acts: Literal["active", "passive"] = text("acts", default="active", doc="active or passive")
-    head_m: tuple[float, float, float] | None = point("head", default=None, doc="where its head is")
-    length_m: float | None = number(
-        "length", "length", default=None, above=0.0, code="E124", label="length of the bolt", doc="needs a head"
+    head_m: tuple[float, float, float] | None = point(
+        "head", default=None, left_out="the centroid", doc="where its head is"
     )
-    block: str | None = text("block", default=None, example="B1", doc="the block its force acts on")
+    length_m: float | None = number(
+        "length",
+        "length",
+        default=None,
+        above=0.0,
+        code="E124",
+        label="length of the bolt",
+        left_out="not known",
+        doc="needs a head (E124)",
+    )
+    block: str | None = text("block", default=None, example="B1", left_out="the one its head lies in",
+                             doc="the block its force acts on")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class HyperbolaParameters:
     """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
 
-    ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan"),)
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan", left_out="clough-duncan"),)
 
     modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E132", role="setting")
     exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E132", role="setting")
@@ -154,7 +178,8 @@ class Strength:
     )
     friction_angle_deg: float = number(
         "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="20", may_lack=True,
-        says="a friction angle lies from 0 to below 90", doc="friction angle",
+        says="a friction angle lies from 0 to below 90",
+        doc="broken numbers below 1.57 are taken for radians (E113) unless written with `deg`",
     )  # fmt: skip
     dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E117",
                                  says="it lies between 0 and the friction angle", doc="up to phi")  # fmt: skip
@@ -254,7 +279,15 @@ class Design:
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("slopekit", "text", is_required=True, example="1", doc="version of the language"),
         Field("kind", "text", is_required=True, example="wedge", doc="what the design is"),
-        Field("strength", "group", of=Strength, many="names", at_least=1, example="{joint: {c: 50 kPa, phi: 20}}"),
+        Field(
+            "strength",
+            "group",
+            of=Strength,
+            many="names",
+            at_least=1,
+            example="{joint: {c: 50 kPa, phi: 20}}",
+            left_out="required (a wedge: the paper's)",
+        ),
         Field(
             "correlation",
             "ratio",
@@ -274,10 +307,12 @@ class Design:
     unit_weight_kn_m3: float = number(
         "rock.unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
         says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
+        left_out="by the density", doc="or density (E112)",
     )  # fmt: skip
     density_kg_m3: float | None = number(
         "rock.density", "density", default=None, least=500.0, most=10000.0, code="E111", example="2600 kg/m3",
-        says=_RANGE, advice="Rock has 2000 to 3000 kg/m³.", check=_slips_of_density, doc="or unit_weight",
+        says=_RANGE, advice="Rock has 2000 to 3000 kg/m³.", check=_slips_of_density,
+        left_out="required (a footing: no weight; blocks: each its own)", doc="or unit_weight (E112)",
     )  # fmt: skip
     gravity_m_s2: float = number(
         "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE,
@@ -287,10 +322,11 @@ class Design:
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
         advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
     )  # fmt: skip
-    water: Water = group("water", Water, default=Water(), forms=(Leaf(example="dry"),))
+    water: Water = group("water", Water, default=Water(), forms=(Leaf(example="dry"),), left_out="dry",
+                         doc="`dry`, `full`, `50 %`, or by its keys")  # fmt: skip
     seismic: Seismic = number(
         "loads.seismic", "ratio", default=Seismic(), least=0.0, most=2.0, code="E122", of=Seismic, example="0.1",
-        label="seismic coefficient",
+        label="seismic coefficient", left_out="0", doc="part of gravity: `0.1`, `0.1@180`, or by its keys",
     )  # fmt: skip
     forces: tuple[Force, ...] = group(
         "loads.forces", Force, default=(), many="list", without=("block",), coordinates=2, or_measures="force",
@@ -301,19 +337,31 @@ class Design:
         forms=(Leaf(example="200 kN@000/10,passive"),),
     )  # fmt: skip
     stiffness: Stiffness = Stiffness()
-    criterion: Criterion = text("analysis.criterion", default="limit", code="E126", words=("limit", "all-pairs"),
-                                example="limit")  # fmt: skip
+    criterion: Criterion = text(
+        "analysis.criterion",
+        default="limit",
+        code="E126",
+        words=("limit", "all-pairs"),
+        left_out="limit",
+        example="limit",
+    )
     rules: tuple[Rule, ...] = text(
-        "acceptance.rules", default=(), example="[\"fos >= 1.5\"]",
+        "acceptance.rules", default=(), example='["fos >= 1.5"]',
+        doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
+        "`fos.static_bound`, `fos.all_pairs_failed`, on surfaces `fos.fellenius`, `fos.janbu`, `fos.bishop`, "
+        "`fos.all_equilibrium`",
         forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
     )  # fmt: skip
     agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",
-                                 scatters=False, role="setting", doc="part")  # fmt: skip
+                                 scatters=False, role="setting",
+                                 doc="largest relative difference of the methods")  # fmt: skip
     stop_when: float = number("analysis.stop_when", "ratio", default=1e-4, least=1e-12, most=0.1, code="E127",
-                              scatters=False, role="setting")  # fmt: skip
+                              scatters=False, role="setting",
+                              doc="change of the factor at which passes have settled")  # fmt: skip
     factors: tuple[float, ...] = number(
         "analysis.factors", "ratio", default=(), above=0.0, code="E127", many="list", scatters=False, role="setting",
         example="[1.0, 1.1, 1.2]", label="factor",
+        doc="reduction factors, at most 200: displacements and failed pairs at each",
     )  # fmt: skip
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)

@@ -59,12 +59,13 @@ class Field:
     whole : whether it counts something, `is_odd` in odd numbers; words : that may stand for it (`middle`)
     is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
     code, says, advice, check : of the fault where it is none of its values
-    example, label, doc : as it is written; in words for axes and messages; for the key reference
+    example, label : as it is written; in words for axes and messages
+    doc, left_out : what it is, and what is taken where it is left out, for the key reference
     scatters : whether a distribution may stand there; role : for studies
     turns : whether beyond its limits it is the same plane or line, written otherwise
     of, many, at_least, at_most, forms, without : a group: its record, how it repeats, other ways to write it, keys it
         lacks; `each`: a number for all, or one for each as a list or by name
-    is_attribute : of its record; else it is read into others
+    is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
     coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
     or_measures : what it measures where its unit says so
     taken : attribute that says what is taken where its own is None
@@ -89,6 +90,7 @@ class Field:
     example: str = ""
     label: str = ""
     doc: str = ""
+    left_out: str = ""
     scatters: bool = True
     role: Role = "quantity"
     turns: bool = False
@@ -100,6 +102,7 @@ class Field:
     without: tuple[str, ...] = ()
     each: bool = False
     is_attribute: bool = False
+    is_refused: bool = False
     coordinates: int = 0
     or_measures: str = ""
     taken: str = ""

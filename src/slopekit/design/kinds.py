@@ -17,11 +17,13 @@ Points = tuple[tuple[float, ...], ...]
 class VerticalCrack:
     """A vertical tension crack of a plane failure: depth or distance behind the crest, and the water in it; m."""
 
-    depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m")
-    distance_m: float | None = number("distance", "length", default=None, doc="behind the crest; below 0 in the face")
+    depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m",
+                                   left_out="by the distance")  # fmt: skip
+    distance_m: float | None = number("distance", "length", default=None, left_out="by the depth",
+                                      doc="behind the crest; below 0 in the face; both where they agree")  # fmt: skip
     water_m: float | None = number(
         "water", "length", default=None, least=0.0, code="E119", label="water in the crack",
-        doc="depth of it; dry, full",
+        doc="depth of it (`dry`, `full`); triangular there, falling to nothing at the toe",
     )  # fmt: skip
 
 
@@ -35,10 +37,10 @@ class PlaneDesign(Design):
     joint: Plane
     joint_name: str
     face: Plane = orientation("slope.face", example="60/180")
-    upper: Plane = orientation("slope.upper", default=None, example="0/180")
+    upper: Plane = orientation("slope.upper", default=None, example="0/180", left_out="level")
     height_m: float = number("slope.height", "length", above=0.0, code="E116", example="12 m")
     strength: Strength
-    crack: VerticalCrack | None = group("crack", VerticalCrack, default=None)
+    crack: VerticalCrack | None = group("crack", VerticalCrack, default=None, left_out="no crack")
     refine: int = count(
         "analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.",
     )  # fmt: skip
@@ -58,7 +60,7 @@ class FootingDesign(Design):
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("weak_plane.strength", "text", doc="a name under strength, where there are several"),
+        Field("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
     )
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
     WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
@@ -66,7 +68,8 @@ class FootingDesign(Design):
     load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
     load_at_m: float | None = number(
         "footing.at", "length", default=None, least=0.0, code="E119", words=("middle",), example="middle",
-        label="place of the load", taken="at_m", doc="from the face; middle: over the middle of the plane",
+        label="place of the load", taken="at_m", left_out="middle",
+        doc="from the face; `middle`: over the middle of the plane",
     )  # fmt: skip
     dip_deg: float = number(
         "weak_plane.dip", "angle", above=0.0, most=89.9, code="E101", example="45", label="dip of the weak plane"
@@ -103,7 +106,15 @@ class Slip:
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("radius", "length", 0.0, above=True, code="E171", doc="of a sphere or a cylinder"),
+        Field(
+            "radius",
+            "length",
+            0.0,
+            above=True,
+            code="E171",
+            left_out="required by sphere, cylinder",
+            doc="of a sphere or a cylinder",
+        ),
         Field(
             "length",
             "length",
@@ -116,20 +127,46 @@ class Slip:
         ),
     )
 
-    shape: Literal["ellipsoid", "sphere", "cylinder", "mesh"] = text("shape", default="", example="ellipsoid")
+    shape: Literal["ellipsoid", "sphere", "cylinder", "mesh"] = text(
+        "shape",
+        default="",
+        example="ellipsoid",
+        left_out="mesh where there is one",
+        doc="`ellipsoid`, `sphere`, `cylinder` (level, along y)",
+    )
     centre_m: tuple[float, float, float] = number(
         "centre", "length", default=(0.0, 0.0, 0.0), many="list", at_least=2, at_most=3, scatters=False,
-        example="[40, 0, 40]", doc="[x, y, z]; of a cylinder also [x, z]",
+        example="[40, 0, 40]", left_out="required", doc="[x, y, z]; of a cylinder also [x, z]",
     )  # fmt: skip
     radii_m: tuple[float, float, float] = number(
         "radii", "length", default=(0.0, 0.0, 0.0), above=0.0, code="E171", many="list", at_least=3, at_most=3,
-        scatters=False, example="[40, 28, 40]", label="radius", doc="of an ellipsoid",
+        scatters=False, example="[40, 28, 40]", label="radius", left_out="required by an ellipsoid",
+        doc="of an ellipsoid",
     )  # fmt: skip
-    mesh: MeshFile | None = text("mesh", default=None, example="slip.stl")
-    edge_m: float | None = number(
-        "edge", "length", default=None, above=0.0, code="E171", scatters=False, role="setting", doc="of its triangles"
+    mesh: MeshFile | None = text(
+        "mesh",
+        default=None,
+        example="slip.stl",
+        doc="instead of a shape: STL, OBJ, PLY, OFF, GLB, DXF, at most 400,000 triangles",
     )
-    normals: Literal["true", "smoothed", "facet"] = text("normals", default="true", example="true")
+    edge_m: float | None = number(
+        "edge",
+        "length",
+        default=None,
+        above=0.0,
+        code="E171",
+        scatters=False,
+        role="setting",
+        left_out="by the size",
+        doc="mean length wanted of the edges of its triangles",
+    )
+    normals: Literal["true", "smoothed", "facet"] = text(
+        "normals",
+        default="true",
+        example="true",
+        left_out="true; of a mesh smoothed",
+        doc="`true`, `smoothed`, `facet`",
+    )
 
     def in_words(self) -> str:
         """The surface as the sheet prints it."""
@@ -149,11 +186,18 @@ class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
     profile_m: Points | None = text(
-        "slope.profile", default=None, coordinates=2,
+        "slope.profile", default=None, coordinates=2, left_out="one of the two",
+        doc="[x, z] from one side to the other; level beyond its ends (W331)",
         forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[60, 0], [40, 0], [0, 40], [-20, 40]]"),),
         example="[[60, 0], [40, 0], [0, 40], [-20, 40]]",
     )  # fmt: skip
-    ground_mesh: MeshFile | None = text("slope.mesh", default=None, example="slope.stl")
+    ground_mesh: MeshFile | None = text(
+        "slope.mesh",
+        default=None,
+        example="slope.stl",
+        left_out="one of the two",
+        doc="a closed mesh file beside the design",
+    )
     slip: Slip = group("slip", Slip, example="{shape: sphere, centre: [40, 0, 40], radius: 40}")
     strength: Strength
 

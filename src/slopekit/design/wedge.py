@@ -32,13 +32,13 @@ class Joint:
 
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("plane", "plane", is_required=True, example="45/115"),
-        Field("strength", "text", doc="a name under strength, where there are several"),
+        Field("strength", "text", left_out="the only one", doc="a name under strength"),
     )
 
 
 JOINTS = Field(
     "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
-    example="{J1: {plane: 45/115}}",
+    example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
 )  # fmt: skip
 
 
@@ -47,11 +47,20 @@ class Crack:
     """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (
-        Field("water", "ratio", 0.0, 1.0, or_measures="pressure", doc="part of full, or a mean pressure with its unit"),
+        Field(
+            "water",
+            "ratio",
+            0.0,
+            1.0,
+            or_measures="pressure",
+            left_out="as the joints",
+            doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`",
+        ),
     )
 
     plane: Plane = orientation("plane", example="80/180")
-    distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m")
+    distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
+                                doc="from the crest along J1's trace")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +84,7 @@ class WedgeDesign(Design):
     friction_angle_deg: tuple[float, float]
     dilation_deg: tuple[float, float] = (0.0, 0.0)
     tension_kpa: tuple[float, float] = (0.0, 0.0)
-    crack: Crack | None = group("crack", Crack, default=None)
+    crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
     refine: int = count(
         "analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.",
     )  # fmt: skip
