@@ -12,7 +12,7 @@ from typing import Any
 
 from slopekit.design.common import Design
 from slopekit.design.document import read_document
-from slopekit.design.fields import structure_of
+from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reader import Reader
@@ -101,8 +101,15 @@ def with_values(design: Design, values: Mapping[str, object]) -> Design:
     if design.source is None:
         advice = "Give a design file, or the same as a dict: sk.load({...})."
         raise DesignError([Fault("E280", "this design has no file whose values could be changed", "", advice)])
-    document = with_overrides(design.source, tuple(values.items()))
+    # a small friction angle that a study draws is no slip of radians: it has its unit
+    given = [(path, _with_unit(design, path, value)) for path, value in values.items()]
+    document = with_overrides(design.source, given)
     return replace(design_of(document, other_values=True), source=document)
+
+
+def _with_unit(design: Design, path: str, value: object) -> object:
+    field = field_at(type(design), path) if isinstance(value, float) else None
+    return f"{value!r} deg" if field is not None and field.check is in_degrees else value
 
 
 def _kind(root: Node) -> str:

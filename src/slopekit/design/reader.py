@@ -214,8 +214,7 @@ class Reader:
 
         def read() -> float:
             found = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
-            as_given = "deg" if self.other_values else written or ""
-            return field.checked(found, name, where, f"0 {as_given}" if self.other_values else as_given, self.called)
+            return field.checked(found, name, where, written or "", self.called)
 
         found_one = self.kept(read)
         self._found[id(node)] = False if found_one is None else found_one

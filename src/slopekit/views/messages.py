@@ -1,6 +1,7 @@
 """Every message as one Markdown page, `slopekit explain --all`: the first line as the source has it, and the long text.
 
-The first lines are read from the source and from the declared fields, values as `…`, so that the page cannot fall behind the program.
+The first lines are read from the source and from the declared fields, values as `…`, so that the page cannot fall
+behind the program.
 """
 
 import ast
