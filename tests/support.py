@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from slopekit import kinds
-from slopekit.design.specs import READERS, SPECS
+from slopekit.design.files import KINDS
 
 PAPER = {"dips": ("45/115", "45/245")}
 
@@ -73,6 +73,5 @@ def _back_corner(joints: Any, face: Any, upper: Any, height: float) -> tuple[flo
 
 def forget_kinds() -> None:
     """Take the kinds from outside away again."""
-    for table in (kinds._FROM_OUTSIDE, SPECS, READERS):
-        for name in set(table) - set(kinds.MODULES):
-            del table[name]
+    for name in list(kinds._FROM_OUTSIDE):
+        del kinds._FROM_OUTSIDE[name], KINDS[name]

@@ -28,8 +28,11 @@ from typing import Any
 
 import pytest
 
+from benchmarks.key_reference import PAGE, written
 from slopekit.cli import app, main
-from slopekit.design.specs import SPECS
+from slopekit.design.fields import structure_of
+from slopekit.design.files import KINDS as KINDS_OF_DESIGN
+from slopekit.design.files import record_of
 from slopekit.design.templates import names, path_of
 from slopekit.explanations import explanations
 from tests.support import forget_kinds
@@ -325,10 +328,16 @@ def test_every_key_of_a_design_stands_on_its_page() -> None:
     sections = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
     shared = page.partition("\n## wedge\n")[0]
     missing = [
-        f"{kind}: {key}" for kind, spec in SPECS.items() for key in _keys_of(spec)
+        f"{kind}: {key}" for kind in KINDS_OF_DESIGN for key in _keys_of(structure_of(record_of(kind)))
         if not re.search(rf"[`.{{ ]{key}\b", shared + sections[kind] + sections["Distributions"] + page[-4000:])
     ]  # fmt: skip
     assert missing == []
+
+
+def test_the_key_tables_are_those_of_the_declared_fields() -> None:
+    """`python -m benchmarks.key_reference` writes them."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert written(page) == page
 
 
 #: Groups of a result whose keys are names of the design, stages or changes.

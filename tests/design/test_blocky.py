@@ -68,12 +68,12 @@ DESIGNS = {"topple": TOPPLE, "bench": BENCH, "blocks": BLOCKS}
 # code, kind, what of its file is replaced by what, the first line, the line and column it stands at
 FAULTS = [
     # columns
-    ("E139", "topple", "dip: 60", "dip: 95", "dip of the columns is 95, it lies between 0 and 90", "3:16"),
+    ("E139", "topple", "dip: 60", "dip: 95", "dip of the columns is 95°, it lies between 0 and 90", "3:16"),
     ("E139", "topple", "dip: 60", "dip: 0", "dip of the columns is 0", "3:16"),
     ("E240", "topple", "width: 10 m", "width: 0", "width is 0, it must be more than 0", "3:27"),
     ("E240", "topple", "[4, 10, 16]", "[4, -10, 16]", "height of C2 is -10, it must be more than 0", "3:46"),
     ("E240", "topple", "base_step", "thickness: 0 m, base_step", "thickness is 0, it must be", "3:66"),
-    ("E241", "topple", "base_step: 1 m", "base_step: -1 m", "base_step is -1, it lies from 0 to less", "3:66"),
+    ("E241", "topple", "base_step: 1 m", "base_step: -1 m", "base_step is -1 m, it lies from 0 to less", "3:66"),
     ("E241", "topple", "base_step: 1 m", "base_step: 4 m", "base_step is 4, it lies from 0 to less than the", "3:66"),
     ("E137", "topple", "base_step", "rows: 1.5, base_step", "rows is 1.5, it must be a whole number from 1", "3:61"),
     ("E137", "topple", "base_step", "rows: 100000, base_step", "rows is 100000, it must be a whole numb", "3:61"),

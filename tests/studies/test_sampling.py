@@ -14,6 +14,7 @@ from scipy import stats
 import slopekit as sk
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.files import with_values
+from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
 from slopekit.orientation import Line, Plane, normals
 from slopekit.studies import sampling, sources
@@ -567,7 +568,9 @@ def test_little_beyond_is_left_to_the_study() -> None:
 
 def test_nothing_of_an_orientation_is_beyond() -> None:
     steep = Variable("joints.J1.plane", Angles("plane", dist("normal", mean=85, sd=10), dist("normal", mean=0, sd=90)))
-    assert [one.share for one in shares_beyond([steep, Variable("slope.face", Fisher(Plane(80, 5), 2))], "wedge")] == [
+    assert [
+        one.share for one in shares_beyond([steep, Variable("slope.face", Fisher(Plane(80, 5), 2))], WedgeDesign)
+    ] == [
         0,
         0,
     ]

@@ -2,10 +2,14 @@
 
 import hashlib
 import json
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
-from slopekit.orientation import Line, Plane, number
+from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
+from slopekit.design.structure import Leaf, ListOf
+from slopekit.orientation import Line, Plane
+from slopekit.orientation import number as shown
 
 if TYPE_CHECKING:
     from slopekit.design.distributions import Variable
@@ -23,9 +27,26 @@ class Water:
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
 
-    mode: Literal["dry", "full", "pressures"] = "dry"
-    fill: float = 0.0
-    pressures_kpa: tuple[float, ...] = ()
+    mode: Literal["dry", "full", "pressures"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
+    fill: float = number(
+        "fill",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=1.0,
+        example="50 %",
+        left_out="dry",
+        doc="part of full; one of mode, fill, pressures (E198)",
+    )
+    pressures_kpa: tuple[float, ...] = number(
+        "pressures",
+        "pressure",
+        default=(),
+        least=0.0,
+        each=True,
+        label="water pressure",
+        doc="mean pressures: one, a list, or by the names of the interfaces",
+    )
     crack_fill: float | None = None
 
     def in_words(self) -> str:
@@ -43,8 +64,13 @@ class Water:
 class Seismic:
     """Pseudo-static coefficient, and the trend it acts toward (None: the way the block would slide)."""
 
-    coefficient: float = 0.0
-    trend_deg: float | None = None
+    coefficient: float = number(
+        "k", "ratio", default=0.0, least=0.0, most=2.0, code="E122", label="seismic coefficient", doc="parts of gravity"
+    )
+    trend_deg: float | None = number(
+        "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
+        label="trend of seismic", left_out="the way of the slope", doc="trend it acts toward",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +80,15 @@ class Force:
     `block` names the block of an assembly.
     """
 
-    components_kn: tuple[float, float, float]
-    at_m: tuple[float, float, float] | None = None
-    block: str | None = None
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("toward", "line", example="000/10", doc="trend/plunge"),)
+
+    components_kn: tuple[float, float, float] = number(
+        "force", "force", code="E123", coordinates=1, forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
+        doc="size, or its components",
+    )  # fmt: skip
+    at_m: tuple[float, float, float] | None = point("at", default=None, left_out="the centroid", doc="where it acts")
+    block: str | None = text("block", default=None, example="B1", left_out="the one it lies in, or the only one",
+                             doc="the block it acts on")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,22 +99,36 @@ class Bolt:
     reduction factor, and it pulls only if the block moves against it.
     """
 
-    force_kn: float
-    toward: Line
-    acts: Literal["active", "passive"] = "active"
-    head_m: tuple[float, float, float] | None = None
-    length_m: float | None = None
-    block: str | None = None
+    force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt")
+    toward: Line = orientation("toward", "line", example="000/10", doc="direction of its force on the block")
+    acts: Literal["active", "passive"] = text("acts", default="active", doc="active or passive")
+    head_m: tuple[float, float, float] | None = point(
+        "head", default=None, left_out="the centroid", doc="where its head is"
+    )
+    length_m: float | None = number(
+        "length",
+        "length",
+        default=None,
+        above=0.0,
+        code="E124",
+        label="length of the bolt",
+        left_out="not known",
+        doc="needs a head (E124)",
+    )
+    block: str | None = text("block", default=None, example="B1", left_out="the one its head lies in",
+                             doc="the block its force acts on")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class HyperbolaParameters:
     """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
 
-    modulus_number: float = 4800.0
-    exponent: float = 0.56
-    failure_ratio: float = 0.74
-    friction_angle_deg: float = 36.0
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("law", "text", example="clough-duncan", left_out="clough-duncan"),)
+
+    modulus_number: float = number("k1", "ratio", default=4800.0, above=0.0, code="E132", role="setting")
+    exponent: float = number("n", "ratio", default=0.56, least=0.0, most=2.0, code="E132", role="setting")
+    failure_ratio: float = number("Rf", "ratio", default=0.74, least=0.0, most=1.0, code="E132", role="setting")
+    friction_angle_deg: float = number("phi", "angle", default=36.0, above=0.0, below=90.0, code="E132", role="setting")
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +138,14 @@ class Stiffness:
     `shear_kn_m3` is a constant, or None for Clough and Duncan's hyperbola with `hyperbola`.
     """
 
-    normal_kn_m3: float = 1.0e7
-    shear_kn_m3: float | None = None
+    normal_kn_m3: float = number(
+        "normal", "stiffness", default=1.0e7, above=0.0, code="E132", example="1e7", role="setting",
+        label="normal_stiffness",
+    )  # fmt: skip
+    shear_kn_m3: float | None = number(
+        "shear", "stiffness", default=None, above=0.0, code="E132", words=("clough-duncan",), of=HyperbolaParameters,
+        example="clough-duncan", role="setting", label="shear_stiffness",
+    )  # fmt: skip
     hyperbola: HyperbolaParameters = HyperbolaParameters()
 
     def in_words(self) -> str:
@@ -112,10 +164,29 @@ class Stiffness:
 class Strength:
     """Mohr-Coulomb strength of an interface: kPa and degrees, at full strength."""
 
-    cohesion_kpa: float
-    friction_angle_deg: float
-    dilation_deg: float = 0.0
-    tension_kpa: float = 0.0
+    ALSO: ClassVar[tuple[Field, ...]] = (Field("stiffness", "group", of=Stiffness),)
+
+    cohesion_kpa: float = number(
+        "c",
+        "pressure",
+        least=0.0,
+        code="E114",
+        says="cohesion is never negative",
+        example="50 kPa",
+        may_lack=True,
+        doc="cohesion",
+    )
+    friction_angle_deg: float = number(
+        "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="20", may_lack=True,
+        says="a friction angle lies from 0 to below 90",
+        doc="broken numbers below 1.57 are taken for radians (E113) unless written with `deg`",
+    )  # fmt: skip
+    dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E117",
+                                 says="it lies between 0 and the friction angle", doc="up to phi")  # fmt: skip
+    tension_kpa: float = number(
+        "tension", "pressure", default=0.0, least=0.0, code="E114", says="a strength is never negative",
+        doc="tensile strength; not in the limit (W329)",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +220,37 @@ class Rule:
         return found < self.value or (self.relation == "<=" and found == self.value)
 
     def __str__(self) -> str:
-        return f"{self.name} {self.relation} {number(self.value)}"
+        return f"{self.name} {self.relation} {shown(self.value)}"
+
+
+_RANGE = "out of range ({least} to {most})"
+
+
+def _slips_of_unit_weight(
+    value: float, name: str, written: str, called: Callable[[str], str]
+) -> tuple[str, str, str] | None:
+    """E110 with the likely slip of units."""
+    message = f"{name} is {shown(value)} kN/m³, out of range (5 to 400)"
+    if 500.0 <= value <= 10000.0:
+        return "E110", message, f"{shown(value)} looks like a density: write {called('rock.density')} {shown(value)}."
+    if 10000.0 < value <= 50000.0:
+        return "E110", message, f"{shown(value)} looks like N/m³: write '{shown(value)} N/m3'."
+    if 0.5 <= value < 5.0:
+        return "E110", message, f"{shown(value)} looks like t/m³: write {called('rock.density')} '{shown(value)} t/m3'."
+    return None
+
+
+def _slips_of_density(
+    value: float, name: str, written: str, called: Callable[[str], str]
+) -> tuple[str, str, str] | None:
+    """E111 with the likely slip of units."""
+    message = f"{name} is {shown(value)} kg/m³, out of range (500 to 10000)"
+    if 0.5 <= value <= 10.0:
+        return "E111", message, f"{shown(value)} looks like t/m³: write '{shown(value)} t/m3'."
+    if 10.0 < value <= 60.0:
+        other = called("rock.unit_weight")
+        return "E111", message, f"{shown(value)} looks like a unit weight: write {other} {shown(value)}."
+    return None
 
 
 _OF_STUDIES = ("variables", "correlation", "source")
@@ -171,27 +272,108 @@ class Design:
     source : the document it was read from, which studies read again with other values; None where it was not
     """
 
-    title: str = ""
-    unit_weight_kn_m3: float
-    density_kg_m3: float | None = None
-    gravity_m_s2: float = 9.81
-    water_unit_weight_kn_m3: float = 9.81
-    water: Water = Water()
-    seismic: Seismic = Seismic()
-    forces: tuple[Force, ...] = ()
-    bolts: tuple[Bolt, ...] = ()
+    #: Whether water may be said as a part of full.
+    FILLS: ClassVar[bool] = False
+    #: Beside the attributes: keys that are read into several, top keys that must be there, and those that are not;
+    #: what a design takes where they are left out, which the sheet says.
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("slopekit", "text", is_required=True, example="1", doc="version of the language"),
+        Field("kind", "text", is_required=True, example="wedge", doc="what the design is"),
+        Field(
+            "strength",
+            "group",
+            of=Strength,
+            many="names",
+            at_least=1,
+            example="{joint: {c: 50 kPa, phi: 20}}",
+            left_out="required (a wedge: the paper's)",
+        ),
+        Field(
+            "correlation",
+            "ratio",
+            -1.0,
+            1.0,
+            many="pairs",
+            scatters=False,
+            role="scatter",
+            example="{J1.phi/J2.phi: 0.8}",
+        ),
+    )
+    REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
+    WITHOUT: ClassVar[tuple[str, ...]] = ()
+    DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+
+    title: str = text("title", default="", doc="text")
+    unit_weight_kn_m3: float = number(
+        "rock.unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
+        says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
+        left_out="by the density", doc="or density (E112)",
+    )  # fmt: skip
+    density_kg_m3: float | None = number(
+        "rock.density", "density", default=None, least=500.0, most=10000.0, code="E111", example="2600 kg/m3",
+        says=_RANGE, advice="Rock has 2000 to 3000 kg/m³.", check=_slips_of_density,
+        left_out="required (a footing: no weight; blocks: each its own)", doc="or unit_weight (E112)",
+    )  # fmt: skip
+    gravity_m_s2: float = number(
+        "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE,
+        advice="9.81 m/s² is Earth's.",
+    )  # fmt: skip
+    water_unit_weight_kn_m3: float = number(
+        "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
+        advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
+    )  # fmt: skip
+    water: Water = group("water", Water, default=Water(), forms=(Leaf(example="dry"),), left_out="dry",
+                         doc="`dry`, `full`, `50 %`, or by its keys")  # fmt: skip
+    seismic: Seismic = number(
+        "loads.seismic", "ratio", default=Seismic(), least=0.0, most=2.0, code="E122", of=Seismic, example="0.1",
+        label="seismic coefficient", left_out="0", doc="part of gravity: `0.1`, `0.1@180`, or by its keys",
+    )  # fmt: skip
+    forces: tuple[Force, ...] = group(
+        "loads.forces", Force, default=(), many="list", without=("block",), coordinates=2, or_measures="force",
+        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
+    )  # fmt: skip
+    bolts: tuple[Bolt, ...] = group(
+        "support.bolts", Bolt, default=(), many="list", without=("block",),
+        forms=(Leaf(example="200 kN@000/10,passive"),),
+    )  # fmt: skip
     stiffness: Stiffness = Stiffness()
-    criterion: Criterion = "limit"
-    rules: tuple[Rule, ...] = ()
-    agree_within: float = 0.01
-    stop_when: float = 1e-4
-    factors: tuple[float, ...] = ()
+    criterion: Criterion = text(
+        "analysis.criterion",
+        default="limit",
+        code="E126",
+        words=("limit", "all-pairs"),
+        left_out="limit",
+        example="limit",
+    )
+    rules: tuple[Rule, ...] = text(
+        "acceptance.rules", default=(), example='["fos >= 1.5"]',
+        doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
+        "`fos.static_bound`, `fos.all_pairs_failed`, on surfaces `fos.fellenius`, `fos.janbu`, `fos.bishop`, "
+        "`fos.all_equilibrium`",
+        forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
+    )  # fmt: skip
+    agree_within: float = number("analysis.agree_within", "ratio", default=0.01, above=0.0, below=1.0, code="E127",
+                                 scatters=False, role="setting",
+                                 doc="largest relative difference of the methods")  # fmt: skip
+    stop_when: float = number("analysis.stop_when", "ratio", default=1e-4, least=1e-12, most=0.1, code="E127",
+                              scatters=False, role="setting",
+                              doc="change of the factor at which passes have settled")  # fmt: skip
+    factors: tuple[float, ...] = number(
+        "analysis.factors", "ratio", default=(), above=0.0, code="E127", many="list", scatters=False, role="setting",
+        example="[1.0, 1.1, 1.2]", label="factor",
+        doc="reduction factors, at most 200: displacements and failed pairs at each",
+    )  # fmt: skip
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
     variables: "tuple[Variable, ...]" = field(default=(), compare=False)
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The interfaces that may have a water pressure of their own, by the names of the file."""
+        return ()
 
     @property
     def kind(self) -> str:

@@ -26,7 +26,7 @@ NO_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something was written; `line` 0 is a value from `--set` or from Python.
+    """Where something was written; `line` 0 is a value from `--set` or from Python, without a file one of a call.
 
     >>> print(Place("north-wall.yaml", 6, 8, "J1: {plane: 95/115, strength: weak}"))
     north-wall.yaml:6:8  J1: {plane: 95/115, strength: weak}
@@ -40,6 +40,8 @@ class Place:
     source: str
 
     def __str__(self) -> str:
+        if not self.file:
+            return self.source
         if self.line:
             return f"{self.file}:{self.line}:{self.column}  {self.source}".rstrip()
         return f"{self.file}{' ' if self.is_set else ': '}{self.source}"
@@ -105,11 +107,19 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A design as it was written: its tree, its name, and its file where it came from one."""
+    """A design as it was written: its tree, its name, and its file where it came from one.
+
+    `option` names a key of a call as its caller wrote it (`--unit-weight`); in a file keys go by their paths.
+    """
 
     root: Node
     name: str
     path: Path | None = None
+    option: Callable[[str], str] | None = None
+
+    def called(self, path: str) -> str:
+        """How the key of a path is called where the design was written."""
+        return path if self.option is None else self.option(path.rpartition(".")[2])
 
 
 def document_from(mapping: Mapping[str, Any], name: str = "design") -> Document:

@@ -1,364 +1,349 @@
-"""Reading inputs one key after the other, collecting every fault: what the kinds of design share."""
+"""From the tree of a design to the values of its fields: each read once, all faults collected with their places."""
 
-import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from slopekit.design import words
-from slopekit.design.common import Criterion, HyperbolaParameters, Seismic, Stiffness, Strength
+from slopekit.design.common import Design, Strength
+from slopekit.design.fields import Field, field_at, fields_of
+from slopekit.design.nodes import Document, Node, as_text
+from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, number, parse_plane
+from slopekit.orientation import Plane, parse_plane
 from slopekit.units import is_unit_of, quantity, unit_of
 
+if TYPE_CHECKING:
+    from slopekit.design.common import Pair
+    from slopekit.design.correlation import Named
+    from slopekit.design.distributions import Variable
+
 T = TypeVar("T")
-#: What every kind of design takes.
-COMMON_KEYS = (
-    "title", "density", "unit_weight", "water", "seismic", "forces", "bolts", "normal_stiffness", "shear_stiffness",
-    "criterion", "accept", "agree_within", "stop_when", "gravity", "water_unit_weight", "factors", "assumed",
-    "left_out",
+D = TypeVar("D", bound=Design)
+_BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
+_LARGEST = 1e18
+_DRAWN = (
+    "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
-_MAX_REFINE = 6
-_IN_DEGREES = re.compile(r"\d\s*(deg|°)")
-_MOST_FACTORS = 200
-
-
-class Spelling(Protocol):
-    """How the inputs are called where the user wrote them, and where they stand."""
-
-    def key(self, name: str) -> str:
-        """The name of an input in the user's words: `--unit-weight`, `rock.unit_weight`."""
-        ...
-
-    def where(self, name: str, value: object, index: int | None = None) -> str:
-        """Where a value stands; `index` counts the values of an input that has several."""
-        ...
-
-
-class CallSpelling:
-    """Inputs of a call (or of the command line): `--height 10`."""
-
-    def __init__(self, option: Callable[[str], str]) -> None:
-        self.option = option
-
-    def key(self, name: str) -> str:
-        """The option's name."""
-        return self.option(name)
-
-    def where(self, name: str, value: object, index: int | None = None) -> str:
-        """The option with its value."""
-        return f"{self.option(name)} {words.shown(value)}"
+_STRENGTH_KEYS = ("c", "phi", "dilation", "tension")
+_MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
 
 
 class Reader:
-    """Collects faults while it reads one key after the other."""
+    """Reads the fields of a design from its document, and collects the faults of all.
+
+    What is missing or wrong comes back as None; a fault stands for each.
+
+    Parameters
+    ----------
+    record : the dataclass of the design
+    wrong : what the structure of the document has already been found wrong in
+    other_values : whether values were put over those of a sound design
+    """
 
     def __init__(
-        self, given: Mapping[str, Any], spelling: Spelling, kind: str, known: Sequence[str], standard: Mapping[str, Any]
+        self, document: Document, record: type[Design], wrong: Sequence[Fault] = (), other_values: bool = False
     ) -> None:
-        self.given = {
-            key: value.tolist() if hasattr(value, "tolist") else value
-            for key, value in given.items() if value is not None
-        }  # fmt: skip
-        self.spelling = spelling
-        self.standard = standard
+        self.document, self.root, self.record, self.other_values = document, document.root, record, other_values
+        self.kind = record.__name__.removesuffix("Design").lower()
+        self.wrong = tuple(wrong)
+        self.misshapen = frozenset(fault.where for fault in wrong if fault.code in ("E144", "E145", "E164"))
         self.faults: list[Fault] = []
+        self.variables: dict[str, Variable] = {}
+        self.left_out: list[str] = []
         self.defaults: list[str] = []
-        for key in self.given:
-            if key not in known and key not in COMMON_KEYS:
-                near = get_close_matches(key, (*known, *COMMON_KEYS), n=1)
-                advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join((*known, *COMMON_KEYS))}."
-                self.faults.append(Fault("E128", f"{key} is not an input of a {kind}", key, advice))
+        self.guesses = 0
+        self._found: dict[int, Any] = {}
 
-    # -- the frame: read one key, keep its faults -------------------------------------------------
+    # -- the tree -----------------------------------------------------------------------------------------------------
 
-    def where(self, key: str, value: object, index: int | None = None) -> str:
-        return self.spelling.where(key, value, index)
+    def at(self, path: str) -> Node | None:
+        """The node of a dotted path."""
+        return _below(self.root, path)
 
-    def read(self, key: str, convert: Callable[[Any, str], T]) -> T | None:
-        """The converted value of a key, or None where it is not given or faulty."""
-        if key not in self.given:
-            return None
-        value = self.given[key]
+    def names(self, path: str) -> list[tuple[str, Node]]:
+        """What stands under names of the user's, where each is a group of keys."""
+        node = self.at(path)
+        return [] if node is None else [(name, below) for name, below in node.items() if below.is_mapping]
+
+    def called(self, path: str) -> str:
+        """How a path is called where the design was written: itself, or `--unit-weight`."""
+        return self.document.called(path)
+
+    def fault(self, code: str, message: str, node: Node | None, advice: str = "") -> None:
+        """Keep a fault of a value."""
+        self.faults.append(Fault(code, message, str((node or self.root).place), advice))
+
+    def kept(self, read: Callable[[], T]) -> T | None:
+        """What a reading function returns; its faults are kept, and None returned, where it raises them."""
         try:
-            return convert(value, self.where(key, value))
+            return read()
         except DesignError as error:
             self.faults += error.faults
             return None
 
-    def many(self, key: str, convert: Callable[[Any, str], T], may_be_point: bool = False) -> tuple[T, ...]:
-        """A list of things, each with its own faults; one thing alone (maybe a point) counts as a list of one."""
-        values = self.given.get(key, ())
-        if (
-            isinstance(values, str | dict)
-            or (may_be_point and words.is_point(values))
-            or not isinstance(values, Sequence)
-        ):
-            values = [values]
+    def nearest(self, name: str, known: Collection[str]) -> str:
+        """An advice for a name that is not known."""
+        self.guesses += 1
+        near = get_close_matches(name, known, n=1) if self.guesses <= _MOST_GUESSES else []
+        if near:
+            return f"Did you mean {near[0]}?"
+        first = list(known)[:8]
+        return f"There are: {', '.join(first)}{', …' if len(known) > len(first) else ''}." if first else ""
+
+    def is_sound(self, node: Node) -> bool:
+        """Whether a value and all in it have the shape they need."""
+        if not self.misshapen:
+            return True
+        parts = node.elements or tuple(below for _, below in node.items())
+        own = {str(node.place), str(node.key_place)}
+        return self.misshapen.isdisjoint(own) and all(self.is_sound(part) for part in parts)
+
+    def value(self, node: Node) -> Any:
+        """What a node says, numbers as numbers, distributions by the value a single run takes; None: misshapen."""
+        if not self.is_sound(node):
+            return None
+        if is_distribution(node) or has_angles(node):
+            return self.centre(node)
+        if node.is_mapping:
+            return {key: self.value(below) for key, below in node.items()}
+        if node.elements or isinstance(node.value, list):
+            return [self.value(below) for below in node.elements]
+        written = node.text
+        return float(written) if written is not None and _BARE_NUMBER.match(written) else written
+
+    def centre(self, node: Node) -> Any:
+        """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
+        from slopekit.design import distributions  # only where a value scatters
+
+        of = orientation_kind(node)
+        found: distributions.Scatter
+        try:
+            if of is None:
+                field = field_at(self.record, node.path)
+                measures = "ratio" if field is None else field.measures
+                found = distributions.read_distribution(node, measures, node.path)
+            elif is_distribution(node):
+                found = distributions.read_orientation(node, node.path, of)
+            else:
+                found = distributions.read_angles(node, node.path, of)
+        except DesignError as error:
+            self.faults += error.faults
+            return None
+        variable = distributions.Variable(node.path, found, str(node.place))
+        if variable.coordinates and node.path not in self.variables:
+            self.variables[node.path] = variable
+        return found.centre if isinstance(found, distributions.Distribution) else as_text(found.centre)
+
+    # -- fields -------------------------------------------------------------------------------------------------------
+
+    def fields(
+        self, record: Any, holder: Node | None = None, owner: str = "", only: Iterable[str] = ()
+    ) -> dict[str, Any]:
+        """The values of a record's own fields by attribute: numbers, planes, points, texts; defaults where none stands.
+
+        Parameters
+        ----------
+        holder : the node of the record, None for the whole design
+        owner : the user's name for it, for messages: spacing of S1
+        only : attributes, where not all
+        """
+        wanted = tuple(only)
+        shared = fields_of(Design) if record is not Design and issubclass(record, Design) else {}
+        found = {}
+        for name, field in fields_of(record).items():
+            if field.measures == "group" or field.of is not None or field.each or (wanted and name not in wanted):
+                continue
+            if not field.is_attribute or shared.get(name) is field:
+                continue
+            found[name] = self.field(field, _below(holder or self.root, field.path), owner)
+        return found
+
+    def field(self, field: Field, node: Node | None, owner: str = "") -> Any:
+        """The value of one field where `node` gives it, else its default."""
+        if node is None or node.value is None or node.text in field.words:
+            if field.measures == "text" and node is not None and node.text is not None:
+                return node.text
+            if "." in field.path and field.key in self.record.DEFAULTS and (node is None or node.value is None):
+                return self.default(field.key, self.record.DEFAULTS[field.key])
+            return field.default
+        if field.many:
+            parts = node.elements if isinstance(node.value, list) else (node,)
+            each = [
+                self.number(field, part, field.in_words.format(k=k))
+                for k, part in enumerate(parts, 1) if self.is_sound(part)
+            ]  # fmt: skip
+            return tuple(value for value in each if value is not None)
+        if field.is_number:
+            return self.number(field, node, f"{field.in_words} of {owner}" if owner else field.in_words)
+        value = self.value(node)
+        if value is None:
+            return None
+        if field.measures == "plane":
+            return self.plane(node, owner or field.in_words)
+        if field.measures == "line":
+            return self.kept(lambda: words.line_of_words(value, owner or field.in_words, field.code, str(node.place)))
+        if field.measures == "point":
+            return self.kept(lambda: words.point(value, field.in_words, str(node.place)))
+        return self.word(field, node)
+
+    def default(self, key: str, value: T) -> T:
+        """What is taken where a key is left out; the sheet says so."""
+        self.defaults.append(key)
+        return value
+
+    def number(self, field: Field, node: Node, name: str = "") -> float | None:
+        """A number with a unit, between the limits of its field."""
+        written, name = node.text, name or field.in_words
+        if written is not None and _BARE_NUMBER.match(written) and not self.misshapen:
+            found = float(written)  # most numbers of ten thousand blocks are this
+            if abs(found) <= _LARGEST and field.takes(found) and field.check is None:
+                return int(found) if field.whole else found
+        value = self.value(node)
+        if value is None:
+            return None
+        if is_distribution(node):
+            mean = node.get("mean")
+            written = mean.text if mean is not None else None
+        where = str(node.place)
+        known = self._found.get(id(node))
+        if known is not None:
+            return None if known is False else float(known)  # one value of several interfaces is judged once
+
+        def read() -> float:
+            found = quantity(_other_kind(value, field, name, where, self.called), field.measures, name, where)
+            return field.checked(found, name, where, written or "", self.called)
+
+        found_one = self.kept(read)
+        self._found[id(node)] = False if found_one is None else found_one
+        return int(found_one) if field.whole and found_one is not None else found_one
+
+    def plane(self, node: Node, name: str) -> Plane | None:
+        """An orientation as a plane."""
+        value = node.text if node.text is not None and self.is_sound(node) else self.value(node)
+        return None if value is None else self.kept(lambda: parse_plane(value, name, str(node.place)))
+
+    def word(self, field: Field, node: Node) -> str | None:
+        """A text; one of the words that the field knows."""
+        written = node.text
+        if written is None or not field.words:
+            return written
+        if written.lower() not in field.words:
+            known = " or ".join(field.words)
+            self.fault(
+                field.code, f"{field.in_words} is {written!r}, it is {known}", node, _did_you_mean(written, field.words)
+            )
+            return None
+        return written.lower()
+
+    def items(self, path: str) -> tuple[Node, ...]:
+        """The items of a list; one thing alone counts as a list of one."""
+        node = self.at(path)
+        if node is None or node.value is None:
+            return ()
+        return node.elements if isinstance(node.value, list) else (node,)
+
+    def many(self, path: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+        """A list of things in words of their own, each with its faults."""
         found = []
-        for k, value in enumerate(values):
-            try:
-                found.append(convert(value, self.where(key, value, k)))
-            except DesignError as error:
-                self.faults += error.faults
+        for item in self.items(path):
+            value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
+            if value is None:
+                continue
+            made = self.kept(lambda value=value, item=item: read(value, str(item.place)))  # type: ignore[misc]
+            if made is not None:
+                found.append(made)
         return tuple(found)
 
-    def default(self, key: str) -> Any:
-        """The value that a left-out input takes, or None with a fault where it has to be given."""
-        if key in self.standard:
-            self.defaults.append(key)
-            return self.standard[key]
-        name = self.spelling.key(key)
-        self.faults.append(Fault("E143", f"{name} is missing", self.spelling.where(key, ""), f"Give {name}."))
-        return None
+    def made(self, record: type[D], *values: Mapping[str, Any], **more: Any) -> D:
+        """The design of these values.
 
-    def common(self) -> dict[str, Any]:
-        """The inputs that every kind of design has, as arguments of `Design`; call it after the kind's own."""
-        gravity = self.ranged("gravity", "acceleration", "E130", 9.81, (1.0, 25.0), "m/s²", "9.81 m/s² is Earth's.")
-        unit_weight, density = self.weight(gravity)
-        seismic = self.read("seismic", words.seismic) or Seismic()
-        if seismic.coefficient and seismic.trend_deg is None:
-            self.defaults.append("seismic.trend")
-        forces = self.many("forces", words.force, may_be_point=True)
-        bolts = self.many("bolts", words.bolt)
-        stiffness = self.stiffness()
-        criterion = self.read("criterion", self.criterion) or "limit"
-        rules = self.many("accept", words.rule)
-        agree = self.read("agree_within", self.agree_within) or 0.01
-        stop = self.read("stop_when", self.stop_when) or 1e-4
-        water_unit_weight = self.ranged(
-            "water_unit_weight",
-            "unit weight",
-            "E110",
-            9.81,
-            (5.0, 15.0),
-            "kN/m³",
-            "Water weighs 9.81 kN/m³ (62.4 pcf).",
-        )
-        return {
-            "title": str(self.given.get("title", "")), "unit_weight_kn_m3": unit_weight, "density_kg_m3": density,
-            "gravity_m_s2": gravity, "water_unit_weight_kn_m3": water_unit_weight, "seismic": seismic,
-            "forces": forces, "bolts": bolts, "stiffness": stiffness, "criterion": criterion, "rules": rules,
-            "agree_within": agree, "stop_when": stop, "factors": self.factors(),
-            "assumed": tuple(self.given.get("assumed", ())), "left_out": tuple(self.given.get("left_out", ())),
-            "defaults": tuple(self.defaults),
-        }  # fmt: skip
+        Raises
+        ------
+        DesignError
+            With every fault found.
+        """
+        correlation = self.correlation()
+        if self.faults or self.wrong:
+            raise DesignError(self.faults)
+        given: dict[str, Any] = {}
+        for part in (*values, more):
+            given |= part
+        variables = sorted(self.variables.values(), key=_drawn_order)
+        return record(
+            **given, left_out=tuple(self.left_out), defaults=tuple(self.defaults), variables=tuple(variables),
+            assumed=tuple(pair for variable in variables for pair in variable.assumed()), correlation=correlation,
+        )  # fmt: skip
 
-    def ranged(
-        self, key: str, kind: str, code: str, default: float, within: tuple[float, float], unit: str, advice: str
-    ) -> float:
-        """A quantity that hardly varies: far from its value it is a slip of units."""
-        found = self.positive(key, kind, code, default)
-        if found is not None and not within[0] <= found <= within[1]:
-            message = f"{key} is {number(found)} {unit}, out of range ({number(within[0])} to {number(within[1])})"
-            self.faults.append(Fault(code, message, self.where(key, self.given.get(key)), advice))
-        return found or default
+    # -- what scatters together ---------------------------------------------------------------------------------------
 
-    def factors(self) -> tuple[float, ...]:
-        """Strength reduction factors of the series, sorted."""
-        found = self.many("factors", lambda value, where: words.above_zero(value, "ratio", "factor", "E127", where))
-        if len(found) > _MOST_FACTORS:
-            message = f"{len(found)} factors are too many for one series (most: {_MOST_FACTORS})"
-            self.faults.append(Fault("E127", message, self.spelling.where("factors", "")))
-        return tuple(sorted(set(found)))
+    def correlation(self) -> "tuple[Pair, ...]":
+        """The correlation between what scatters, by its coordinates; what is wrong with it becomes faults."""
+        node = self.at("correlation")
+        if node is None or not node.is_mapping:
+            return ()
+        from slopekit.design.correlation import check_correlation
 
-    def strength(self) -> Strength | None:
-        """The one strength of a design with one interface."""
-        at = {key: self.where(key, self.given.get(key)) for key in ("c", "phi", "dilation", "tension")}
-        cohesion = self.one("c", "pressure", self.check_cohesion)
-        friction = self.one("phi", "angle", self.check_friction)
-        dilation = self.one("dilation", "angle", None) if "dilation" in self.given else 0.0
-        tension = self.one("tension", "pressure", self.check_tension) if "tension" in self.given else 0.0
-        if friction is not None and dilation is not None and not 0.0 <= dilation <= friction:
-            message = f"dilation is {number(dilation)}°, it lies between 0 and the friction angle {number(friction)}°"
-            self.faults.append(Fault("E117", message, at["dilation"]))
-        if cohesion is None or friction is None or dilation is None or tension is None:
-            return None
-        return Strength(cohesion, friction, dilation, tension)
+        names = self.short_names()
+        if self.other_values:
+            kept = {key: below for key, below in node.items() if all(part.strip() in names for part in key.split("/"))}
+            node = replace(node, value=kept)
+        pairs, faults = check_correlation(node, names)
+        self.faults += faults
+        return pairs
 
-    def one(self, key: str, kind: str, check: Callable[[float, str, str], None] | None) -> float | None:
-        """One number."""
-        if key not in self.given:
-            value: float | None = self.default(key)
-            return value
+    def short_names(self) -> "dict[str, Named]":
+        """What a correlation may name: paths, and `J1.phi` for the φ of J1's strength."""
+        names: dict[str, Named] = {}
+        for path, variable in self.variables.items():
+            names[path] = path if variable.of is None else variable
+            names |= {angle: angle for angle in variable.angles if angle}
+        joints = self.at("joints") or self.at("sets")
+        only = self.only_strength()
+        for joint, below in joints.items() if joints is not None else ():
+            strength = below.get("strength")
+            name = strength.text if strength is not None else only
+            for field in fields_of(Strength).values():
+                if (own := f"strength.{name}.{field.path}") in self.variables:
+                    names[f"{joint}.{field.path}"] = own
+        for group in ("joints.", "strength.", "sets."):
+            names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
+        return names
 
-        def convert(value: Any, where: str) -> float:
-            found = quantity(value, kind, key, where)
-            if check is not None:
-                check(found, key, where)
-            return found
+    def only_strength(self) -> str | None:
+        """The name of the strength where there is one alone."""
+        node = self.at("strength")
+        names = [name for name, _ in node.items()] if node is not None else []
+        return names[0] if len(names) == 1 else None
 
-        return self.read(key, convert)
 
-    # -- orientations and sizes -------------------------------------------------------------------
+def _below(node: Node | None, path: str) -> Node | None:
+    for part in path.split("."):
+        node = node.get(part) if node is not None else None
+    return node
 
-    def plane(self, key: str) -> Plane | None:
-        if key not in self.given:
-            plane: Plane | None = self.default(key)
-            return plane
-        return self.read(key, lambda value, where: parse_plane(value, key, where))
 
-    def positive(self, key: str, kind: str, code: str, default: float | None = None) -> float | None:
-        if key not in self.given:
-            found: float | None = default if default is not None else self.default(key)
-            return found
-        return self.read(key, lambda value, where: words.above_zero(value, kind, key, code, where))
+def _drawn_order(variable: "Variable") -> tuple[int, int]:
+    """Where a variable stands among those that a study draws: a seed gives the same samples as ever."""
+    parts = variable.path.split(".")
+    top = ".".join(parts[:2]) if parts[0] == "loads" else parts[0]
+    key = _STRENGTH_KEYS.index(parts[2]) if top == "strength" and parts[2] in _STRENGTH_KEYS else 0
+    return (_DRAWN.index(top) if top in _DRAWN else len(_DRAWN)), key
 
-    def refine(self, value: object, where: str) -> int:
-        level = quantity(value, "ratio", "refine", where)
-        if level != int(level) or not 0 <= level <= _MAX_REFINE:
-            message = f"refine is {number(level)}, it must be a whole number from 0 to {_MAX_REFINE}"
-            raise DesignError([Fault("E131", message, where, "Each step makes four triangles of one.")])
-        return int(level)
 
-    # -- strength and weight ----------------------------------------------------------------------
+def _did_you_mean(name: str, known: Collection[str]) -> str:
+    near = get_close_matches(name, known, n=1)
+    return f"Did you mean {near[0]}?" if near else ""
 
-    def pair(self, key: str, kind: str, check: Callable[[float, str, str], None] | None) -> tuple[float, float] | None:
-        """One value for both joints, or one for each."""
-        if key not in self.given:
-            values: tuple[float, float] | None = self.default(key)
-            return values
-        value = self.given[key]
-        parts: Sequence[Any]
-        if isinstance(value, str):
-            parts = re.split(r"\s*,\s*", value.strip())
-        elif isinstance(value, Sequence):
-            parts = value
-        else:
-            parts = [value]
-        if len(parts) == 1:
-            parts = [parts[0], parts[0]]
-        if len(parts) != 2:
-            message = f"{key} has {len(parts)} values, a wedge has two joints: give one value or two"
-            self.faults.append(Fault("E109", message, self.where(key, value)))
-            return None
-        numbers: list[float] = []
-        seen: set[str] = set()
-        for k, part in enumerate(parts, 1):
-            name, where = f"{key} of J{k}", self.where(key, value, k - 1)
-            try:
-                numbers.append(quantity(part, kind, name, where))
-                if check is not None and not (k == 2 and parts[0] == parts[1] and seen):
-                    check(numbers[-1], name, where)
-            except DesignError as error:
-                if not (k == 2 and parts[0] == parts[1] and seen):
-                    self.faults += error.faults
-                seen.update(error.codes)
-        return (numbers[0], numbers[1]) if len(numbers) == 2 else None
 
-    @staticmethod
-    def check_cohesion(value: float, name: str, where: str) -> None:
-        if value < 0.0:
-            raise DesignError([Fault("E114", f"{name} is {number(value)} kPa, cohesion is never negative", where)])
-
-    @staticmethod
-    def check_tension(value: float, name: str, where: str) -> None:
-        if value < 0.0:
-            raise DesignError([Fault("E114", f"{name} is {number(value)} kPa, a strength is never negative", where)])
-
-    @staticmethod
-    def check_friction(value: float, name: str, where: str) -> None:
-        # the place shows the value as it is written: who writes deg means degrees
-        if 0.0 < value < math.pi / 2 and value != int(value) and not _IN_DEGREES.search(where):
-            message = f"{name} is {number(value)}°, that looks like radians"
-            advice = (
-                f"{number(value)} rad is {math.degrees(value):.1f}°; write {number(value)} deg if degrees are meant."
-            )
-            raise DesignError([Fault("E113", message, where, advice)])
-        if not 0.0 <= value < 90.0:
-            message = f"{name} is {number(value)}°, a friction angle lies from 0 to below 90"
-            raise DesignError([Fault("E115", message, where)])
-
-    def check_dilation(self, dilation: tuple[float, float] | None, friction: tuple[float, float] | None) -> None:
-        for k, (psi, phi) in enumerate(zip(dilation or (), friction or (), strict=False), 1):
-            if not 0.0 <= psi <= phi:
-                message = f"dilation of J{k} is {number(psi)}°, it lies between 0 and the friction angle {number(phi)}°"
-                self.faults.append(Fault("E117", message, self.where("dilation", self.given.get("dilation"))))
-
-    def weight(self, gravity: float) -> tuple[float | None, float | None]:
-        """Unit weight (kN/m³) and, where that was given, the density (kg/m³)."""
-        if "unit_weight" in self.given and "density" in self.given:
-            where = ", ".join(self.where(key, self.given[key]) for key in ("density", "unit_weight"))
-            self.faults.append(Fault("E112", "density and unit weight are both given", where, "Give one of the two."))
-            return None, None
-        if "unit_weight" in self.given:
-            return self.read("unit_weight", self.unit_weight), None
-        if "density" not in self.given:
-            default: float | None = self.default("density")
-            return (None, None) if default is None else (default * gravity / 1e3, default)
-        density = self.read("density", self.density)
-        return (None if density is None else density * gravity / 1e3), density
-
-    def unit_weight(self, value: object, where: str) -> float:
-        if is_unit_of(unit_of(value), "density"):
-            message = f"unit weight is {value}: that is a density"
-            raise DesignError([Fault("E107", message, where, f"Write {self.spelling.key('density')} {value}.")])
-        result = quantity(value, "unit weight", "unit weight", where)
-        if not 5.0 <= result <= 400.0:
-            advice = "Rock weighs 20 to 30 kN/m³."
-            if 500.0 <= result <= 10000.0:
-                advice = (
-                    f"{number(result)} looks like a density: write {self.spelling.key('density')} {number(result)}."
-                )
-            elif 10000.0 < result <= 50000.0:
-                advice = f"{number(result)} looks like N/m³: write '{number(result)} N/m3'."
-            elif 0.5 <= result < 5.0:
-                advice = (
-                    f"{number(result)} looks like t/m³: write {self.spelling.key('density')} '{number(result)} t/m3'."
-                )
-            message = f"unit weight is {number(result)} kN/m³, out of range (5 to 400)"
-            raise DesignError([Fault("E110", message, where, advice)])
-        return result
-
-    def density(self, value: object, where: str) -> float:
-        if is_unit_of(unit_of(value), "unit weight"):
-            message = f"density is {value}: that is a unit weight"
-            raise DesignError([Fault("E107", message, where, f"Write {self.spelling.key('unit_weight')} {value}.")])
-        result = quantity(value, "density", "density", where)
-        if not 500.0 <= result <= 10000.0:
-            advice = "Rock has 2000 to 3000 kg/m³."
-            if 0.5 <= result <= 10.0:
-                advice = f"{number(result)} looks like t/m³: write '{number(result)} t/m3'."
-            elif 10.0 < result <= 60.0:
-                other = self.spelling.key("unit_weight")
-                advice = f"{number(result)} looks like a unit weight: write {other} {number(result)}."
-            raise DesignError(
-                [Fault("E111", f"density is {number(result)} kg/m³, out of range (500 to 10000)", where, advice)]
-            )
-        return result
-
-    # -- analysis ---------------------------------------------------------------------------------
-
-    def stiffness(self) -> Stiffness:
-        normal = self.positive("normal_stiffness", "stiffness", "E132", default=Stiffness().normal_kn_m3)
-        given = self.given.get("shear_stiffness", "clough-duncan")
-        if isinstance(given, Mapping):
-            law = self.read("shear_stiffness", words.hyperbola)
-            return Stiffness(normal or 1e7, None, law or HyperbolaParameters())
-        shear: float | None = None
-        if str(given).lower() != "clough-duncan":
-            shear = self.positive("shear_stiffness", "stiffness", "E132")
-        return Stiffness(normal or 1e7, shear)
-
-    @staticmethod
-    def agree_within(value: object, where: str) -> float:
-        part = words.above_zero(value, "ratio", "agree_within", "E127", where)
-        if part >= 1.0:
-            raise DesignError([Fault("E127", f"agree_within is {number(part * 100)} %, it is less than 100 %", where)])
-        return part
-
-    @staticmethod
-    def stop_when(value: object, where: str) -> float:
-        part = words.above_zero(value, "ratio", "stop_when", "E127", where)
-        if not 1e-12 <= part <= 0.1:
-            raise DesignError([Fault("E127", f"stop_when is {number(part)}, it lies between 1e-12 and 0.1", where)])
-        return part
-
-    def criterion(self, value: object, where: str) -> Criterion:
-        value = value.lower() if isinstance(value, str) else value
-        if value not in ("limit", "all-pairs"):
-            near = get_close_matches(str(value), ("limit", "all-pairs"), n=1)
-            advice = f"Did you mean {near[0]}?" if near else ""
-            raise DesignError([Fault("E126", f"criterion is {value!r}, it is limit or all-pairs", where, advice)])
-        return value
+def _other_kind(value: Any, field: Field, name: str, where: str, called: Callable[[str], str]) -> Any:
+    """The value; E107 where a unit weight is written as a density, or the other way round."""
+    for other, path in (("density", "rock.density"), ("unit weight", "rock.unit_weight")):
+        both = field.measures in ("density", "unit weight") and field.measures != other
+        if both and is_unit_of(unit_of(value), other):
+            that = "a density" if other == "density" else "a unit weight"
+            message = f"{name} is {value}: that is {that}"
+            raise DesignError([Fault("E107", message, where, f"Write {called(path)} {value}.")])
+    return value

@@ -1,25 +1,24 @@
 """Checked designs of the user's own blocks: polygons of a section or meshes, and what holds between them."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
+from slopekit.design.assemblies import common, pressures
 from slopekit.design.blocky import BlockInput, BlocksDesign, Point2
-from slopekit.design.inputs import BARE_NUMBER, Inputs
-from slopekit.design.inputs_blocky import AssemblyInputs, without_density
+from slopekit.design.fields import Field, fields_of
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.polygons import fault_of_polygon
 from slopekit.design.reader import Reader
-from slopekit.errors import DesignError, Fault
-from slopekit.units import quantity
+from slopekit.design.sections import strength_names
+from slopekit.errors import Fault
 
-_LARGEST = 1e18
+_COORDINATE = Field("polygon", "length")
 _KEYS = ("polygon", "mesh", "unit_weight", "fixed")
 _TRUTH = {"true": True, "false": False}
 _UNTRUTHS = ("no", "off", "n", "0")  # YAML 1.1, said to be a fault; what it means is clear
 
 
-def blocks_design(inputs: Inputs) -> BlocksDesign:
+def read_blocks(reader: Reader) -> BlocksDesign:
     """The user's own blocks.
 
     Raises
@@ -28,56 +27,50 @@ def blocks_design(inputs: Inputs) -> BlocksDesign:
         With every fault found: E242 to E246 for blocks, E247 to E249 for interfaces, E240 and E254 for sizes, and
         those of every assembly.
     """
-    reader = AssemblyInputs(inputs)
-    group = inputs.at("blocks")
-    nodes = {name: node for name, node in group.items() if node.is_mapping} if group is not None else {}
+    group = reader.at("blocks")
+    nodes = dict(reader.names("blocks"))
     fixed = {name: _is_fixed(reader, node) for name, node in nodes.items()}
     _one_kind(reader, nodes)
-    own = Reader({}, inputs.spelling, inputs.kind, (), {})
-    blocks = [_block(reader, own, name, node, fixed[name]) for name, node in nodes.items()]
+    blocks = [_block(reader, name, node, fixed[name]) for name, node in nodes.items()]
     _something_moves(reader, group, fixed)
-    _weight(reader, nodes, fixed, blocks)
     default, interfaces = _interfaces(reader, nodes)
-    pressures = _pressures(reader, nodes)
+    water = _pressures(reader, nodes)
     in_section = any(node.get("polygon") is not None for node in nodes.values())
-    section, node = inputs.at("section"), inputs.at("section.thickness")
-    thickness = reader.above_zero(node, "length", "thickness", "E240", 1.0)
+    section = reader.at("section")
     if section is not None and nodes and all(node.get("mesh") is not None for node in nodes.values()):
-        inputs.fault("E243", "section says nothing beside meshes", section, "Leave it out.")
-    node = inputs.at("contact_tolerance")
-    tolerance = reader.above_zero(node, "length", "contact_tolerance", "E254")
+        reader.fault("E243", "section says nothing beside meshes", section, "Leave it out.")
+    own = reader.fields(BlocksDesign, only=("thickness_m", "contact_tolerance_m", "mechanisms"))
     moves = {name: not is_fixed for name, is_fixed in fixed.items()}
-    common = reader.common(moves, in_section, None, [value for _, _, value in pressures])
-    sound = [block for block in blocks if block is not None]
-    if inputs.faults or thickness is None or default is None or len(sound) != len(nodes):
-        raise DesignError(inputs.faults)
-    return BlocksDesign(
-        blocks=tuple(sound), thickness_m=thickness, default_strength=default, interfaces=interfaces,
-        pressures_kpa=pressures, contact_tolerance_m=tolerance, **common,
-    )  # fmt: skip
+    shared = common(reader, moves, in_section, None, [value for _, _, value in water])
+    sound = tuple(block for block in blocks if block is not None)
+    if shared["unit_weight_kn_m3"] is None:
+        shared["unit_weight_kn_m3"] = _weight(reader, nodes, fixed, blocks)
+    return reader.made(
+        BlocksDesign, own, shared, blocks=sound, default_strength=default, interfaces=interfaces, pressures_kpa=water
+    )
 
 
 # -- blocks -----------------------------------------------------------------------------------------------------------
 
 
-def _is_fixed(reader: AssemblyInputs, node: Node) -> bool:
+def _is_fixed(reader: Reader, node: Node) -> bool:
     given = node.get("fixed")
     if given is None or given.text is None:
         return False
     if given.text.lower() not in _TRUTH:
-        reader.inputs.fault("E244", f"{given.path} is {given.text}, it is true or false", given)
+        reader.fault("E244", f"{given.path} is {given.text}, it is true or false", given)
     return given.text.lower() not in (*_UNTRUTHS, "false")
 
 
-def _one_kind(reader: AssemblyInputs, nodes: Mapping[str, Node]) -> None:
+def _one_kind(reader: Reader, nodes: Mapping[str, Node]) -> None:
     """Each block is a polygon or a mesh, and all of them are the same; E243, E143."""
     kinds: dict[str, str] = {}
     for name, node in nodes.items():
         said = [key for key in ("polygon", "mesh") if node.get(key) is not None]
         if len(said) == 2:
-            reader.inputs.fault("E243", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
+            reader.fault("E243", f"{name} has polygon and mesh", node.get("mesh"), "Keep one of them.")
         elif not said and all(key in _KEYS for key, _ in node.items()):  # else a slip in that key is said already
-            reader.inputs.fault("E143", f"{node.path}.polygon is missing", node, "Add polygon: or mesh:.")
+            reader.fault("E143", f"{node.path}.polygon is missing", node, "Add polygon: or mesh:.")
         elif said:
             kinds[name] = said[0]
     first = next(iter(kinds), "")
@@ -86,34 +79,27 @@ def _one_kind(reader: AssemblyInputs, nodes: Mapping[str, Node]) -> None:
         more = f" (and {len(other) - 1} more)" if len(other) > 1 else ""
         message = f"{other[0]}{more} has a {kinds[other[0]]}, {first} has a {kinds[first]}"
         advice = "Blocks are all polygons of one section, or all meshes."
-        reader.inputs.fault("E243", message, nodes[other[0]], advice)
+        reader.fault("E243", message, nodes[other[0]], advice)
 
 
-def _block(reader: AssemblyInputs, own: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
+def _block(reader: Reader, name: str, node: Node, is_fixed: bool) -> BlockInput | None:
     """One block; None where a fault stands for it."""
-    unit_weight, points, mesh = None, None, None
-    given = node.get("unit_weight")
-    if given is not None and given.value is not None:
-        value = reader.inputs.value(given)
-        try:
-            unit_weight = None if value is None else own.unit_weight(value, str(given.place))
-        except DesignError as error:
-            reader.faults += [without_density(fault) for fault in error.faults]
+    weight = reader.field(fields_of(BlockInput)["unit_weight_kn_m3"], node.get("unit_weight"))
+    points, mesh = None, None
     polygon, file = node.get("polygon"), node.get("mesh")
-    if polygon is not None and len(polygon.elements) >= 3 and reader.inputs.is_sound(polygon):
+    if polygon is not None and len(polygon.elements) >= 3 and reader.is_sound(polygon):
         points = _polygon(reader, name, polygon)
     if file is not None and file.text is not None:
-        mesh = mesh_file(reader.inputs, file)
-    if points is None and mesh is None:
-        return None
-    return BlockInput(name, points, mesh, unit_weight, is_fixed)
+        mesh = mesh_file(reader, file)
+    return None if points is None and mesh is None else BlockInput(name, points, mesh, weight, is_fixed)
 
 
-def _polygon(reader: AssemblyInputs, name: str, node: Node) -> tuple[Point2, ...] | None:
+def _polygon(reader: Reader, name: str, node: Node) -> tuple[Point2, ...] | None:
     """The points (x, z) of a polygon, the first not repeated; E242."""
     points: list[Point2] = []
     for k, item in enumerate(node.elements, 1):
-        parts = [_coordinate(reader, part, k, name) for part in item.elements]
+        own = f"point {k} of {name}"
+        parts = [None if part.text is None else reader.number(_COORDINATE, part, own) for part in item.elements]
         if len(parts) == 2 and parts[0] is not None and parts[1] is not None:
             points.append((parts[0], parts[1]))
     if len(points) < len(node.elements):
@@ -123,57 +109,44 @@ def _polygon(reader: AssemblyInputs, name: str, node: Node) -> tuple[Point2, ...
     wrong = fault_of_polygon(points)
     if wrong is not None:
         advice = "Give the corners once each, in order around the block."
-        reader.inputs.fault("E242", f"the polygon of {name} bounds no block: {wrong}", node, advice)
+        reader.fault("E242", f"the polygon of {name} bounds no block: {wrong}", node, advice)
         return None
     return tuple(points)
 
 
-def _coordinate(reader: AssemblyInputs, node: Node, k: int, name: str) -> float | None:
-    text = node.text
-    if text is None:
-        return None
-    if BARE_NUMBER.match(text) and abs(value := float(text)) <= _LARGEST:  # most of ten thousand blocks is this
-        return value
-    return reader.kept(partial(quantity, text, "length", f"point {k} of {name}", str(node.place)))
-
-
-def _something_moves(reader: AssemblyInputs, group: Node | None, fixed: Mapping[str, bool]) -> None:
+def _something_moves(reader: Reader, group: Node | None, fixed: Mapping[str, bool]) -> None:
     if not fixed:
         return
     if all(fixed.values()):
         advice = "Leave fixed out of those that may move."
-        reader.inputs.fault("E246", "every block is fixed: nothing can move", group, advice)
+        reader.fault("E246", "every block is fixed: nothing can move", group, advice)
     elif not any(fixed.values()):
         advice = "Add fixed: true to the block that is bedrock: base: {polygon: [...], fixed: true}."
-        reader.inputs.fault("E245", "no block is fixed: nothing holds the others", group, advice)
+        reader.fault("E245", "no block is fixed: nothing holds the others", group, advice)
 
 
 def _weight(
-    reader: AssemblyInputs, nodes: Mapping[str, Node], fixed: Mapping[str, bool], blocks: Sequence[BlockInput | None]
-) -> None:
+    reader: Reader, nodes: Mapping[str, Node], fixed: Mapping[str, bool], blocks: Sequence[BlockInput | None]
+) -> float | None:
     """Without `rock` every block that moves has a unit weight of its own; the first of them stands for the rock's."""
-    given = reader.inputs.given
-    rock = reader.inputs.at("rock")
-    if "unit_weight" in given or "density" in given or (rock is not None and not rock.is_mapping):
-        return
+    rock = reader.at("rock")
+    if rock is not None and (not rock.is_mapping or {"unit_weight", "density"} & {key for key, _ in rock.items()}):
+        return None
     lacking = [name for name, node in nodes.items() if not fixed[name] and node.get("unit_weight") is None]
     if lacking:
         more = f" (and {len(lacking) - 1} more)" if len(lacking) > 1 else ""
         message = f"{lacking[0]}{more} has no unit weight, and rock gives none"
-        reader.inputs.fault("E143", message, nodes[lacking[0]], "Add rock: {unit_weight: 25 kN/m3}.")
+        reader.fault("E143", message, nodes[lacking[0]], "Add rock: {unit_weight: 25 kN/m3}.")
     weights = (block.unit_weight_kn_m3 for block in blocks if block is not None and not block.fixed)
-    given["unit_weight"] = next((weight for weight in weights if weight is not None), 25.0)
+    return next((weight for weight in weights if weight is not None), 25.0)
 
 
 # -- what holds between them ------------------------------------------------------------------------------------------
 
 
-def _interfaces(
-    reader: AssemblyInputs, nodes: Mapping[str, Node]
-) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
+def _interfaces(reader: Reader, nodes: Mapping[str, Node]) -> tuple[str | None, tuple[tuple[str, str, str], ...]]:
     """The strength of every interface: the default, and those of the pairs that are named; E247 to E249, E176."""
-    inputs = reader.inputs
-    group, strengths = inputs.at("interfaces"), inputs.at("strength")
+    group, strengths = reader.at("interfaces"), reader.at("strength")
     named = {key: node for key, node in group.items() if node.text is not None} if group is not None else {}
     default = named.pop("default", None)
     pairs = _pairs(reader, list(named.items()), nodes)
@@ -186,18 +159,16 @@ def _interfaces(
     else:
         names = [name for name, _ in strengths.items()]
         message = f"interfaces.default is missing, and there are {len(names)} strengths"
-        inputs.fault("E249", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
-    before = len(inputs.faults)
-    found = [None if one is None else one.name for one in inputs.strengths_of(users)]
+        reader.fault("E249", message, group or strengths, f"Add default: {' or '.join(names[:4])}.")
+    before = len(reader.faults)
+    found = strength_names(reader, users)
     if not has_default or len(pairs) < len(named):  # a strength that none of the others has may be meant there
-        inputs.faults[before:] = [fault for fault in inputs.faults[before:] if fault.code != "E195"]
+        reader.faults[before:] = [fault for fault in reader.faults[before:] if fault.code != "E195"]
     interfaces = tuple((*pair, one) for pair, one in zip(pairs, found, strict=False) if one is not None)
     return (found[-1] if has_default else None), interfaces
 
 
-def _pairs(
-    reader: AssemblyInputs, keys: Sequence[tuple[str, Node]], nodes: Mapping[str, Node]
-) -> dict[tuple[str, str], Node]:
+def _pairs(reader: Reader, keys: Sequence[tuple[str, Node]], nodes: Mapping[str, Node]) -> dict[tuple[str, str], Node]:
     """Keys such as B1/B2 as pairs of blocks: E247 what is none, E248 the same twice."""
     found: dict[tuple[str, str], Node] = {}
     seen: dict[frozenset[str], str] = {}
@@ -224,8 +195,8 @@ def _pairs(
     return found
 
 
-def _pressures(reader: AssemblyInputs, nodes: Mapping[str, Node]) -> tuple[tuple[str, str, float], ...]:
-    given = reader.pressures("{B1/B2: 5 kPa}")
+def _pressures(reader: Reader, nodes: Mapping[str, Node]) -> tuple[tuple[str, str, float], ...]:
+    given = pressures(reader, "{B1/B2: 5 kPa}")
     values = {id(node): value for _, node, value in given}
     pairs = _pairs(reader, [(name, node) for name, node, _ in given], nodes)
     return tuple((*pair, values[id(node)]) for pair, node in pairs.items())

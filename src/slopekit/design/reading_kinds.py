@@ -1,247 +1,239 @@
-"""Checked designs of the kinds beside the wedge, from their flat inputs: all faults at once."""
+"""Designs of one block beside the wedge, from their documents: all faults at once."""
 
-from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from slopekit.design import words
-from slopekit.design.common import Stiffness, Water
-from slopekit.design.kinds import FootingDesign, PlaneDesign, Slip, SurfaceDesign, VerticalCrack
-from slopekit.design.reader import Reader, Spelling
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, number, parse_plane
+from slopekit.design.common import MeshFile, Stiffness, Strength, Water
+from slopekit.design.fields import fields_of
+from slopekit.design.joints import joints_of, strengths_of
+from slopekit.design.kinds import FootingDesign, PlaneDesign, Points, Slip, SurfaceDesign, VerticalCrack
+from slopekit.design.named_files import mesh_file
+from slopekit.design.nodes import Node
+from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_strengths, read_water
+from slopekit.orientation import Plane
 from slopekit.units import quantity
 
-_STRENGTH_KEYS = ("c", "phi", "dilation", "tension")
-_MOST_PAIRS = 2001
+#: What gives the size of each shape of slip surface.
+_SIZES = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "length")}
 
 
-def plane_design(given: Mapping[str, Any], spelling: Spelling) -> PlaneDesign:
-    """Check and convert the inputs of a plane failure.
+def read_plane(reader: Reader) -> PlaneDesign:
+    """A plane failure.
 
     Raises
     ------
     DesignError
         With every fault found.
     """
-    keys = ("joint", "joint_name", "face", "upper", "height", "crack_depth", "crack_distance", "crack_water", "refine")
-    reader = Reader(given, spelling, "plane", (*keys, *_STRENGTH_KEYS), {"upper": Plane(0.0, 180.0)})
-    if "upper" not in reader.given and "face" in reader.given:
-        reader.standard = {"upper": Plane(0.0, 0.0)}
-    joint = reader.read("joint", lambda value, where: parse_plane(value, str(given.get("joint_name", "J1")), where))
-    face, upper = reader.plane("face"), reader.plane("upper")
-    height = reader.positive("height", "length", "E116")
-    strength = reader.strength()
-    crack = _crack(reader)
-    if "crack_water" in reader.given and crack is None:
-        reader.faults.append(Fault("E143", "crack.depth is missing", reader.where("crack_water", "")))
-    water = reader.read("water", lambda value, where: words.water(value, where, False)) or Water()
-    pressures = reader.given.get("water")
-    if crack is None and isinstance(pressures, list) and len(pressures) > 1:
-        message = f"{len(pressures)} water pressures given, there is one plane and no crack"
-        reader.faults.append(Fault("E109", message, reader.where("water", "")))
-    if water.mode == "pressures" and crack is None:
-        water = Water("pressures", 0.0, water.pressures_kpa[:1])
-    refine = reader.read("refine", reader.refine) or 0
-    if "joint" not in reader.given:
-        reader.default("joint")
-    common = reader.common()
-    if reader.faults or joint is None or face is None or upper is None or height is None or strength is None:
-        raise DesignError(reader.faults)
-    return PlaneDesign(
-        joint=joint, joint_name=str(given.get("joint_name", "J1")), face=face, upper=upper, height_m=height,
-        strength=strength, crack=crack, water=water, refine=refine, **common,
+    joints = joints_of(reader, 1)
+    own = reader.fields(PlaneDesign)
+    if own["upper"] is None and reader.at("slope.upper") is None:
+        own["upper"] = reader.default("upper", Plane(0.0, 0.0 if own["face"] is not None else 180.0))
+    node = reader.at("crack")
+    if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
+        reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
+        node = None
+    crack, said = None, None if node is None else node.get("water")
+    fills = said is not None and said.text in ("dry", "full")
+    if node is not None:
+        without = replace(node, value={key: below for key, below in node.items() if not (fills and key == "water")})
+        crack = VerticalCrack(**reader.fields(VerticalCrack, without))
+    strengths = strengths_of(reader, joints)
+    names = [joint.name for joint in joints] or ["J1"]
+    water = _water_of_plane(reader, names, said if fills else None, crack is not None)
+    if said is not None and (reader.at("water") is not None if fills else water != Water()):
+        reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
+    common = read_common(reader)
+    return reader.made(
+        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
+        strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
 
 
-def _crack(reader: Reader) -> VerticalCrack | None:
-    if not {"crack_depth", "crack_distance"} & reader.given.keys():
-        return None
-    depth = reader.read("crack_depth", lambda value, where: words.above_zero(value, "length", "depth", "E121", where))
-    distance = reader.read("crack_distance", lambda value, where: quantity(value, "length", "distance", where))
-    water = reader.read("crack_water", lambda value, where: _from_zero(value, "water in the crack", where))
-    return VerticalCrack(depth, distance, water)
+def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
+    if in_crack is not None and reader.at("water") is None:
+        return Water("full", 1.0) if in_crack.text == "full" else Water()
+    water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
+    if at is not None and not has_crack and len(at.elements) > 1:
+        message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
+        reader.fault("E109", message, at)
+    if water.mode == "pressures" and not has_crack:
+        return Water("pressures", 0.0, water.pressures_kpa[:1])
+    return water
 
 
-def _from_zero(value: object, name: str, where: str) -> float:
-    found = quantity(value, "length", name, where)
-    if found < 0.0:
-        raise DesignError([Fault("E119", f"{name} is {number(found)} m, it is never negative", where)])
-    return found
-
-
-def footing_design(given: Mapping[str, Any], spelling: Spelling) -> FootingDesign:
-    """Check and convert the inputs of a footing on a weak plane.
+def read_footing(reader: Reader) -> FootingDesign:
+    """A footing on a weak plane.
 
     Raises
     ------
     DesignError
         With every fault found; E199 for a number of node pairs that the rule does not take.
     """
-    keys = ("load", "load_at", "dip", "length", "pairs")
-    reader = Reader(given, spelling, "footing", (*keys, *_STRENGTH_KEYS), {})
-    load = reader.positive("load", "force", "E123")
-    at = reader.read("load_at", lambda value, where: _from_zero(value, "place of the load", where))
-    dip = reader.positive("dip", "angle", "E101")
-    if dip is not None and not dip <= 89.9:
-        message = f"dip of the weak plane is {number(dip)}, it lies between 0 and 89.9"
-        reader.faults.append(Fault("E101", message, reader.where("dip", dip)))
-    length = reader.positive("length", "length", "E116")
-    pairs = reader.read("pairs", _pairs) or 9
-    strength = reader.strength()
-    weightless = "unit_weight" not in reader.given and "density" not in reader.given
-    if weightless:
-        reader.given["unit_weight"] = 25.0  # takes the reader through; the paper leaves the weight out
-    common = reader.common()
-    if weightless:
-        common["unit_weight_kn_m3"] = 0.0
-    if "shear_stiffness" not in reader.given:  # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has
+    own = reader.fields(FootingDesign)
+    node = reader.at("weak_plane")
+    strength = _strength(reader, "weak_plane", node, None if node is None else node.get("strength"))
+    common = read_common(reader)
+    if common["unit_weight_kn_m3"] is None:
+        common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
+    if all(reader.at(f"strength.{name}.stiffness.shear") is None for name, _ in reader.names("strength")):
+        # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
         normal = common["stiffness"].normal_kn_m3
         common["stiffness"] = Stiffness(normal, normal / 3.0)
-    if reader.faults or load is None or dip is None or length is None or strength is None:
-        raise DesignError(reader.faults)
-    return FootingDesign(
-        load_kn=load, load_at_m=at, dip_deg=dip, length_m=length, pairs=pairs, strength=strength, **common
-    )
+    return reader.made(FootingDesign, own, common, strength=strength)
 
 
-def _pairs(value: object, where: str) -> int:
-    count = quantity(value, "ratio", "pairs", where)
-    if count != int(count) or not 3 <= count <= _MOST_PAIRS or int(count) % 2 == 0:
-        message = f"pairs is {number(count)}, it must be an odd number from 3 to {_MOST_PAIRS}"
-        raise DesignError([Fault("E199", message, where, "Simpson's rule takes two pairs an element and one more.")])
-    return int(count)
+def _strength(reader: Reader, user: str, own: Node | None, wanted: Node | None) -> Strength | None:
+    """The one strength of a design with one interface."""
+    if reader.at("strength") is None:
+        return None
+    return read_strengths(reader, [(user, wanted, own if own is not None else reader.root)])[0]
 
 
-def surface_design(given: Mapping[str, Any], spelling: Spelling) -> SurfaceDesign:
-    """Check and convert the inputs of a mass on a curved slip surface.
+def read_surface(reader: Reader) -> SurfaceDesign:
+    """A mass on a curved slip surface.
 
     Raises
     ------
     DesignError
         With every fault found.
     """
-    keys = (
-        "profile",
-        "shape",
-        "centre",
-        "radii",
-        "radius",
-        "slip_length",
-        "edge",
-        "normals",
-        "slip_mesh",
-        "ground_mesh",
-    )
-    reader = Reader(given, spelling, "surface", (*keys, *_STRENGTH_KEYS), {})
-    profile = reader.read("profile", lambda value, _: _profile(reader, value))
-    slip = _slip(reader, given.get("slip_mesh"))
-    strength = reader.strength()
-    water = reader.read("water", lambda value, where: words.water(value, where, False)) or Water()
+    slope, node = reader.at("slope"), reader.at("slip")
+    ground = _mesh(reader, slope, "profile")
+    profile = _profile(reader, reader.at("slope.profile"))
+    slip = _slip(reader, node, _mesh(reader, node, "shape"))
+    strength = _strength(reader, "slip", node, None)
+    water, at = read_water(reader, ["slip"])
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
-        advice = "Write water: {pressures: 5 kPa}."
-        reader.faults.append(Fault("E119", message, reader.where("water", ""), advice))
+        reader.fault("E119", message, at, "Write water: {pressures: 5 kPa}.")
     if water.mode == "pressures":
-        given_pressures = reader.given["water"]
-        if isinstance(given_pressures, list) and len(given_pressures) > 1:
-            message = f"{len(given_pressures)} water pressures given, there is one slip surface"
-            reader.faults.append(Fault("E109", message, reader.where("water", "")))
+        if at is not None and len(at.elements) > 1:
+            reader.fault("E109", f"{len(at.elements)} water pressures given, there is one slip surface", at)
         water = Water("pressures", 0.0, water.pressures_kpa[:1])
-    common = reader.common()
+    common = read_common(reader)
     if profile is None and common["seismic"].coefficient and common["seismic"].trend_deg is None:
         message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"
-        reader.faults.append(
-            Fault("E122", message, reader.where("seismic", ""), "Write seismic: {k: 0.1, toward: 90}.")
-        )
-    if reader.faults or strength is None or slip is None:
-        raise DesignError(reader.faults)
-    return SurfaceDesign(
-        profile_m=profile, ground_mesh=given.get("ground_mesh"), slip=slip, strength=strength, water=water, **common
+        reader.fault("E122", message, reader.at("loads.seismic"), "Write seismic: {k: 0.1, toward: 90}.")
+    return reader.made(
+        SurfaceDesign, common, profile_m=profile, ground_mesh=ground, slip=slip, strength=strength, water=water
     )
 
 
-def _profile(reader: Reader, value: Any) -> tuple[tuple[float, ...], ...]:
+def _mesh(reader: Reader, holder: Node | None, other: str) -> MeshFile | None:
+    """The mesh of a slope or of a slip surface, in place of its `other` description; E112 both, E143 none."""
+    if holder is None or not holder.is_mapping:
+        return None
+    node = holder.get("mesh")
+    if node is None or node.text is None:
+        if holder.get(other) is None:
+            reader.fault("E143", f"{holder.path}.{other} is missing", holder, f"Add {other}: or mesh:.")
+        return None
+    if holder.get(other) is not None:
+        reader.fault("E112", f"{holder.path} has mesh and {other}", node, "Give one of the two.")
+    return mesh_file(reader, node)
+
+
+def _profile(reader: Reader, node: Node | None) -> Points | None:
+    if node is None or reader.value(node) is None:
+        return None
     points: list[tuple[float, ...]] = []
-    faults: list[Fault] = []
-    for k, item in enumerate(value):
-        where, name = reader.where("profile", value, k), f"point {k + 1} of the profile"
-        try:
-            points.append(tuple(quantity(part, "length", name, where) for part in item))
-        except DesignError as error:
-            faults += error.faults
-            continue
-        if points[-1] in points[:-1]:
+    for k, item in enumerate(node.elements, 1):
+        name, where = f"point {k} of the profile", str(item.place)
+        found = reader.kept(
+            lambda item=item, name=name, where=where: tuple(  # type: ignore[misc]
+                quantity(part, "length", name, where) for part in reader.value(item)
+            )
+        )
+        if found is not None and found in points:
             advice = "Give each point once, from the toe to behind the crest."
-            faults.append(Fault("E109", f"{name} is the same as an earlier one", where, advice))
-    if faults:
-        raise DesignError(faults)
+            reader.fault("E109", f"{name} is the same as an earlier one", item, advice)
+        elif found is not None:
+            points.append(found)
     return tuple(points)
 
 
-def _slip(reader: Reader, mesh: Any) -> Slip | None:
+def _slip(reader: Reader, node: Node | None, mesh: MeshFile | None) -> Slip | None:
     """The slip surface; E170 an unknown shape, E171 what its size says."""
-    edge = reader.read("edge", lambda value, where: words.above_zero(value, "length", "edge", "E171", where))
-    shape = str(reader.given.get("shape", "mesh" if mesh else "")).lower()
-    normals = str(reader.given.get("normals", "smoothed" if mesh else "true")).lower()
-    allowed = ("smoothed", "facet") if mesh else ("true", "smoothed", "facet")
+    if node is None or not node.is_mapping:
+        return None
+    own = fields_of(Slip)
+    edge = reader.field(own["edge_m"], node.get("edge"))
+    is_mesh = node.get("mesh") is not None
+    shape = _word(node, "shape", "mesh" if is_mesh else "")
+    normals = _word(node, "normals", "smoothed" if is_mesh else "true")
+    allowed = ("smoothed", "facet") if is_mesh else ("true", "smoothed", "facet")
     if normals not in allowed:
-        message = f"normals are {normals}: they are {' or '.join(allowed)}"
-        advice = "A mesh has no true normals." if mesh and normals == "true" else ""
-        reader.faults.append(Fault("E170", message, reader.where("normals", normals), advice))
+        advice = "A mesh has no true normals." if is_mesh and normals == "true" else ""
+        reader.fault("E170", f"normals are {normals}: they are {' or '.join(allowed)}", node.get("normals"), advice)
     made: Any = normals
-    if mesh:
-        for key in ("centre", "radii", "radius", "slip_length", "edge"):
-            if key in reader.given:
-                message = f"{reader.spelling.key(key)} says nothing beside a mesh"
-                reader.faults.append(Fault("E170", message, reader.where(key, "")))
+    if is_mesh:
+        for key in ("centre", "radii", "radius", "length", "edge"):
+            if (said := node.get(key)) is not None:
+                reader.fault("E170", f"slip.{key} says nothing beside a mesh", said)
         return Slip("mesh", mesh=mesh, edge_m=edge, normals=made)
-    if shape not in ("ellipsoid", "sphere", "cylinder"):
+    if shape not in _SIZES:
         if shape:
             advice = "Known: ellipsoid, sphere, cylinder; or mesh: slip.stl."
-            reader.faults.append(
-                Fault("E170", f"{shape} is not a shape of slip surface", reader.where("shape", shape), advice)
-            )
+            reader.fault("E170", f"{shape} is not a shape of slip surface", node.get("shape"), advice)
         return None
-    centre = reader.read("centre", lambda value, where: _centre(reader, value, shape, where))
-    if "centre" not in reader.given:
-        reader.default("centre")
-    needs = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "slip_length")}[shape]
-    for key in ("radii", "radius", "slip_length"):
-        if key in reader.given and key not in needs:
-            advice = f"Its size is {' and '.join(reader.spelling.key(need) for need in needs)}."
-            message = f"{reader.spelling.key(key)} says nothing of the shape {shape}"
-            reader.faults.append(Fault("E170", message, reader.where(key, ""), advice))
-    radii = reader.read("radii", lambda value, where: _radii(reader, value, where)) if shape == "ellipsoid" else None
-    if shape == "ellipsoid" and "radii" not in reader.given:
-        reader.default("radii")
-    if shape != "ellipsoid":
-        radius = reader.positive("radius", "length", "E171")
-        half = radius
-        if shape == "cylinder":
-            length = reader.positive("slip_length", "length", "E171", default=1.0)
-            half = None if length is None else length / 2.0
-        radii = None if radius is None or half is None else (radius, half, radius)
+    needs = _SIZES[shape]
+    for key in ("radii", "radius", "length"):
+        said = node.get(key)
+        if said is not None and key not in needs:
+            advice = f"Its size is {' and '.join(f'slip.{need}' for need in needs)}."
+            reader.fault("E170", f"slip.{key} says nothing of the shape {shape}", said, advice)
+        elif said is None and key in needs and key != "length":
+            reader.fault("E143", f"slip.{key} is missing", node, f"Give slip.{key}.")
+    centre = _centre(reader, node, shape)
+    radii = _radii(reader, node, shape)
     if centre is None or radii is None:
         return None
-    return Slip(_named(shape), centre, radii, edge_m=edge, normals=made)
+    kind: Any = shape
+    return Slip(kind, centre, radii, edge_m=edge, normals=made)
 
 
-def _named(shape: str) -> Any:
-    return shape
+def _word(node: Node, key: str, otherwise: str) -> str:
+    said = node.get(key)
+    return otherwise if said is None or said.text is None else said.text.lower()
 
 
-def _centre(reader: Reader, value: Any, shape: str, where: str) -> tuple[float, float, float]:
-    parts = [quantity(part, "length", "centre", reader.where("centre", value, k)) for k, part in enumerate(value)]
-    if len(parts) == 2 and shape == "cylinder":
-        return parts[0], 0.0, parts[1]
-    if len(parts) != 3:
-        raise DesignError([Fault("E109", f"the centre of a {shape} is x, y, z", where)])
-    return parts[0], parts[1], parts[2]
+def _lengths(reader: Reader, node: Node, name: str) -> list[float | None]:
+    return [
+        reader.kept(lambda part=part: quantity(reader.value(part), "length", name, str(part.place)))  # type: ignore[misc]
+        for part in node.elements
+    ]  # fmt: skip
 
 
-def _radii(reader: Reader, value: Any, where: str) -> tuple[float, float, float]:
-    at = [reader.where("radii", value, k) for k in range(len(value))]
-    parts = [words.above_zero(part, "length", "radius", "E171", at[k]) for k, part in enumerate(value)]
-    if len(parts) != 3:
-        raise DesignError([Fault("E109", "an ellipsoid has three radii, along x, y and z", where)])
-    return parts[0], parts[1], parts[2]
+def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
+    node = holder.get("centre")
+    if node is None:
+        reader.fault("E143", "slip.centre is missing", holder, "Give slip.centre.")
+        return None
+    parts = [] if reader.value(node) is None else _lengths(reader, node, "centre")
+    sure = [part for part in parts if part is not None]
+    if not sure or len(sure) < len(parts):
+        return None
+    if len(sure) == 2 and shape == "cylinder":
+        return sure[0], 0.0, sure[1]
+    if len(sure) != 3:
+        reader.fault("E109", f"the centre of a {shape} is x, y, z", node)
+        return None
+    return sure[0], sure[1], sure[2]
+
+
+def _radii(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
+    own = fields_of(Slip)
+    if shape == "ellipsoid":
+        node = holder.get("radii")
+        if node is None or reader.value(node) is None:
+            return None
+        parts = [reader.number(own["radii_m"], part) for part in node.elements]
+        sure = [part for part in parts if part is not None]
+        return (sure[0], sure[1], sure[2]) if len(sure) == 3 else None
+    radius = reader.field(own["radius"], holder.get("radius"))
+    half = radius if shape == "sphere" else reader.field(own["length"], holder.get("length"))
+    if radius is None or half is None:
+        return None
+    return radius, half if shape == "sphere" else half / 2.0, radius

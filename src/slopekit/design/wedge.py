@@ -1,51 +1,102 @@
 """The wedge design: everything `slopekit wedge` knows."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from slopekit.design.common import Design
+from slopekit.design.fields import Field, count, group, more_than_nothing, number, orientation, point
+from slopekit.design.structure import AnyOf, Leaf, ListOf, Section
 from slopekit.orientation import Plane
 
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
-    "face": Plane(60.0, 180.0),
-    "upper": Plane(10.0, 180.0),
-    "height": 64.89,
-    "c": (50.0, 50.0),
-    "phi": (20.0, 20.0),
-    "density": 2600.0,
-}
+    "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
+}  # fmt: skip
 #: The names of those values as the sheet prints them, and of what else may be taken.
 DEFAULT_NAMES = {
     "face": "face", "upper": "upper", "height": "height", "c": "c", "phi": "φ", "density": "density",
     "seismic.trend": "seismic trend",
 }  # fmt: skip
+#: A joint list in place of joints.
+FROM_CSV = Section(
+    {"csv": Leaf(example="joints.csv"), "pick": AnyOf((ListOf(Leaf(), 1), Leaf())), "convention": Leaf(),
+     "strength": Leaf()},
+    required=("csv",),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint by its name: its plane, and the strength it names."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("plane", "plane", is_required=True, example="45/115"),
+        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+    )
+
+
+JOINTS = Field(
+    "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
+    example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class Crack:
     """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
 
-    plane: Plane
-    distance_m: float
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field(
+            "water",
+            "ratio",
+            0.0,
+            1.0,
+            or_measures="pressure",
+            left_out="as the joints",
+            doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`",
+        ),
+    )
+
+    plane: Plane = orientation("plane", example="80/180")
+    distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
+                                doc="from the crest along J1's trace")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WedgeDesign(Design):
     """One wedge, complete and checked. Made by `slopekit.design.reading.wedge_design`."""
 
+    ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
+    REQUIRED: ClassVar[tuple[str, ...]] = ()
+    FILLS: ClassVar[bool] = True
+    DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+
     joints: tuple[Plane, Plane]
-    face: Plane
-    upper: Plane
-    height_m: float
+    face: Plane = orientation("slope.face", default=None, example="60/180")
+    upper: Plane = orientation("slope.upper", default=None, example="60/180")
+    height_m: float = number(
+        "slope.height", "length", default=None, least=1e-6, most=1e7, code="E116", example="64.89 m",
+        check=more_than_nothing, says="out of range ({least} to {most})",
+        doc="vertical, from the toe to where J1's trace meets the crest",
+    )  # fmt: skip
     cohesion_kpa: tuple[float, float]
     friction_angle_deg: tuple[float, float]
     dilation_deg: tuple[float, float] = (0.0, 0.0)
     tension_kpa: tuple[float, float] = (0.0, 0.0)
-    crack: Crack | None = None
-    refine: int = 0
-    origin_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
+    refine: int = count(
+        "analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.",
+    )  # fmt: skip
+    origin_m: tuple[float, float, float] = point(
+        "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
+    )
     joint_names: tuple[str, str] = ("J1", "J2")
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The joints, and the crack where there is one."""
+        return (*self.joint_names, "crack") if self.crack is not None else self.joint_names
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""

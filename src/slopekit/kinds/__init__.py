@@ -7,10 +7,7 @@ from slopekit.design.common import Design
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from slopekit.design.inputs import Inputs
-    from slopekit.design.structure import Section
+    from slopekit.design.files import Read
     from slopekit.kinds.protocol import Factors, Kind
 
 #: Where each kind says what it is, as `KIND`.
@@ -20,16 +17,16 @@ MODULES = {
 _FROM_OUTSIDE: "dict[str, Kind[Any]]" = {}
 
 
-def register(kind: "Kind[Any]", keys: "Section", read: "Callable[[Inputs], Design]") -> None:
+def register(kind: "Kind[Any]", record: type[Design], read: "Read") -> None:
     """Make a kind from outside known: its files are read, analysed, printed, checked and varied as those of any other.
 
     Parameters
     ----------
-    keys : what its files may hold; read : from the values of a file to the design, whose class is named after the kind
+    record : the dataclass of its designs, named after it, whose fields declare the keys; read : makes one from a file
     """
-    from slopekit.design.specs import READERS, SPECS
+    from slopekit.design.files import KINDS
 
-    _FROM_OUTSIDE[kind.name], SPECS[kind.name], READERS[kind.name] = kind, keys, read
+    _FROM_OUTSIDE[kind.name], KINDS[kind.name] = kind, (record, read)
 
 
 def kind_named(name: str) -> "Kind[Any]":

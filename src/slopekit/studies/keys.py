@@ -7,35 +7,30 @@
 (45.0, '°', 50.0, '50°')
 """
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from math import inf
+from typing import Any
 
-from slopekit.design.blocky import AssemblyDesign, BenchDesign, BlocksDesign, ToppleDesign
-from slopekit.design.common import Design
+from slopekit.design.common import Design, Strength
 from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
+from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
 from slopekit.design.files import with_values
-from slopekit.design.kinds import FootingDesign, PlaneDesign, SurfaceDesign
 from slopekit.design.nodes import Node
 from slopekit.design.overrides import spread
 from slopekit.design.structure import is_distribution
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, Plane
-from slopekit.studies.measures import DIRECTION, Measure, Role, measure_of
-from slopekit.units import quantity
+from slopekit.units import is_unit_of, quantity, unit_of
 
-_UNITS: Mapping[str, str] = {
-    "length": "m", "volume": "m³", "pressure": "kPa", "unit weight": "kN/m³", "density": "kg/m³", "force": "kN",
-    "angle": "°", "stiffness": "kN/m³", "acceleration": "m/s²", "ratio": "",
-}  # fmt: skip
 _ANGLES: Mapping[str, tuple[str, str]] = {
     "plane": ("dip", "dip_direction"), "face": ("dip", "dip_direction"), "upper": ("dip", "dip_direction"),
     "toward": ("trend", "plunge"),
 }  # fmt: skip
 _NO_NUMBERS = ("slopekit", "kind", "title", "acceptance")
 _MOST_LISTED = 12
+_FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
 #: What users call some of them.
 _CALLED = {"cohesion": "c", "friction": "phi", "friction_angle": "phi", "weight": "unit_weight", "kh": "k"}
 
@@ -71,7 +66,7 @@ class Key:
     @property
     def unit(self) -> str:
         """The unit of bare numbers, empty where there is none."""
-        return _UNITS[self.kind]
+        return UNITS[self.kind]
 
     def read(self, value: object) -> float:
         """A number that may carry a unit. Raises DesignError E105 to E108 as `slopekit.units.quantity`."""
@@ -144,10 +139,10 @@ def keys_of(design: Design) -> tuple[Key, ...]:
         with_values(design, {})
     assert design.source is not None
     found = {key.path: key for key in _present(design, design.source.root)}
-    for path, value, out in _absent(design, found):
-        measure = measure_of(design.kind, path)
-        if path not in found and measure is not None:
-            found[path] = _key(path, measure, value, given=False, out=out)
+    for path, value, out in _absent(design):
+        field = field_at(type(design), path)
+        if path not in found and field is not None:
+            found[path] = _key(path, field, value, given=False, out=out)
     return tuple(found.values())
 
 
@@ -169,10 +164,10 @@ def _present(design: Design, node: Node) -> Iterator[Key]:
     elif node.elements:
         for below in node.elements:
             yield from _present(design, below)
-    elif node.text is not None and (measure := measure_of(design.kind, node.path, node.text)) is not None:
-        value = _number(node.text, measure.kind)
+    elif node.text is not None and (field := _field(design, node.path, node.text)) is not None:
+        value = _number(node.text, field.measures)
         if value is not None:
-            yield _key(node.path, measure, value)
+            yield _key(node.path, field, value)
 
 
 def _angles(design: Design, node: Node, angles: tuple[str, str]) -> Iterator[Key]:
@@ -180,13 +175,13 @@ def _angles(design: Design, node: Node, angles: tuple[str, str]) -> Iterator[Key
     texts = [part.text or "" for part in node.elements] if node.elements else (node.text or "").split("/")
     if len(texts) != 2:
         if node.name == "toward" and (value := _number(node.text or "", "angle")) is not None:
-            yield _key(node.path, DIRECTION, value)  # of a seismic load
+            yield _key(node.path, _field(design, node.path), value)  # of a seismic load
         return
     for angle, text in zip(angles, texts, strict=True):
         path = f"{node.path}.{angle}"
-        value, measure = _number(text, "angle"), measure_of(design.kind, path)
-        if value is not None and measure is not None:
-            yield _key(path, measure, value)
+        value, field = _number(text, "angle"), _field(design, path)
+        if value is not None and field is not None:
+            yield _key(path, field, value)
 
 
 def _scattering(design: Design, node: Node) -> Iterator[Key]:
@@ -198,19 +193,20 @@ def _scattering(design: Design, node: Node) -> Iterator[Key]:
         if mean is not None:
             for key, value in zip(_angles(design, mean, angles), _both(fisher.mean), strict=True):
                 yield replace(key, value=value, scatters=fisher)
-        yield _key(f"{node.path}.k", Measure("ratio", 0.1, 1e6, "scatter"), fisher.k)
+        yield _key(f"{node.path}.k", _FISHER_K, fisher.k)
         return
-    own = measure_of(design.kind, node.path)
-    if own is None:
+    field = _field(design, node.path)
+    if field is None:
         return
-    distribution = read_distribution(node, own.kind, node.path)
-    yield replace(_key(node.path, own, distribution.centre), scatters=distribution)
+    distribution = read_distribution(node, field.measures, node.path)
+    own = _key(node.path, field, distribution.centre)
+    yield replace(own, scatters=distribution)
     for name, value in distribution.parameters.items():
-        role: Role = own.role if name == "mean" else "scatter"
-        low = 0.0 if name == "sd" else own.low
-        high = own.high - own.low if name == "sd" else own.high
-        period = None if name == "sd" else own.period
-        yield _key(f"{node.path}.{name}", replace(own, role=role, low=low, high=high, period=period), value)
+        path = f"{node.path}.{name}"
+        if name == "sd":
+            yield replace(own, path=path, value=value, role="scatter", low=0.0, high=own.high - own.low, period=None)
+        else:
+            yield replace(own, path=path, value=value, role=own.role if name == "mean" else "scatter")
 
 
 def _both(mean: Plane | Line) -> tuple[float, float]:
@@ -222,58 +218,46 @@ def _both(mean: Plane | Line) -> tuple[float, float]:
 _Absent = tuple[str, float | None, tuple[tuple[str, str], ...]]
 
 
-def _absent(design: Design, found: Mapping[str, Key]) -> Iterator[_Absent]:
-    """Paths that the file does not have, the value that they take, and what is to be written first."""
-    assert design.source is not None
-    root = design.source.root
-    gravity = design.gravity_m_s2
+def _absent(design: Design) -> Iterator[_Absent]:
+    """Paths that the file may not have, the value that they take then, and what is to be written first."""
     weight = design.unit_weight_kn_m3 or None
     yield "rock.unit_weight", weight, ()
-    yield "rock.density", None if weight is None else weight / gravity * 1e3, ()
-    yield "rock.gravity", gravity, ()
-    if not isinstance(design, FootingDesign):
-        yield "loads.seismic.k", design.seismic.coefficient, ()
-    strengths = root.get("strength")
+    yield "rock.density", None if weight is None else weight / design.gravity_m_s2 * 1e3, ()
+    for name, field in fields_of(type(design)).items():
+        value = getattr(design, field.taken or name) if field.is_attribute else None
+        if field.path == "loads.seismic":
+            yield "loads.seismic.k", design.seismic.coefficient, ()
+        elif field.path.startswith(("rock.d", "rock.u", "water")):
+            continue
+        elif isinstance(value, Plane):
+            yield from _plane(field.path, value)
+        elif field.is_number and field.is_attribute and not field.many:
+            yield field.path, value, ()
+        elif field.of is not None and field.many == "names" and isinstance(value, tuple):
+            yield from _of_named(field, value, weight)
+    yield from _strengths(design)
+    yield from _water(design)
+
+
+def _of_named(field: Field, records: Sequence[Any], weight: float | None) -> Iterator[_Absent]:
+    """What the records of a group, under names of the user's, leave to a default."""
+    for record in records:
+        for name, below in fields_of(type(record)).items():
+            if below.is_number and below.is_attribute and not getattr(record, "fixed", False):
+                value = getattr(record, name)
+                yield f"{field.path}.{record.name}.{below.path}", weight if value is None else value, ()
+
+
+def _strengths(design: Design) -> Iterator[_Absent]:
+    assert design.source is not None
+    strengths = design.source.root.get("strength")
     names = [name for name, _ in strengths.items()] if strengths is not None else []
-    for name in names:
-        yield f"strength.{name}.dilation", 0.0, ()
-        yield f"strength.{name}.tension", 0.0, ()
-    if isinstance(design, WedgeDesign):
-        yield "slope.height", design.height_m, ()
-        for path, plane in (("slope.face", design.face), ("slope.upper", design.upper)):
-            yield from _plane(path, plane)
-        for name in names or ["joints"]:
-            yield f"strength.{name}.c", design.cohesion_kpa[0], ()
-            yield f"strength.{name}.phi", design.friction_angle_deg[0], ()
-    if isinstance(design, PlaneDesign | BenchDesign):
-        yield from _plane("slope.upper", design.upper)
-    if isinstance(design, WedgeDesign | PlaneDesign):
-        crack = ("crack",) if design.crack is not None else ()
-        joints = design.joint_names if isinstance(design, WedgeDesign) else (design.joint_name,)
-        yield from _water(design, root, (*joints, *crack), fills=True)
-        yield "analysis.refine", float(design.refine), ()
-    elif isinstance(design, SurfaceDesign):
-        yield from _water(design, root, ("slip",), fills=False)
-    elif isinstance(design, FootingDesign):
-        middle = design.length_m * math.cos(math.radians(design.dip_deg)) / 2.0
-        yield "footing.at", middle if design.load_at_m is None else design.load_at_m, ()
-    elif isinstance(design, ToppleDesign):
-        yield "columns.base_step", design.base_step_m, ()
-        yield "columns.thickness", design.thickness_m, ()
-        yield from _water(design, root, ("base", "sides"), fills=False)
-    elif isinstance(design, BenchDesign):
-        yield "slope.length", design.length_m, ()
-        yield "slope.depth", design.depth_m, ()
-        for joint_set in design.sets:
-            yield f"sets.{joint_set.name}.offset", joint_set.offset_m, ()
-            yield f"sets.{joint_set.name}.scatter", joint_set.scatter_deg, ()
-            yield f"sets.{joint_set.name}.spacing_scatter", joint_set.spacing_scatter, ()
-        yield from _water(design, root, [joint_set.name for joint_set in design.sets], fills=False)
-    elif isinstance(design, BlocksDesign):
-        yield "section.thickness", design.thickness_m if design.in_section else None, ()
-        for block in design.blocks:
-            if not block.fixed:
-                yield f"blocks.{block.name}.unit_weight", block.unit_weight_kn_m3 or weight, ()
+    for name in names or ["joints"]:
+        for field in fields_of(Strength).values():
+            if field.is_number:
+                value = design.DEFAULTS.get(field.path, None if field.may_lack else field.default)
+                if value is not None and (names or field.may_lack):
+                    yield f"strength.{name}.{field.path}", value, ()
 
 
 def _plane(path: str, plane: Plane) -> Iterator[_Absent]:
@@ -282,34 +266,43 @@ def _plane(path: str, plane: Plane) -> Iterator[_Absent]:
     yield f"{path}.dip_direction", plane.dip_direction_deg, ((path, text),)
 
 
-def _water(design: Design, root: Node, interfaces: Sequence[str], fills: bool) -> Iterator[_Absent]:
+def _water(design: Design) -> Iterator[_Absent]:
     """How full the joints are, or the pressures on them: the one that is not given, or given to some of them only."""
-    water = design.water
-    if not isinstance(design, AssemblyDesign):
+    assert design.source is not None
+    root, water = design.source.root, design.water
+    if "water_unit_weight_kn_m3" in fields_of(type(design)):
         yield "water.unit_weight", design.water_unit_weight_kn_m3, ()
     crack = root.get("crack")
-    if isinstance(design, PlaneDesign) and crack is not None and crack.get("water") is not None:
+    if field_at(type(design), "crack.depth") is not None and crack is not None and crack.get("water") is not None:
         return  # which says it all
-    if fills:
+    if design.FILLS:
         yield "water.fill", {"dry": 0.0, "full": water.fill}.get(water.mode), ()
     node = root.get("water")
     given = spread(node).get("pressures") if node is not None else None
     if given is None or given.is_mapping:
         dry = water.mode == "dry" or given is not None
-        for name in interfaces:
+        for name in design.wet_interfaces:
             yield f"water.pressures.{name}", 0.0 if dry else None, ()
 
 
 # -- names ------------------------------------------------------------------------------------------------------------
 
 
+def _field(design: Design, path: str, text: str = "") -> Field | None:
+    """The field of a path, with what it measures where its unit says so: a crack's water, a part of full or kPa."""
+    field = field_at(type(design), path.replace(".mean.", "."))
+    other = "" if field is None else field.or_measures
+    if field is None or not other or unit_of(text) in ("", "%") or not is_unit_of(unit_of(text), other):
+        return field
+    return replace(field, measures=other, most=inf)
+
+
 def _key(
-    path: str, measure: Measure, value: float | None, given: bool = True, out: tuple[tuple[str, str], ...] = ()
+    path: str, field: Field | None, value: float | None, given: bool = True, out: tuple[tuple[str, str], ...] = ()
 ) -> Key:
-    return Key(
-        path, measure.kind, value, measure.low, measure.high, measure.role, measure.whole, measure.period, given,
-        None, out,
-    )  # fmt: skip
+    assert field is not None
+    low, high = field.sought
+    return Key(path, field.measures, value, low, high, field.role, field.whole, field.period, given, None, out)
 
 
 def _number(text: str, kind: str) -> float | None:

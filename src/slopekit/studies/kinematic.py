@@ -21,8 +21,9 @@ import numpy as np
 
 from slopekit._version import __version__
 from slopekit.arrays import Floats
+from slopekit.design.common import Strength
+from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
-from slopekit.design.reader import Reader
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Plane, number
 from slopekit.studies.kinematic_criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
@@ -239,8 +240,7 @@ def kinematic(
 
 def _friction(value: object, where: str) -> float:
     found = quantity(value, "angle", "phi", where)
-    Reader.check_friction(found, "phi", where)
-    return found
+    return fields_of(Strength)["friction_angle_deg"].checked(found, "phi", where, str(value))
 
 
 def _limit(value: object, option: str) -> float:

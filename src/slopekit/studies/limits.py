@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Variable
-from slopekit.design.quantities import Quantity, quantity_of
+from slopekit.design.fields import Field, field_at
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import number
 from slopekit.studies.marginals import tails
@@ -19,7 +19,7 @@ class Beyond:
     """The shares of a variable below and above the values that a design takes."""
 
     variable: Variable
-    limits: Quantity
+    limits: Field
     below: float
     above: float
 
@@ -29,22 +29,23 @@ class Beyond:
         return self.below + self.above
 
 
-def shares_beyond(variables: Iterable[Variable], kind: str) -> tuple[Beyond, ...]:
+def shares_beyond(variables: Iterable[Variable], record: type[Design]) -> tuple[Beyond, ...]:
     """The shares of every variable, exactly; none of an orientation, which beyond 90° is a plane written otherwise.
 
     Parameters
     ----------
-    kind : of the design: wedge, plane, ...
+    record : the dataclass of the design
 
     Limits that depend on other values (dilation below φ, a step lower than the columns) are seen in samples only.
 
+    >>> from slopekit.design.wedge import WedgeDesign
     >>> cohesion = Variable("strength.weak.c", Distribution("uniform", {"min": -1.0, "max": 9.0}, "pressure"))
-    >>> shares_beyond([cohesion], "wedge")[0].below
+    >>> shares_beyond([cohesion], WedgeDesign)[0].below
     0.1
     """
     found = []
     for variable in variables:
-        own, limits = variable.distribution, quantity_of(variable.path, kind)
+        own, limits = variable.distribution, field_at(record, variable.path) or Field(variable.path)
         ends = (
             tails(own, limits.least, limits.most) if isinstance(own, Distribution) and not limits.turns else (0.0, 0.0)
         )
@@ -70,7 +71,7 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
          design: strength.weak.c = {dist: …, mean: …, sd: …}
          Add min: 0 to the distribution, or make it narrower.
     """
-    found = shares_beyond(design.variables, design.kind)
+    found = shares_beyond(design.variables, type(design))
     faults = [_fault(one) for one in found if one.share > MOST_BEYOND]
     if faults:
         raise DesignError(faults)

@@ -14,7 +14,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Design
-from slopekit.design.quantities import quantity_of
+from slopekit.design.fields import field_at
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
@@ -315,8 +315,8 @@ def _impossible(design: Design, samples: Samples) -> Bools:
     """Samples with a value that no design can have."""
     found = np.zeros(len(samples.values), dtype=bool)
     for column, path in enumerate(samples.names):
-        limits = quantity_of(path, design.kind)
-        if not limits.turns:
+        limits = field_at(type(design), path)
+        if limits is not None and not limits.turns:
             found |= (samples.values[:, column] < limits.least) | (samples.values[:, column] > limits.most)
     return found
 

@@ -1,14 +1,18 @@
 """Every message as one Markdown page, `slopekit explain --all`: the first line as the source has it, and the long text.
 
-The first lines are read from the source, values as `…`, so that the page cannot fall behind the program.
+The first lines are read from the source and from the declared fields, values as `…`, so that the page cannot fall
+behind the program.
 """
 
 import ast
 import re
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from math import isfinite
 from pathlib import Path
 
+from slopekit.design.fields import every_field
+from slopekit.design.files import KINDS, record_of
 from slopekit.explanations import explanations
 
 _CODE = re.compile(r"[EW]\d{3}")
@@ -60,6 +64,11 @@ def _first_lines() -> Mapping[str, list[str]]:
                 for code, text in _of_function(function):
                     if text not in found.setdefault(code, []):
                         found[code].append(text)
+    for field in (field for kind in KINDS for field in every_field(record_of(kind))):
+        if field.is_number and field.code != "E105" and (isfinite(field.least) or isfinite(field.most)):
+            text = f"{field.in_words.format(k='…')} is …, {field.limits_in_words()}"
+            if text not in found.setdefault(field.code, []):
+                found[field.code].append(text)
     return found
 
 

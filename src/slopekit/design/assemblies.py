@@ -1,0 +1,138 @@
+"""What designs of many blocks share in their files: named strengths, water by pressures, loads on named blocks."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from slopekit.design import words
+from slopekit.design.common import Bolt, Force, Seismic, Strength, Water
+from slopekit.design.fields import Field
+from slopekit.design.nodes import Node
+from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_strength
+from slopekit.orientation import number
+
+_SECTION_TRENDS = (90.0, 270.0)
+_TREND_TOLERANCE = 1e-6
+_OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
+_PRESSURE = Field("pressures", "pressure", 0.0, code="E119")
+
+
+def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
+    """Every strength by its name."""
+    read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
+    return tuple((name, strength) for name, strength in read if strength is not None)
+
+
+def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
+    """Mean water pressures as the file names them; E179 for water said in another way, E119 below 0."""
+    node = reader.at("water")
+    if node is None or node.value is None:
+        return []
+    said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
+    other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
+    if other is not None and (other.name == "fill" or other.text not in ("dry", None)):
+        message = f"water is {other.text}: in a {reader.kind} design it is dry, or given by its pressures"
+        reader.fault("E179", message, other, f"Write water: {{pressures: {example}}}.")
+    if len(said) > 1:
+        message = f"water has {' and '.join(said)}: they exclude each other"
+        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+    given = node.get("pressures")
+    found = []
+    for name, below in given.items() if given is not None else ():
+        if below.value is not None:
+            value = reader.number(_PRESSURE, below, f"water pressure on {name}")
+            if value is not None:
+                found.append((name, below, value))
+    return found
+
+
+def named_pressures(reader: Reader, known: Sequence[str], example: str) -> dict[str, float]:
+    """Pressures on interfaces of these names; E197 on others."""
+    found = pressures(reader, example)
+    for name, node, _ in found:
+        if name not in known:
+            message = f"water pressure on {name}: there is no such interface"
+            reader.fault("E197", message, node, reader.nearest(name, known))
+    return {name: value for name, _, value in found}
+
+
+def common(
+    reader: Reader, blocks: Mapping[str, bool] | None, in_section: bool, toward: float | None, water: Sequence[float]
+) -> dict[str, Any]:
+    """What every design of many blocks takes, by attribute; call it last.
+
+    Parameters
+    ----------
+    blocks : whether each moves, by name; None where they are not cut yet
+    toward : what a seismic load acts toward where the file does not say
+    water : pressures in the order of the interfaces
+    """
+    strengths = named_strengths(reader)
+    found = read_common(reader, on_blocks=True)
+    found["seismic"] = _seismic(reader, found["seismic"], in_section, toward)
+    found["forces"] = _on_blocks(reader, "loads.forces", "force", words.force, blocks, in_section)
+    found["bolts"] = _on_blocks(reader, "support.bolts", "bolt", words.bolt, blocks, in_section)
+    found["strengths"] = strengths
+    found["water"] = Water("pressures", 0.0, tuple(water)) if any(water) else Water()
+    return found
+
+
+def _seismic(reader: Reader, found: Seismic, in_section: bool, toward: float | None) -> Seismic:
+    """The seismic load with its direction; E253 where that is missing or leaves the section."""
+    trend = toward if found.trend_deg is None else found.trend_deg
+    node = reader.at("loads.seismic")
+    if not found.coefficient or node is None:
+        return found
+    if trend is None:
+        message = "the seismic load has no direction, and the blocks do not say which way the slope falls"
+        reader.fault("E253", message, node, "Write seismic: {k: 0.1, toward: 270}.")
+    elif in_section and min(abs(trend - known) for known in _SECTION_TRENDS) > _TREND_TOLERANCE:
+        message = f"the seismic load acts toward {number(trend)}, in a section it acts toward 090 or 270"
+        reader.fault("E253", message, node.get("toward") or node, "x is east (090), -x west (270).")
+    return replace(found, trend_deg=trend)
+
+
+def _on_blocks(
+    reader: Reader, path: str, what: str, read: Callable[[Any, str], Any], blocks: Mapping[str, bool] | None,
+    in_section: bool,
+) -> tuple[Any, ...]:  # fmt: skip
+    """Forces or bolts with the blocks they act on; E252 for one that leaves the section."""
+    found: list[Force | Bolt] = []
+    for node in reader.items(path):
+        value = reader.value(node)
+        bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
+        where = str(node.place)
+        load = None if value is None else reader.kept(lambda bare=bare, where=where: read(bare, where))  # type: ignore[misc]
+        block = _block_of(reader, node, what, blocks) if value is not None else None
+        if load is None:
+            continue
+        vector = load.components_kn if isinstance(load, Force) else tuple(load.toward.vector().tolist())
+        if in_section and abs(vector[1]) > _OFF_SECTION * sum(part * part for part in vector) ** 0.5:
+            message = f"a {what} leaves the section: x is east, z is up, and nothing acts along y"
+            advice = "Point it toward 090 or 270 (any plunge), or give [x, 0, z]."
+            reader.fault("E252", message, node.get("toward") or node, advice)
+        found.append(replace(load, block=block))
+    return tuple(found)
+
+
+def _block_of(reader: Reader, node: Node, what: str, blocks: Mapping[str, bool] | None) -> str | None:
+    """The block of a load: the one it names, or the only one that moves; E250, E251."""
+    named = node.get("block")
+    moving = [name for name, moves in (blocks or {}).items() if moves]
+    if named is not None and named.text is not None:
+        if blocks and not blocks.get(named.text, False):
+            is_fixed = named.text in blocks
+            message = f"a {what} acts on {named.text}, {'which is fixed' if is_fixed else 'there is no such block'}"
+            reader.fault("E250", message, named, reader.nearest(named.text, moving))
+        return named.text
+    if len(moving) == 1:
+        return moving[0]
+    at = "head" if what == "bolt" else "at"
+    if blocks is None and node.get(at) is None:
+        message = f"a {what} does not say where it acts: the bench has many blocks"
+        reader.fault("E251", message, node, f"Add {at}: a point in its block (or block: its name).")
+    elif blocks is not None and moving:
+        advice = f"Add block: {moving[0]}." if node.is_mapping else f"Write {{force: …, block: {moving[0]}}}."
+        reader.fault("E251", f"a {what} names no block, and {len(moving)} can move", node, advice)
+    return None

@@ -1,0 +1,453 @@
+"""Every value of a design, declared once: where it stands, what it measures, which values it takes.
+
+A declaration is the metadata of a dataclass field. The structure of design files, the reader and its messages, what may
+scatter, the keys of studies with their limits and the key reference of the documentation all follow from it.
+
+>>> from dataclasses import dataclass
+>>> @dataclass
+... class Seam:
+...     dip_deg: float = number("seam.dip", "angle", above=0.0, most=89.9, code="E101", example="45")
+...     pairs: int = count("seam.pairs", 3, 2001, code="E199", default=9)
+>>> [field.path for field in fields_of(Seam).values()]
+['seam.dip', 'seam.pairs']
+>>> fields_of(Seam)["dip_deg"].limits_in_words()
+'it lies between 0 and 89.9'
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
+from inspect import get_annotations
+from math import inf, isfinite
+from typing import Any, Literal, TypeVar, cast
+
+from slopekit.design.structure import ANGLES, AnyOf, Leaf, ListOf, Named, OrientationKind, Section, Spec
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import number as shown
+from slopekit.units import unit_of
+
+#: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
+Role = Literal["quantity", "coordinate", "scatter", "setting"]
+#: How a group of keys repeats: as a list, under names, or under names with slashes (B1/B2).
+Many = Literal["", "list", "names", "pairs"]
+#: What a value is beside a number: its angles, its coordinates, a word of the language, a name of the user's.
+NOT_NUMBERS = ("plane", "line", "point", "text", "group")
+UNITS: Mapping[str, str] = {
+    "length": "m", "volume": "m³", "pressure": "kPa", "unit weight": "kN/m³", "density": "kg/m³", "force": "kN",
+    "angle": "°", "stiffness": "kN/m³", "acceleration": "m/s²", "ratio": "",
+}  # fmt: skip
+#: The least that is more than nothing, and the most that slopes have, by what a number measures.
+_LEAST: Mapping[str, float] = {"length": 1e-3, "force": 1e-6, "stiffness": 1.0, "angle": 1e-3}
+_MOST: Mapping[str, float] = {"length": 1e5, "pressure": 1e5, "force": 1e9, "stiffness": 1e12, "volume": 1e5}
+_JUST_BELOW = 0.01  # degrees: how near to a limit that it does not reach a study takes an angle
+_KEY = "field"
+F = TypeVar("F", bound=Callable[..., Any])
+
+#: A judgement of a number in the words of its own subject: value, name, what was written, how keys are called.
+Check = Callable[[float, str, str, Callable[[str], str]], tuple[str, str, str] | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One value of a design.
+
+    Attributes
+    ----------
+    path : dotted, within its record; * is a name of the user's or the number of a list item
+    measures : a kind of `slopekit.units.quantity`, or plane, line, point, text, group
+    least, most : limits, which themselves are not taken where `above`, `below`
+    whole : whether it counts something, `is_odd` in odd numbers; words : that may stand for it (`middle`)
+    is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
+    code, says, advice, check : of the fault where it is none of its values
+    example, label : as it is written; in words for axes and messages
+    doc, left_out : what it is, and what is taken where it is left out, for the key reference
+    scatters : whether a distribution may stand there; role : for studies
+    turns : whether beyond its limits it is the same plane or line, written otherwise
+    of, many, at_least, at_most, forms, without : a group: its record, how it repeats, other ways to write it, keys it
+        lacks; `each`: a number for all, or one for each as a list or by name
+    is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
+    coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
+    or_measures : what it measures where its unit says so
+    taken : attribute that says what is taken where its own is None
+    """
+
+    path: str
+    measures: str = "ratio"
+    least: float = -inf
+    most: float = inf
+    above: bool = False
+    below: bool = False
+    whole: bool = False
+    is_odd: bool = False
+    words: tuple[str, ...] = ()
+    is_required: bool = False
+    may_lack: bool = False
+    default: Any = None
+    code: str = "E105"
+    says: str = ""
+    advice: str = ""
+    check: Check | None = None
+    example: str = ""
+    label: str = ""
+    doc: str = ""
+    left_out: str = ""
+    scatters: bool = True
+    role: Role = "quantity"
+    turns: bool = False
+    of: type | None = None
+    many: Many = ""
+    at_least: int = 0
+    at_most: int | None = None
+    forms: tuple[Spec, ...] = ()
+    without: tuple[str, ...] = ()
+    each: bool = False
+    is_attribute: bool = False
+    is_refused: bool = False
+    coordinates: int = 0
+    or_measures: str = ""
+    taken: str = ""
+
+    @property
+    def key(self) -> str:
+        """The last part of the path."""
+        return self.path.rpartition(".")[2]
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is one number with a unit."""
+        return self.measures not in NOT_NUMBERS
+
+    @property
+    def unit(self) -> str:
+        """The unit of bare numbers, empty where there is none."""
+        return UNITS[self.measures]
+
+    @property
+    def in_words(self) -> str:
+        """What it is, for messages, axes and reports."""
+        return self.label or self.key
+
+    @property
+    def period(self) -> float | None:
+        """After which it is the same again; None of all but directions."""
+        return 360.0 if self.turns and self.most == 360.0 else None
+
+    def limits_in_words(self) -> str:
+        """What a value has to be.
+
+        >>> Field("fill", least=0.0, most=1.0).limits_in_words()
+        'it lies between 0 and 1'
+        >>> Field("height", "length", 0.0, above=True).limits_in_words()
+        'it must be more than 0'
+        """
+        low, high = shown(self.least), shown(self.most)
+        if self.says:
+            return self.says.format(least=low, most=high)
+        if self.whole:
+            what = "an odd" if self.is_odd else "a whole"
+            return f"it must be {what} number from {int(self.least)} to {int(self.most)}"
+        if not isfinite(self.most):
+            return f"it must be more than {low}" if self.above else "it is never negative"
+        return f"it lies between {low} and {high}"
+
+    def takes(self, value: float) -> bool:
+        """Whether a number is one of its values."""
+        low = value > self.least if self.above else value >= self.least
+        high = value < self.most if self.below else value <= self.most
+        return low and high and (not self.whole or (value == int(value) and (value % 2 == 1 or not self.is_odd)))
+
+    def checked(
+        self, value: float, name: str, where: str, written: str = "", called: Callable[[str], str] = str
+    ) -> float:
+        """The value, where it is one that a design takes.
+
+        Parameters
+        ----------
+        name : what it is, for the message
+        where : its place
+        written : as the user wrote it; called : how a path is called where it was written
+
+        Raises
+        ------
+        DesignError
+            The field's code, or that of its `check`.
+        """
+        wrong = None if self.check is None else self.check(value, name, written, called)
+        if wrong is not None:
+            code, message, advice = wrong
+            raise DesignError([Fault(code, message, where, advice)])
+        if not self.takes(value):
+            unit = "" if self.above and not isfinite(self.most) else self.unit
+            size = shown(value) + (unit if unit in ("", "°") else f" {unit}")
+            raise DesignError([Fault(self.code, f"{name} is {size}, {self.limits_in_words()}", where, self.advice)])
+        return value
+
+    @property
+    def sought(self) -> tuple[float, float]:
+        """Between what a study looks for it: what it may be, and what slopes have."""
+        far = _MOST.get(self.measures, inf)
+        low = self.least if isfinite(self.least) else -far
+        if (self.above or low > 0.0) and not self.turns:
+            low = max(low, _LEAST.get(self.measures, 0.0))
+        high = self.most - _JUST_BELOW if self.below and self.measures == "angle" else self.most
+        return low, min(high, far)
+
+
+# -- declaring --------------------------------------------------------------------------------------------------------
+
+
+def _declared(made: Field, default: Any) -> Any:
+    made = replace(made, is_attribute=True)
+    if default is MISSING:
+        return field(metadata={_KEY: replace(made, is_required=not made.may_lack)})
+    return field(default=default, metadata={_KEY: replace(made, default=default)})
+
+
+def number(
+    path: str,
+    measures: str,
+    *,
+    default: Any = MISSING,
+    least: float = -inf,
+    above: float | None = None,
+    most: float = inf,
+    below: float | None = None,
+    **more: Any,
+) -> Any:
+    """A number with a unit; `above`, `below` are limits that are not taken themselves. `more` as `Field`."""
+    low = least if above is None else above
+    given = ({"role": "coordinate"} if low == -inf else {}) | more
+    made = Field(path, measures, low, most if below is None else below, above is not None, below is not None, **given)
+    return _declared(made, default)
+
+
+def count(path: str, least: float, most: float, *, default: Any = MISSING, **more: Any) -> Any:
+    """A whole number, which cannot scatter."""
+    given = {"code": "E137", "role": "setting"} | more
+    return _declared(Field(path, "ratio", least, most, whole=True, scatters=False, **given), default)
+
+
+def orientation(path: str, of: OrientationKind = "plane", *, default: Any = MISSING, **more: Any) -> Any:
+    """A plane (dip / dip direction) or a line (trend / plunge)."""
+    return _declared(Field(path, of, **more), default)
+
+
+def point(path: str, *, default: Any = MISSING, **more: Any) -> Any:
+    """East, north, up in m."""
+    given = {"example": "[0, -3, 6]"} | more
+    return _declared(Field(path, "point", role="coordinate", coordinates=1, **given), default)
+
+
+def text(path: str, *, default: Any = MISSING, **more: Any) -> Any:
+    """A word: a name, a file, one of `words`."""
+    return _declared(Field(path, "text", **more), default)
+
+
+def group(path: str, of: type | None = None, *, default: Any = MISSING, **more: Any) -> Any:
+    """A record of its own, or many of them; `forms` are other ways of writing one."""
+    return _declared(Field(path, "group", of=of, **more), default)
+
+
+def _remembered(function: F) -> F:
+    """`functools.cache` that keeps the signature."""
+    return cast(F, cache(function))
+
+
+# -- looking up -------------------------------------------------------------------------------------------------------
+
+
+@_remembered
+def fields_of(record: Any) -> Mapping[str, Field]:
+    """The declared fields of a dataclass by attribute, its own before those that it inherits.
+
+    `ALSO` of a class are keys that are read into attributes of other names, `WITHOUT` top keys that it does not have.
+    """
+    also: dict[str, Field] = {}
+    for one in reversed(record.__mro__):
+        also |= {made.path: made for made in one.__dict__.get("ALSO", ())}
+    declared = {one.name: one.metadata[_KEY] for one in fields(record) if _KEY in one.metadata}
+    own = [name for name in get_annotations(record) if name in declared]
+    order = {name: (declared | also)[name] for name in (*own, *also, *declared)}
+    without = getattr(record, "WITHOUT", ())
+    return {name: one for name, one in order.items() if one.path.partition(".")[0] not in without}
+
+
+def _angle(above: Field, key: str) -> Field:
+    low, high = {"dip": (0.0, 90.0), "plunge": (-90.0, 90.0)}.get(key, (0.0, 360.0))
+    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="")
+
+
+def every_field(record: Any, path: str = "") -> Iterator[Field]:
+    """All fields of a record and of the groups in it, by their full paths; planes and lines by their angles too."""
+    for one in fields_of(record).values():
+        own = replace(one, path=f"{path}.{one.path}" if path else one.path)
+        yield own
+        if one.measures in ANGLES:
+            angles = ANGLES[one.measures]  # type: ignore[index]
+            yield from (_angle(own, key) for key in angles)
+        if one.is_number and (one.many or one.each):
+            yield replace(own, path=f"{own.path}.*")
+        if one.coordinates:
+            measures = one.measures if one.is_number else one.or_measures or "length"
+            below = own.path + ".*" * one.coordinates
+            yield replace(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
+        if one.of is not None:
+            below = own.path + {"": "", "list": ".*", "names": ".*", "pairs": ".*"}[one.many]
+            yield from (part for part in every_field(one.of, below) if part.key not in one.without)
+
+
+@_remembered
+def _paths(record: Any) -> Mapping[tuple[str, ...], Field]:
+    numbers = (one for one in every_field(record) if one.is_number and (not one.many or one.path.endswith("*")))
+    return {tuple(one.path.split(".")): one for one in numbers}
+
+
+@_remembered
+def field_at(record: Any, path: str) -> Field | None:
+    """The number that stands at a dotted path of a design; None where there is none.
+
+    Parameters
+    ----------
+    record : the dataclass of the design
+
+    >>> from slopekit.design.wedge import WedgeDesign
+    >>> field_at(WedgeDesign, "strength.weak.phi").measures
+    'angle'
+    """
+    parts = ("correlation", "*") if path.startswith("correlation.") else tuple(path.split("."))
+    known = _paths(record)
+    if parts in known:
+        return known[parts]
+    fitting = [
+        (names.count("*"), one) for names, one in known.items()
+        if len(names) == len(parts) and all(name in ("*", part) for name, part in zip(names, parts, strict=True))
+    ]  # fmt: skip
+    return min(fitting, key=lambda pair: pair[0])[1] if fitting else None
+
+
+# -- the structure of a design file -----------------------------------------------------------------------------------
+
+
+def structure_of(record: Any, required: Sequence[str] = (), without: Sequence[str] = ()) -> Section:
+    """Which keys a record may have: what `check_structure` goes by.
+
+    Parameters
+    ----------
+    required : top keys that must be there beside those of required fields
+    """
+    keys: dict[str, Any] = {}
+    needed: dict[str, None] = dict.fromkeys(required)
+    for one in fields_of(record).values():
+        if one.path in without:
+            continue
+        *above, last = one.path.split(".")
+        holder = keys
+        for part in above:
+            if part == "*":
+                continue
+            holder = holder.setdefault(part, {})
+        beside = holder.get(last)
+        holder[last] = (one, _spec(one) if beside is None else _with_keys(_spec(one), _section(beside)))
+        if one.is_required:
+            needed[one.path.partition(".")[0]] = None
+    return _section(keys, tuple(needed))
+
+
+def _with_keys(spec: Spec, more: Section) -> Spec:
+    """A group with keys that are declared beside it."""
+    if isinstance(spec, AnyOf):
+        return replace(spec, of=tuple(_with_keys(one, more) for one in spec.of))
+    return replace(spec, keys={**spec.keys, **more.keys}) if isinstance(spec, Section) else spec
+
+
+def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> Section:
+    made: dict[str, Spec] = {}
+    examples = []
+    needed = []
+    for key, below in keys.items():
+        if isinstance(below, dict):
+            made[key] = _section(below)
+            continue
+        one, made[key] = below
+        if one.is_required:
+            needed.append(key)
+        if one.example and (one.is_required or required is None):
+            examples.append((one.is_required, f"{key}: {one.example}"))
+    shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:2]]
+    example = f"{{{', '.join(shown_ones)}}}" if shown_ones else ""
+    return Section(made, tuple(needed if required is None else required), example)
+
+
+def _spec(one: Field) -> Spec:
+    made: Spec
+    if one.measures in ANGLES:
+        made = orientation_spec(one)
+    elif one.measures == "point":
+        made = ListOf(Leaf(), 3, 3, example=one.example)
+    elif one.is_number:
+        made = Leaf(number=one.scatters, example=one.example)
+        if one.each:
+            made = AnyOf((made, ListOf(made, 1), Named(made, 1)))
+        elif one.many == "list":
+            made = ListOf(replace(made, example=""), one.at_least, one.at_most, example=one.example)
+        elif one.many:
+            made = Named(replace(made, example=""), one.at_least, pairs=one.many == "pairs", example=one.example)
+        elif one.of is not None:
+            made = AnyOf((made, structure_of(one.of)))
+        elif one.forms:
+            made = AnyOf((made, *one.forms))
+    elif one.of is not None:
+        own = structure_of(one.of, without=one.without)
+        made = replace(own, example=one.example) if one.example and not one.many else own
+        if one.forms and one.many != "names" and one.many != "pairs":
+            made = AnyOf((*one.forms, made), example=one.example)
+        if one.many == "list":
+            made = ListOf(made, one.at_least, example=one.example)
+        elif one.many:
+            made = Named(made, one.at_least, pairs=one.many == "pairs", example=one.example)
+            made = AnyOf((made, *one.forms), example=one.example) if one.forms else made
+    elif one.forms:
+        made = one.forms[0] if len(one.forms) == 1 else AnyOf(one.forms, example=one.example)
+    else:
+        made = Leaf(example=one.example)
+    return made
+
+
+def orientation_spec(one: Field) -> AnyOf:
+    """Two angles with a slash, a pair, a distribution, or the two angles by name, each a number or a distribution."""
+    of: OrientationKind = "plane" if one.measures == "plane" else "line"
+    first, _, second = one.example.partition("/")
+    examples = (first, second) if of == "plane" else (second, first)
+    angles: Mapping[str, Spec] = {
+        key: Leaf(number=True, example=value) for key, value in zip(ANGLES[of], examples, strict=True)
+    }
+    words = Leaf(orientation=True, example=one.example)
+    return AnyOf((words, Section(angles, required=ANGLES[of])), example=one.example)
+
+
+# -- checks that several fields share ---------------------------------------------------------------------------------
+
+_DEGREES = ("deg", "°", "degrees", "rad")
+
+
+def in_degrees(value: float, name: str, written: str, called: Callable[[str], str]) -> tuple[str, str, str] | None:
+    """E113: a friction angle that was written in radians; who writes the unit means it."""
+    from math import degrees, pi
+
+    if not 0.0 < value < pi / 2 or value == int(value) or unit_of(written) in _DEGREES:
+        return None
+    advice = f"{shown(value)} rad is {degrees(value):.1f}°; write {shown(value)} deg if degrees are meant."
+    return "E113", f"{name} is {shown(value)}°, that looks like radians", advice
+
+
+def more_than_nothing(
+    value: float, name: str, written: str, called: Callable[[str], str]
+) -> tuple[str, str, str] | None:
+    """E116: a size of a block."""
+    return None if value > 0.0 else ("E116", f"{name} is {shown(value)}, it must be more than 0", "")
+
+
+__all__ = [
+    "Field", "Role", "count", "every_field", "field_at", "fields_of", "group", "in_degrees", "more_than_nothing",
+    "number", "orientation", "point", "structure_of", "text",
+]  # fmt: skip

@@ -1,0 +1,116 @@
+"""The joints of a wedge or a plane failure: from the design itself or from a joint list, with their strengths."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from slopekit.design.common import Strength
+from slopekit.design.named_files import beside
+from slopekit.design.nodes import Node
+from slopekit.design.reader import Reader
+from slopekit.design.sections import read_strength, standard_strength, strength_names
+from slopekit.errors import DesignError
+from slopekit.orientation import Plane
+
+
+@dataclass(frozen=True, slots=True)
+class GivenJoint:
+    """A joint as a design has it.
+
+    Attributes
+    ----------
+    plane : None where it is wrong, or not given
+    strength : node of its `strength` key; at : its own node
+    listed : c and φ of a joint list, where that has such columns: None in a cell that is empty
+    """
+
+    name: str
+    plane: Plane | None
+    strength: Node | None
+    at: Node
+    listed: Mapping[str, float | None]
+
+
+def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
+    """The joints of a design of one block: as many as its kind takes, else none.
+
+    Faults: E109 another number of joints, E197 no such joint in the list, and those of the planes.
+    """
+    node = reader.at("joints")
+    if node is None or not node.is_mapping:
+        return []
+    if node.get("csv") is not None:
+        return _from_csv(reader, node, count)
+    entries = [(name, below) for name, below in node.items() if below.is_mapping]
+    if len(entries) != count:
+        if len(node.items()) != count:
+            needed = "two joints" if count == 2 else "one joint"
+            reader.fault("E109", f"a {reader.kind} has {needed}, {len(node.items())} are given", node)
+        return []
+    found = []
+    for name, below in entries:
+        given = below.get("plane")
+        plane = reader.plane(given, name) if given is not None and given.value is not None else None
+        found.append(GivenJoint(name, plane, below.get("strength"), below, {}))
+    return found
+
+
+def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
+    from slopekit.design.survey import read_joints
+
+    file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
+    assert file is not None
+    try:
+        survey = read_joints(beside(reader, file), convention.text if convention is not None else None)
+    except DesignError as error:
+        # a list that cannot be opened, or a convention that is none, is a slip in the design; a bad row is the list's
+        slips = dict.fromkeys(("E147", "E148", "E149"), file) | ({} if convention is None else {"E192": convention})
+        for fault in error.faults:
+            at = slips.get(fault.code)
+            reader.faults.append(fault if at is None else replace(fault, where=str(at.place)))
+        return []
+    reader.left_out += [f"{part} of {file.text}" for part in survey.left_out]
+    names = [joint.name for joint in survey.joints]
+    wanted = names if pick is None else [item.text or "" for item in (pick.elements or (pick,))]
+    missing = [name for name in wanted if name not in names]
+    for name in missing:
+        reader.fault("E197", f"{file.text} has no joint {name}", pick, reader.nearest(name, names))
+    if missing:
+        return []
+    if len(wanted) != count:
+        needed = "two joints" if count == 2 else "one joint"
+        message = f"a {reader.kind} takes {needed}, {len(wanted)} come from {file.text}"
+        reader.fault("E109", message, pick or file, f"Add pick: [{', '.join(names[:count])}].")
+        return []
+    chosen = [survey.joints[names.index(name)] for name in wanted]
+    columns = {"c": [joint.cohesion_kpa for joint in chosen], "phi": [joint.friction_angle_deg for joint in chosen]}
+    measured = [key for key, values in columns.items() if any(value is not None for value in values)]
+    return [
+        GivenJoint(joint.name, joint.plane, node.get("strength"), file, {key: columns[key][k] for key in measured})
+        for k, joint in enumerate(chosen)
+    ]
+
+
+def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength | None]:
+    """The strength of each joint: columns of a joint list where they are filled, else those of the design."""
+    names: list[str | None] = [None] * len(joints)
+    if reader.at("strength") is not None and joints:
+        names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
+    of_design = [None if name is None else reader.at(f"strength.{name}") for name in names]
+    measured = {key for joint in joints for key in joint.listed}
+    has_strengths = reader.at("strength") is not None
+    standard = standard_strength(reader, [own for own in of_design if own is not None], beside=measured)
+    found: list[Strength | None] = []
+    for joint, name, own in zip(joints, names, of_design, strict=True):
+        if name is None and has_strengths and not joint.listed:
+            found.append(None)
+            continue
+        listed = {key: value for key, value in joint.listed.items() if value is not None}
+        for key in joint.listed:
+            given = own is not None and own.get(key) is not None
+            if key in listed and given:
+                reader.left_out.append(f"{key} of the design for {joint.name}: {joint.at.text} has its own")
+            elif key not in listed and not given:
+                advice = f"Fill in the column {key}, or give a strength in the design."
+                reader.fault("E143", f"{key} of {joint.name} is missing in {joint.at.text}", joint.at, advice)
+        found.append(read_strength(reader, own, name or joint.name, standard, listed, joint.at))
+    return found

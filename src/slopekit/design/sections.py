@@ -1,0 +1,247 @@
+"""What designs of every kind share, read from their documents: weight, loads, strengths, stiffness, water."""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any
+
+from slopekit.design import words
+from slopekit.design.common import Design, HyperbolaParameters, Seismic, Stiffness, Strength, Water
+from slopekit.design.fields import fields_of
+from slopekit.design.nodes import Node, Place
+from slopekit.design.reader import Reader
+from slopekit.design.structure import is_distribution
+from slopekit.errors import Fault
+from slopekit.orientation import number as shown
+
+_MOST_FACTORS = 200
+_NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))
+
+# -- what every kind has ------------------------------------------------------------------------------------------
+
+
+def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
+    """The values that every kind of design has, by attribute; call it after the kind's own.
+
+    Parameters
+    ----------
+    on_blocks : whether forces and bolts name their blocks, and are read with them
+    """
+    title = reader.at("title")
+    found = reader.fields(Design, only=(
+        "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within", "stop_when",
+    ))  # fmt: skip
+    found |= read_weight(reader, found["gravity_m_s2"])
+    own = fields_of(reader.record)
+    if "seismic" in own:
+        found["seismic"] = read_seismic(reader)
+    if "forces" in own and not on_blocks:
+        found["forces"] = reader.many("loads.forces", words.force)
+        found["bolts"] = reader.many("support.bolts", words.bolt)
+    found["rules"] = reader.many("acceptance.rules", words.rule)
+    found["factors"] = read_factors(reader) if "factors" in own else ()
+    return found | {
+        "title": title.text if title is not None and title.text else "",
+        "stiffness": read_stiffness(reader),
+    }
+
+
+def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:
+    """Unit weight (kN/m³) and, where that was given, the density (kg/m³): one of the two, E112."""
+    own = fields_of(reader.record)
+    weight, density = reader.at("rock.unit_weight"), reader.at("rock.density")
+    if weight is not None and density is not None:
+        where = f"{density.place}, {weight.place}"
+        reader.faults.append(Fault("E112", "density and unit weight are both given", where, "Give one of the two."))
+        return {"unit_weight_kn_m3": None, "density_kg_m3": None}
+    if weight is not None:
+        return {"unit_weight_kn_m3": reader.field(own["unit_weight_kn_m3"], weight), "density_kg_m3": None}
+    found = reader.field(own["density_kg_m3"], density)
+    if density is None and found is None and reader.at("rock") is not None and "rock" in reader.record.REQUIRED:
+        reader.fault("E143", "rock.density is missing", reader.at("rock"), "Give rock.density.")
+    by_density = None if found is None or gravity is None else found * gravity / 1e3
+    return {"unit_weight_kn_m3": by_density, "density_kg_m3": found}
+
+
+def read_seismic(reader: Reader) -> Seismic:
+    """The seismic load as a number, in words (0.1@180), or by its keys."""
+    node = reader.at("loads.seismic")
+    if node is None or node.value is None:
+        return Seismic()
+    value = reader.value(node)
+    if isinstance(value, dict):
+        toward = value.get("toward")
+        value = _text(value.get("k", 0)) + ("" if toward is None else f"@{_text(toward)}")
+    found = None if value is None else reader.kept(lambda: words.seismic(value, str(node.place)))
+    if found is not None and found.coefficient and found.trend_deg is None:
+        reader.defaults.append("seismic.trend")
+    return found or Seismic()
+
+
+def read_factors(reader: Reader) -> tuple[float, ...]:
+    """Strength reduction factors of the series, sorted."""
+    node = reader.at("analysis.factors")
+    found = reader.field(fields_of(Design)["factors"], node)
+    if len(found) > _MOST_FACTORS:
+        message = f"{len(found)} factors are too many for one series (most: {_MOST_FACTORS})"
+        reader.fault("E127", message, node)
+    return tuple(sorted(set(found)))
+
+
+# -- strengths ----------------------------------------------------------------------------------------------------
+
+
+def read_strength(
+    reader: Reader,
+    node: Node | None,
+    owner: str,
+    standard: Mapping[str, float] | None = None,
+    listed: Mapping[str, float | None] | None = None,
+    beside: Node | None = None,
+) -> Strength | None:
+    """One strength: E143 without c or φ, E117 a dilation above φ.
+
+    Parameters
+    ----------
+    owner : its name; standard : what it takes by key where it says nothing
+    listed : what a joint list says in its place, from the file `beside`
+    """
+    if (node is None or not node.is_mapping) and not listed and not standard:
+        return None
+    found = reader.fields(Strength, node or _NOTHING, owner)
+    for name, field in fields_of(Strength).items():
+        given = node is not None and node.get(field.path) is not None
+        if listed is not None and field.path in listed:
+            found[name] = listed[field.path]
+        elif not given and standard is not None and field.path in standard:
+            found[name] = standard[field.path]
+        elif not given and field.may_lack and not (listed and beside is not None and node is None):
+            at = node or beside
+            path = f"{node.path}.{field.path}" if node is not None else f"{field.path} of {owner}"
+            reader.fault("E143", f"{path} is missing", at, f"Add {field.path}.")
+    friction, dilation = found["friction_angle_deg"], found["dilation_deg"]
+    below = node.get("dilation") if node is not None else None
+    if friction is not None and dilation is not None and below is not None and dilation > friction:
+        message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
+        reader.fault("E117", f"{message} {shown(friction)}°", below)
+    return None if None in found.values() else Strength(**found)
+
+
+def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
+    """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
+    given = list(nodes)
+    found = {
+        key: value for key, value in reader.record.DEFAULTS.items()
+        if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)
+    }  # fmt: skip
+    reader.defaults += found
+    return found
+
+
+def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[str | None]:
+    """The name of each interface's strength: the one it names, or the only one there is; E176, E195.
+
+    Parameters
+    ----------
+    users : name of the interface, the node of its `strength` key, the node of the interface itreader
+    """
+    strengths = reader.at("strength")
+    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    found: list[str | None] = []
+    for user, wanted, own in users:
+        if wanted is not None and wanted.text is not None:
+            known = wanted.text in names
+            if not known:
+                message = f"{user} has the strength {wanted.text}, which is not under strength"
+                reader.fault("E176", message, wanted, reader.nearest(wanted.text, names))
+            found.append(wanted.text if known else None)
+        elif len(names) > 1:
+            message = f"{user} names no strength, and there are {len(names)}"
+            reader.fault("E176", message, own, f"Add strength: {' or '.join(names[:4])}.")
+            found.append(None)
+        else:
+            found.append(names[0] if names else None)
+    if strengths is not None and len(names) > 1 and None not in found:
+        for name, node in strengths.items():
+            if name not in found:
+                reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")
+    return found
+
+
+def read_strengths(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[Strength | None]:
+    """The strength of each interface."""
+    names = strength_names(reader, users)
+    nodes = {name: node for name in names if name is not None and (node := reader.at(f"strength.{name}")) is not None}
+    standard = standard_strength(reader, nodes.values()) if None not in names else {}
+    read = {name: read_strength(reader, node, name, standard) for name, node in nodes.items()}
+    return [None if name is None else read.get(name) for name in names]
+
+
+def read_stiffness(reader: Reader) -> Stiffness:
+    """The stiffness that is one for all strengths; E196 where it is not."""
+    given = [node for _, own in reader.names("strength") if (node := own.get("stiffness")) is not None]
+    if len({str(node.plain()) for node in given}) > 1:
+        advice = "Give both strengths the same stiffness; the limit factor does not depend on it."
+        message = "the strengths have different stiffness: displacements take one for all"
+        reader.fault("E196", message, given[-1], advice)
+    if not given or len({str(node.plain()) for node in given}) > 1:
+        return Stiffness()
+    own = fields_of(Stiffness)
+    normal = reader.field(own["normal_kn_m3"], given[0].get("normal"))
+    normal = normal or Stiffness().normal_kn_m3
+    shear = given[0].get("shear")
+    if shear is not None and shear.is_mapping and not is_distribution(shear):
+        value, where = reader.value(shear), str(shear.place)
+        law = None if value is None else reader.kept(lambda: words.hyperbola(value, where))
+        return Stiffness(normal, None, law or HyperbolaParameters())
+    if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
+        shear = None
+    return Stiffness(normal, reader.field(own["shear_kn_m3"], shear))
+
+
+# -- water --------------------------------------------------------------------------------------------------------
+
+
+def read_water(reader: Reader, order: Sequence[str], has_crack: bool = False) -> tuple[Water, Node | None]:
+    """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands."""
+    node = reader.at("water")
+    if node is None or node.value is None:
+        return Water(), None
+    found = given_water(reader, node, order)
+    if found is None:
+        return Water(), node
+    value, only = found
+    return reader.kept(lambda: words.water(value, str(only.place), has_crack)) or Water(), only
+
+
+def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, Node] | None:
+    """What the design says of water as one word or a list of pressures, and where it stands."""
+    if not node.is_mapping:
+        value = reader.value(node)
+        return None if value is None else (value, node)
+    said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
+    mode = node.get("mode")
+    if mode is not None and mode.text == "full" and said == ["mode", "fill"]:
+        said = ["fill"]  # so much of full
+    if len(said) > 1:
+        message = f"water has {' and '.join(said)}: they exclude each other"
+        reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
+    only = node.get(said[0]) if len(said) == 1 else None
+    if only is None:
+        return None
+    if said[0] != "pressures" or not only.is_mapping:
+        value = reader.value(only)
+        if value is None:
+            return None
+        return ([value] if said[0] == "pressures" and not only.elements else value), only
+    unknown = [name for name, _ in only.items() if name not in order]
+    for name in unknown:
+        message = f"water pressure on {name}: there is no such interface"
+        reader.fault("E197", message, only.get(name), reader.nearest(name, order))
+    if unknown or not only.items():
+        return None
+    values = {name: reader.value(below) for name, below in only.items()}
+    last = max(order.index(name) for name in values)
+    return [values.get(name, 0.0) for name in order[: max(last + 1, min(2, len(order)))]], only
+
+
+def _text(value: object) -> str:
+    return repr(value) if isinstance(value, float) else str(value)  # every digit: studies change the last of them
