@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from slopekit import kinds
-from slopekit.design.files import KINDS
+from slopekit.design.registry import KINDS
 
 PAPER = {"dips": ("45/115", "45/245")}
 

@@ -31,8 +31,8 @@ import pytest
 from benchmarks.key_reference import PAGE, written
 from slopekit.cli import app, main
 from slopekit.design.fields import structure_of
-from slopekit.design.files import KINDS as KINDS_OF_DESIGN
-from slopekit.design.files import record_of
+from slopekit.design.registry import KINDS as KINDS_OF_DESIGN
+from slopekit.design.registry import record_of
 from slopekit.design.templates import names, path_of
 from slopekit.explanations import explanations
 from tests.support import forget_kinds

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import pytest
 
 from slopekit.design.fields import every_field, field_at, structure_of
-from slopekit.design.files import KINDS, load, record_of
+from slopekit.design.files import load
+from slopekit.design.registry import KINDS, record_of
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section
 from slopekit.errors import DesignError
 

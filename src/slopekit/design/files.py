@@ -4,10 +4,9 @@ Every value keeps its place, so that each fault names its line and column, whate
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from importlib import import_module
 from typing import Any
 
 from slopekit.design.common import Design
@@ -16,19 +15,12 @@ from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reader import Reader
+from slopekit.design.registry import KINDS, entry_of, record_of
 from slopekit.design.structure import Section, check_structure
 from slopekit.errors import DesignError, Fault
 
 Overrides = Sequence[tuple[str, object]]
 VERSION = 1
-Read = Callable[[Reader], Design]
-#: Where the kinds are: module of the dataclass, its name, module of the reader; both themselves of a kind from outside.
-KINDS: dict[str, tuple[str, str, str] | tuple[type[Design], Read]] = {
-    "wedge": ("wedge", "WedgeDesign", "reading"), "plane": ("kinds", "PlaneDesign", "reading_kinds"),
-    "footing": ("kinds", "FootingDesign", "reading_kinds"), "surface": ("kinds", "SurfaceDesign", "reading_kinds"),
-    "topple": ("blocky", "ToppleDesign", "reading_blocky"), "bench": ("blocky", "BenchDesign", "reading_blocky"),
-    "blocks": ("blocky", "BlocksDesign", "reading_blocks"),
-}  # fmt: skip
 
 
 def load(source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides = ()) -> Design:
@@ -70,7 +62,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     """
     root = document.root
     kind = _kind(root)
-    record, read = _kinds(kind)
+    record, read = entry_of(kind)
     faults = check_structure(root, structure_of(record, record.REQUIRED), kind, _Others(kind))
     faults += _version(root)
     unsound = {fault.where for fault in faults}
@@ -132,22 +124,6 @@ def _version(root: Node) -> list[Fault]:
         return []
     message = f"slopekit: {node.text} is not a version of design files that this slopekit reads"
     return [Fault("E174", message, str(node.place), f"Write slopekit: {VERSION}.")]
-
-
-def _kinds(kind: str) -> tuple[type[Design], Read]:
-    """The dataclass of a kind and its reader."""
-    entry = KINDS[kind]
-    if len(entry) == 2:
-        return entry
-    module, name, reading = entry
-    record: type[Design] = getattr(import_module(f"slopekit.design.{module}"), name)
-    read: Read = getattr(import_module(f"slopekit.design.{reading}"), f"read_{kind}")
-    return record, read
-
-
-def record_of(kind: str) -> type[Design]:
-    """The dataclass of a kind of design."""
-    return _kinds(kind)[0]
 
 
 class _Others(Mapping[str, Section]):

@@ -24,7 +24,7 @@ def key_table(record: Any, beside: Any = None) -> str:
 
 def tables() -> dict[str, str]:
     """The tables of the reference by their names: what every kind has, then each kind."""
-    from slopekit.design.files import KINDS, record_of
+    from slopekit.design.registry import KINDS, record_of
 
     return {"every kind": key_table(Design)} | {kind: key_table(record_of(kind), Design) for kind in KINDS}
 

@@ -7,7 +7,7 @@ from slopekit.design.common import Design
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.design.files import Read
+    from slopekit.design.registry import Read
     from slopekit.kinds.protocol import Factors, Kind
 
 #: Where each kind says what it is, as `KIND`.
@@ -24,7 +24,7 @@ def register(kind: "Kind[Any]", record: type[Design], read: "Read") -> None:
     ----------
     record : the dataclass of its designs, named after it, whose fields declare the keys; read : makes one from a file
     """
-    from slopekit.design.files import KINDS
+    from slopekit.design.registry import KINDS
 
     _FROM_OUTSIDE[kind.name], KINDS[kind.name] = kind, (record, read)
 

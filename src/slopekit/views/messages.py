@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 
 from slopekit.design.fields import every_field
-from slopekit.design.files import KINDS, record_of
+from slopekit.design.registry import KINDS, record_of
 from slopekit.explanations import explanations
 
 _CODE = re.compile(r"[EW]\d{3}")
