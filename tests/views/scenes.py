@@ -54,8 +54,9 @@ def result(design, mechanisms, names, fixed=(), table=(), closed=None, standing=
         tuple(mechanisms), factors, standing, len(names), sum(is_fixed), more.pop("contacts", 3 * moving),
         more.pop("components", 1), more.pop("checks", CHECKS), tuple(table),
     )  # fmt: skip
+    thickness = None if design.kind == "bench" else 1.0
     geometry = AssemblyGeometry(
-        12.5 * moving, 10.0, more.pop("areas", {"joint": 123.4}), tuple(names), is_fixed, 1.0, NONE3, {}, NONE3,
+        12.5 * moving, 10.0, more.pop("areas", {"joint": 123.4}), tuple(names), is_fixed, thickness, NONE3, {}, NONE3,
         np.zeros((0, 3), dtype=np.int64), WHOLE, Contacts(NONE3, np.zeros(1, dtype=np.int64), WHOLE, WHOLE, WHOLE),
     )  # fmt: skip
     difference = abs(limit - closed) / closed if limit and closed else None
