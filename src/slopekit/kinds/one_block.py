@@ -14,7 +14,6 @@ from slopekit.design.common import Design, Strength
 from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
-from slopekit.kinds.closed_forms import OnArrays
 from slopekit.kinds.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
 from slopekit.kinds.one_block_states import (
     Scene,
@@ -53,6 +52,7 @@ from slopekit.result import (
 )  # fmt: skip
 
 if TYPE_CHECKING:
+    from slopekit.kinds.closed_forms import OnArrays
     from slopekit.kinds.ladders import Ladder
 
 DILATES = "the closed form knows no dilation: it is printed, not compared"
@@ -152,7 +152,7 @@ def kind_of_one_block(
     name: str, words: Words, cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: OnArrays[D] | None = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
+    on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -206,7 +206,7 @@ def kind_of_one_block(
 def _governs(
     changes: Sequence[tuple[str, D]],
     closed_form: Callable[[D], ClosedForm],
-    on_arrays: OnArrays[D] | None,
+    on_arrays: "OnArrays[D] | None",
     nothing: str,
 ) -> tuple[tuple[str, float | None, str], ...]:
     """What changes do to the closed form: their name, factor of safety, status; `nothing` where there is no block."""
