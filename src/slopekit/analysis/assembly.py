@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.analysis.assembly_scene import AssemblyScene, assembly_scene, scene_loads
 from slopekit.analysis.assembly_states import assembly_arrows, assembly_pair_state, at_full_strength
 from slopekit.analysis.motions import mechanism
+from slopekit.analysis.secants import left_out_of_laws, secant_of
 from slopekit.analysis.stages import Clock, ClosedForm, compare, joint_stiffness, joint_strength
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
@@ -25,7 +26,7 @@ from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Part, Ravelling, critical_load, ravel, whole_model
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
-from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result
+from slopekit.result import AllPairs, CurvedStrength, FactorsOfSafety, Forces, ModelSize, Result, SecantLine
 
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -138,7 +139,7 @@ def solve_assembly(design: AssemblyDesign) -> SolvedAssembly:
         all_pairs=None if untied is None else all_pairs(untied),
         warnings=tuple(_notices(design, scene, ravelling, found, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, timing_s=clock.done(),
+        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -218,6 +219,7 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
+    said += left_out_of_laws(scene.strengths)
     if design.mechanisms > 1 and scene.pressures.any():
         said.append("water in joints that a block has left: they stand open")
     return tuple(said)
@@ -264,6 +266,30 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     )  # fmt: skip
 
 
+def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> CurvedStrength | None:
+    """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
+    solved = [part for part in parts if part.model.lines is not None and part.limit.factor]
+    if not solved:
+        return None
+    kinds = [part.model.lines.joint[part.model.joint_pairs] for part in solved if part.model.lines is not None]
+    joint = np.concatenate(kinds)
+    areas = [part.model.control_area[part.model.joint_pairs] * part.model.area_scale for part in solved]
+    area = np.concatenate(areas)
+    normals = [part.limit.normal_force[part.model.joint_pairs] * part.model.force_scale for part in solved]
+    normal = np.concatenate(normals)
+    lines = {}
+    for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
+        on = (joint == key) & (normal > 0.0)
+        if on.any() and (line := secant_of(strength, float(normal[on].sum() / area[on].sum()))) is not None:
+            tractions = normal[on] / area[on]
+            lines[name] = SecantLine(
+                line.traction_kpa, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
+                line.friction_angle_deg,
+            )  # fmt: skip
+    rounds = max(part.model.lines.rounds for part in solved if part.model.lines is not None)
+    return CurvedStrength(None, None, rounds, lines)
+
+
 def _drawn_out(part: Part) -> bool:
     """Whether a mechanism draws out a passive bolt."""
     _, slip = part.model.opening_and_slip(part.limit.velocity)
@@ -302,6 +328,9 @@ def _notices(
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest, the peak of the elastic path; where limits of random sections were found they lay up to 4 "
                      "% below their peaks, which is no bound on this one")  # fmt: skip
+    if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
+        yield Notice("W317", "the lines of the curved strength did not settle: at the factor that is printed they are "
+                     f"off by {limit.change * 100:.2g} % of the strength")  # fmt: skip
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip

@@ -7,11 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from slopekit.analysis.scene import Scene
-from slopekit.analysis.stages import Clock, ClosedForm, block_status, compare, find_limit
+from slopekit.analysis.stages import Clock, ClosedForm, block_status, comparable, compare, find_limit
 from slopekit.design.common import Design
 from slopekit.design.kinds import FootingDesign, PlaneDesign
 from slopekit.design.wedge import WedgeDesign
-from slopekit.preie.passes import Outcome
 
 _STATUSES = {"slides": "slides_on_J1"}
 _DILATES = "the closed form knows no dilation"
@@ -122,7 +121,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> Factors:
     limit = found.analysis.governing
     status = block_status(limit, found.analysis, found.scene, interfaces)
     governs = found.analysis.moments_govern
-    compared = found.analysis.forces_only.factor if governs or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
+    compared = comparable(found.analysis, found.scene.model)
     difference, agree = compare(compared, status, closed, design.agree_within)
     return Factors(
         status, limit.factor or None, closed.status, closed.factor, difference, agree, governs,

@@ -7,6 +7,7 @@ import numpy as np
 
 from slopekit.analysis.plane import section_bedding, section_geometry
 from slopekit.analysis.scene import Scene
+from slopekit.analysis.secants import changed_laws, on_secants
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
@@ -103,20 +104,24 @@ def _scene(design: FootingDesign, section: Section, loads: Loads, refine: int) -
 
 
 def _closed_form(design: FootingDesign, weight: float) -> ClosedFormFooting:
-    return footing(
-        design.load_kn, design.dip_deg, design.length_m, design.strength.cohesion_kpa,
-        design.strength.friction_angle_deg, weight,
-    )  # fmt: skip
+    return on_secants(
+        [design.strength],
+        lambda given: footing(
+            design.load_kn, design.dip_deg, design.length_m, given[0].cohesion_kpa, given[0].friction_angle_deg, weight
+        ),
+        lambda found: [found.normal_kn / design.length_m],
+    )[0]
 
 
 def _governs(design: FootingDesign, weight: float) -> tuple[tuple[str, float | None, str], ...]:
     """What a few changes of the input do to the closed form."""
     strength = design.strength
     changes = [("load +10 %", replace(design, load_kn=design.load_kn * 1.1))]
-    if strength.friction_angle_deg < 88.0:
+    changes += [(name, replace(design, strength=other)) for name, other in changed_laws(strength)]
+    if strength.law is None and strength.friction_angle_deg < 88.0:
         steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
         changes.append(("φ +1°", replace(design, strength=steeper)))
-    if strength.cohesion_kpa:
+    if strength.law is None and strength.cohesion_kpa:
         firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
         changes.append(("c +10 %", replace(design, strength=firmer)))
     if design.dip_deg < 88.0:

@@ -1,12 +1,13 @@
 """Plane failure per metre of slope: from its design to its result."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from slopekit.analysis.scene import Bedding, Scene
+from slopekit.analysis.secants import changed_laws, on_secants
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
@@ -235,15 +236,19 @@ def _closed_form(design: PlaneDesign, section: Section) -> ClosedFormPlane:
     if len(pressures) > 1 and section.crack_depth is not None:
         forces.append((pressures[1] * section.crack_depth, 0.0))
     forces += [in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "active"]
-    return plane_failure(
+
+    def of(strengths: Sequence[Strength]) -> ClosedFormPlane:
+        return plane_failure(
         design.face.dip_deg, _signed_dip(design.upper, design.face), _signed_dip(design.joint, design.face),
-        design.height_m, design.strength.cohesion_kpa, design.strength.friction_angle_deg, design.unit_weight_kn_m3,
+        design.height_m, strengths[0].cohesion_kpa, strengths[0].friction_angle_deg, design.unit_weight_kn_m3,
         crack_distance_m=section.crack_distance, water_in_crack_m=deep,
         water_unit_weight_kn_m3=design.water_unit_weight_kn_m3,
         mean_pressure_kpa=pressures[0] if pressures else None, plane_water_peak_mid_kpa=peak,
         seismic=_seismic(design), forces=forces,
         passive=[in_plane(b.force_kn * b.toward.vector()) for b in design.bolts if b.acts == "passive"],
     )  # fmt: skip
+
+    return on_secants([design.strength], of, lambda found: [found.normal_kn / found.length_m])[0]
 
 
 def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
@@ -253,10 +258,11 @@ def _governs(design: PlaneDesign) -> tuple[tuple[str, float | None, str], ...]:
     if design.water.mode == "dry" or design.water.fill < 1.0:
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
-    if strength.friction_angle_deg < 88.0:
+    changes += [(name, replace(design, strength=other)) for name, other in changed_laws(strength)]
+    if strength.law is None and strength.friction_angle_deg < 88.0:
         steeper = replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
         changes.append(("φ +1°", replace(design, strength=steeper)))
-    if strength.cohesion_kpa:
+    if strength.law is None and strength.cohesion_kpa:
         firmer = replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
         changes.append(("c +10 %", replace(design, strength=firmer)))
     if design.joint.dip_deg <= 89.0:

@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.analysis.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
 from slopekit.analysis.movements import mechanism_of, movement_of, series_of, turned, turned_back
 from slopekit.analysis.scene import Scene
+from slopekit.analysis.secants import left_out_of_laws, secant_of
 from slopekit.analysis.states import arrows, opening_pairs, pair_state
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Force, Strength
@@ -32,11 +33,13 @@ from slopekit.result import (
     AtFactorOne,
     CohesionUnderMoments,
     ContactOpening,
+    CurvedStrength,
     FactorsOfSafety,
     Forces,
     ModelSize,
     ReductionStep,
     Result,
+    SecantLine,
 )  # fmt: skip
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
@@ -215,16 +218,18 @@ def _refined(
     with clock("mesh"):
         scene = bounded = scene_at(refine)
     with clock("solve"):
-        analysis = look(scene)
+        scene, analysis = on_its_lines(scene, look(scene))
+        bounded = scene
     refined, change = refine, None
     while refined < most_refined and not opens_cohesive(scene, analysis):
         before = analysis.governing
-        if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
+        depends = analysis.turns or scene.model.lines is not None  # curved strength: on the tractions of the pairs
+        if before.settled_to(design.stop_when) and not (depends and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
             finer = scene_at(refined + 1)
         with clock("solve"):
-            again = look(finer)
+            finer, again = on_its_lines(finer, look(finer))
         after = again.governing
         change, done = _mesh_change(analysis, again)
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
@@ -234,6 +239,22 @@ def _refined(
         if done or after.passes > _MOST_PASSES:
             break
     return FoundLimit(scene, bounded, analysis, refined, change)
+
+
+def on_its_lines(scene: Scene, analysis: LimitAnalysis) -> tuple[Scene, LimitAnalysis]:
+    """The scene with the model whose strength lines its limit settled on, where laws are curved."""
+    return (scene if analysis.model is None else replace(scene, model=analysis.model)), analysis
+
+
+def comparable(analysis: LimitAnalysis, model: Model) -> float | None:
+    """The factor on the closed form's assumptions: no turning where moments govern, one traction a plane."""
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import mean_stress_limit
+
+        return mean_stress_limit(model).factor
+    if analysis.moments_govern or analysis.governing.outcome is Outcome.NOT_CONVERGED:
+        return analysis.forces_only.factor
+    return analysis.governing.factor
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
@@ -274,7 +295,7 @@ def result(
     pairs, searched = solved.pairs, solved.pairs.factor if solved.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    compared = alone if analysis.moments_govern or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
+    compared = comparable(analysis, model)
     difference, agree = compare(compared, status, closed, design.agree_within)
     rest = solved.at_rest
     facts = Facts(
@@ -283,8 +304,9 @@ def result(
         loads.parts["seismic"] if loads.parts["seismic"].any() else None, solved.rules is not None,
     )  # fmt: skip
     origin = np.zeros(3) if to_map is None else to_map
+    of_laws = left_out_of_laws([interface.strength for interface in interfaces])
     size = ModelSize(
-        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, tuple(left_out), limit.passes,
+        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, (*left_out, *of_laws), limit.passes,
         limit.change,
     )  # fmt: skip
     return Result(
@@ -306,8 +328,28 @@ def result(
         methods=methods or {},
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=balance(of_one_block(model, analysis)),
-        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn), timing_s=clock.done(),
+        cohesion_under_moments=_under_moments(solved, interfaces, origin, turn),
+        curved_strength=_curved(solved, interfaces, compared), timing_s=clock.done(),
     )  # fmt: skip
+
+
+def _curved(solved: Solved, interfaces: Sequence[Interface], mean: float | None) -> CurvedStrength | None:
+    """What one mean traction a joint makes of the limit, and the lines there; None where no law is curved."""
+    model, limit = solved.scene.model, solved.limit
+    if model.lines is None:
+        return None
+    per_area = model.force_scale / model.area_scale
+    lines = {}
+    for interface in interfaces:
+        on = model.interface == interface.key
+        traction = float(limit.normal_force[on].sum() / model.control_area[on].sum()) * per_area
+        if (line := secant_of(interface.strength, traction)) is not None:
+            pairs = limit.normal_force[on] / model.control_area[on] * per_area
+            lines[interface.name] = SecantLine(
+                line.traction_kpa, (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
+            )
+    gap = limit.factor / mean - 1.0 if limit.factor and mean else None
+    return CurvedStrength(mean, gap, model.lines.rounds, lines)
 
 
 def _under_moments(
@@ -369,11 +411,13 @@ def joint_stiffness(design: Design) -> JointStiffness:
 
 def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
     """Strengths of the interfaces 0, 1, ... as arrays."""
+    laws = tuple(strength.law for strength in strengths)
     return JointStrength(
         np.array([strength.cohesion_kpa for strength in strengths]),
         np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
         np.tan(np.radians([strength.dilation_deg for strength in strengths])),
         np.array([strength.tension_kpa for strength in strengths]),
+        laws if any(laws) else (),
     )
 
 

@@ -1,12 +1,13 @@
 """One wedge: from its design to its result."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from slopekit.analysis.scene import Bedding, Scene
+from slopekit.analysis.secants import changed_laws, on_secants
 from slopekit.analysis.stages import (
     Clock,
     ClosedForm,
@@ -64,7 +65,7 @@ def analyse_wedge(design: WedgeDesign) -> Result:
         *driving_and_resisting(solved),
     )  # fmt: skip
     interfaces = [
-        Interface(joint, name, strength) for (joint, name), strength in zip(JOINTS, _strengths(design), strict=True)
+        Interface(joint, name, strength) for (joint, name), strength in zip(JOINTS, design.strengths, strict=True)
     ]
     against = ClosedForm(closed.factor, closed.status, _DILATES if any(design.dilation_deg) else "")
     return result(
@@ -109,14 +110,9 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
     )  # fmt: skip
 
 
-def _strengths(design: WedgeDesign) -> list[Strength]:
-    parts = (design.cohesion_kpa, design.friction_angle_deg, design.dilation_deg, design.tension_kpa)
-    return [Strength(*values) for values in zip(*parts, strict=True)]
-
-
 def _scene(design: WedgeDesign, block: Block, loads: Loads, refine: int) -> Scene:
     polygons = {joint: block.faces[joint] for joint, _ in JOINTS}
-    strength = joint_strength(_strengths(design))
+    strength = joint_strength(design.strengths)
     bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, loads, block.centroid, strength))
     return bedding.scene(node_pairs(polygons, refine))
 
@@ -174,13 +170,21 @@ def closed_form(design: WedgeDesign) -> ClosedFormWedge:
         [(bolt.force_kn * bolt.toward.vector()).tolist() for bolt in design.bolts if bolt.acts == acts]
         for acts in ("active", "passive")
     )
-    return hoek_bray_wedge(
-        design.joints, design.face, design.upper, design.height_m, design.cohesion_kpa, design.friction_angle_deg,
+
+    def of(strengths: Sequence[Strength]) -> ClosedFormWedge:
+        one, two = strengths
+        cohesion, friction = (one.cohesion_kpa, two.cohesion_kpa), (one.friction_angle_deg, two.friction_angle_deg)
+        return hoek_bray_wedge(
+        design.joints, design.face, design.upper, design.height_m, cohesion, friction,
         design.unit_weight_kn_m3, water=water, crack=design.crack.plane if design.crack else None,
         crack_distance=design.crack.distance_m if design.crack else 0.0,
         seismic=(design.seismic.coefficient, design.seismic.trend_deg),
         forces=[*(force.components_kn for force in design.forces), *active], passive=passive,
     )  # fmt: skip
+
+    return on_secants(
+        design.strengths, of, lambda found: [push / area for push, area in zip(found.normal, found.areas, strict=False)]
+    )[0]
 
 
 def _governs(design: WedgeDesign, closed: ClosedFormWedge) -> tuple[tuple[str, float | None, str], ...]:
@@ -191,9 +195,16 @@ def _governs(design: WedgeDesign, closed: ClosedFormWedge) -> tuple[tuple[str, f
             ("full water", replace(design, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
     phi, c = design.friction_angle_deg, design.cohesion_kpa
-    if max(phi) < 88.0:
+    first, second = design.strengths
+    for k, strength in enumerate(dict.fromkeys(design.strengths), 1):
+        of = "" if first == second else f" of J{k}"
+        for name, other in changed_laws(strength):
+            pair = [other if own == strength else own for own in (first, second)]
+            changes.append((name + of, design.with_strengths(*pair)))
+    straight = not any(design.laws)
+    if straight and max(phi) < 88.0:
         changes.append(("φ +1°", replace(design, friction_angle_deg=(phi[0] + 1.0, phi[1] + 1.0))))
-    if any(c):
+    if straight and any(c):
         changes.append(("c +10 %", replace(design, cohesion_kpa=(c[0] * 1.1, c[1] * 1.1))))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -10,10 +11,14 @@ from slopekit.orientation import Line, Plane, number
 if TYPE_CHECKING:
     from slopekit.design.distributions import Variable
     from slopekit.design.nodes import Document
+    from slopekit.strength.protocol import StrengthLaw
 
 Criterion = Literal["limit", "all-pairs"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
 Pair: TypeAlias = tuple[str, str, float]
+
+
+_FOR_PICTURES_KPA = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,12 +115,32 @@ class Stiffness:
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Mohr-Coulomb strength of an interface: kPa and degrees, at full strength."""
+    """Strength of an interface at full strength: kPa and degrees.
+
+    Mohr-Coulomb, or the curved `law`; then the cohesion is its strength at no normal traction, and the friction angle
+    that of the line from there to its strength at 100 kPa: for pictures and checks, the solvers ask the law.
+    """
 
     cohesion_kpa: float
     friction_angle_deg: float
     dilation_deg: float = 0.0
     tension_kpa: float = 0.0
+    law: "StrengthLaw | None" = None
+
+    @classmethod
+    def by_law(cls, law: "StrengthLaw", dilation_deg: float = 0.0, tension_kpa: float = 0.0) -> "Strength":
+        """The strength of a curved law.
+
+        >>> from slopekit.strength.power import PowerCurve
+        >>> Strength.by_law(PowerCurve(2.0, 0.5)).friction_angle_deg
+        11.309932474020213
+        """
+        import numpy as np
+
+        from slopekit.strength.protocol import secant
+
+        cohesion, tangent = secant(law, np.array([_FOR_PICTURES_KPA]))
+        return cls(float(cohesion[0]), math.degrees(math.atan(float(tangent[0]))), dilation_deg, tension_kpa, law)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,6 +247,13 @@ class Design:
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
+_LAWS = ("law", "laws")
+
+
+def _laws(given: Any) -> tuple[Any, ...]:
+    return given if isinstance(given, tuple) else (given,)
+
+
 def _plain(value: Any, exact: bool = False) -> Any:
     """Dataclasses and tuples as JSON values, planes in the way they are written unless every digit counts."""
     if isinstance(value, MeshFile):
@@ -229,7 +261,12 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if isinstance(value, Plane) and not exact:
         return str(value)
     if is_dataclass(value):
-        return {part.name: _plain(getattr(value, part.name), exact) for part in fields(value)}
+        # a law is written with its name, and only where there is one
+        law: dict[str, Any] = {"law": getattr(value, "name", "")} if hasattr(value, "resistance") else {}
+        return law | {
+            part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
+            if part.name not in _LAWS or any(_laws(getattr(value, part.name)))
+        }  # fmt: skip
     if isinstance(value, tuple):
         return [_plain(item, exact) for item in value]
     return value

@@ -118,7 +118,8 @@ class AssemblyInputs:
             self.inputs.fault("E117", f"{message} {number(friction)}°", node.get("dilation") or node)
         if None in found.values():
             return None
-        return Strength(*(value for value in found.values() if value is not None))
+        cohesion, friction, dilation, tension = (value for value in found.values() if value is not None)
+        return Strength(cohesion, friction, dilation, tension)
 
     def pressures(self, example: str) -> list[tuple[str, Node, float]]:
         """Mean water pressures as the file names them; E179 for water said in another way, E119 below 0."""

@@ -45,6 +45,7 @@ class LimitAnalysis:
     """The limit that governs, that of the forces alone, and that with turning; the same where one step settled all.
 
     `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
+    `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
     """
 
     governing: Limit
@@ -52,6 +53,7 @@ class LimitAnalysis:
     with_turning: Limit
     moments_govern: bool
     by_rule: bool = False
+    model: Model | None = None
 
     @property
     def turns(self) -> bool:
@@ -73,6 +75,20 @@ class LimitAnalysis:
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
+    return _on_lines(model, limit_on_lines)
+
+
+def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
+    """The limit, the lines of curved laws drawn again until they stay."""
+    if model.lines is None:
+        return analyse(model)
+    from slopekit.preie.strength_lines import settled  # only curved laws pay for it
+
+    return settled(model, analyse)
+
+
+def limit_on_lines(model: Model) -> LimitAnalysis:
+    """The limit on the lines that the model has."""
     intact = _intact_limit(model)
     if intact is not None:
         return _alike(intact)
@@ -124,6 +140,10 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
 
     There are no forces alone to compare with: `moments_govern` is false.
     """
+    return _on_lines(model, _curved_limit_on_lines)
+
+
+def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
     intact = _intact_limit(model)
     if intact is not None:
         return _alike(intact)
@@ -224,6 +244,10 @@ def forces_only_limit(model: Model) -> Limit:
     the least of the load: that is the driving force, and its direction the velocity. The block stands where
     λ (c A + N tan φ) is more. Falling λ (rising F) is followed to the first loss.
     """
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import averaged  # only curved laws pay for it
+
+        model = averaged(model)
     held = model if model.unknowns == model.translations else model.without_rotation()
     normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
     which = which.ravel()

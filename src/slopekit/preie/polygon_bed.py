@@ -252,6 +252,10 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Be
         own = float(model.control_area[model.interface == key].sum())
         area.append(own / _size(scaled))
     per_share = model.cohesion[first] / model.control_area[first]
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import averaged  # a contact of curved strength: one line all over it
+
+        model = averaged(model)
     return Bed(
         tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
         model.bolt_rows, model.bolt_capacity, columns,

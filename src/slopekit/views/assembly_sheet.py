@@ -25,6 +25,7 @@ from slopekit.views.entries import (
     accept,
     all_pairs,
     bolt_text,
+    curved_strength,
     factor_text,
     force_text,
     governs,
@@ -76,6 +77,7 @@ def assembly_parts(result: Result, findings: Findings) -> Iterator[Part]:
     yield Part("FORCES", _forces(result))
     yield Part("STATUS", [_status(result, findings, order)])
     yield Part("FoS", _factors(result))
+    yield Part("STRENGTH", curved_strength(result))
     yield Part("ALL PAIRS", all_pairs(result))
     yield Part("ACCEPT", accept(result))
     yield Part("MOVES", _moves(result, first))

@@ -130,6 +130,8 @@ def water_in_words(design: Design) -> list[str]:
 def strength_in_words(strength: Strength) -> str:
     """Cohesion and friction with the digits they were given in."""
     words = f"c {strength.cohesion_kpa:.6g} kPa  φ {strength.friction_angle_deg:.6g}°"
+    if strength.law is not None:
+        words = strength.law.in_words()
     if strength.dilation_deg:
         words += f"  ψ {strength.dilation_deg:.6g}°"
     if strength.tension_kpa:

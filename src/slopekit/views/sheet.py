@@ -17,6 +17,7 @@ from slopekit.views.entries import (
     all_pairs,
     block,
     cohesion,
+    curved_strength,
     factor_text,
     governs,
     loads,
@@ -64,6 +65,7 @@ def _parts(result: Result) -> Iterator[Part]:
     yield Part("FoS", _factors(result))
     yield Part("COLUMNS", methods(result))
     yield Part("ROTATION", _rotation(result))
+    yield Part("STRENGTH", curved_strength(result))
     yield Part("COHESION", cohesion(result))
     yield Part("ALL PAIRS", all_pairs(result))
     yield Part("SERIES", series(result))
@@ -105,7 +107,10 @@ def _factors(result: Result) -> list[str]:
     assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
     if result.kind == "surface":
         assumption += " (normal stresses of a rigid mass on an even elastic bed)"
-    if fos.closed_form is None and result.agree is None:
+    curved = result.curved_strength
+    if curved is not None:
+        assumption += ", strength of each node pair at its own normal traction"
+    if (fos.closed_form is None and result.agree is None) or curved is not None:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}")
     else:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}       {verdict(result)}")
@@ -116,7 +121,10 @@ def _factors(result: Result) -> list[str]:
         entries.append(
             f"{factor_text(result.forces_only)}  forces only, PRE-IE (no turning: the closed form's assumptions)"
         )
+    if curved is not None and curved.mean_stress is not None and fos.closed_form is not None:
+        entries.append(f"{factor_text(curved.mean_stress)}  one traction a plane, PRE-IE       {verdict(result)}")
     zero = ", zero dilation" if dilating else ""
+    zero += "" if curved is None else ", secant at the mean normal traction of each plane"
     if fos.closed_form is None and result.agree is None:
         entries.append("  none  closed form: there is none for this surface; judge by bound and columns")
     else:

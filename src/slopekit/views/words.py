@@ -70,6 +70,8 @@ def line_in_words(line: Line) -> str:
 
 def _strength(strength: Strength) -> str:
     words = f"c {strength.cohesion_kpa:.1f} kPa  φ {strength.friction_angle_deg:.1f}°"
+    if strength.law is not None:
+        words = strength.law.in_words()
     if strength.dilation_deg:
         words += f"  ψ {strength.dilation_deg:.1f}°"
     if strength.tension_kpa:
@@ -80,18 +82,10 @@ def _strength(strength: Strength) -> str:
 def _wedge_planes(design: WedgeDesign, geometry: WedgeGeometry) -> list[str]:
     entries = []
     for k, plane in enumerate(design.joints):
-        extra = ""
-        if design.dilation_deg[k]:
-            extra += f"  ψ {design.dilation_deg[k]:.1f}°"
-        if design.tension_kpa[k]:
-            extra += f"  σt {design.tension_kpa[k]:.4g} kPa"
         area = size_number(geometry.areas_m2[f"J{k + 1}"])
         name, own = f"J{k + 1}", design.joint_names[k]
         name += "" if own == name else f" ({own})"
-        entries.append(
-            f"{name} {plane}  {plane.in_words()}  c {design.cohesion_kpa[k]:.1f} kPa  "
-            f"φ {design.friction_angle_deg[k]:.1f}°{extra}  area {area} m²"
-        )
+        entries.append(f"{name} {plane}  {plane.in_words()}  {_strength(design.strengths[k])}  area {area} m²")
     entries.append(f"face {design.face}  {design.face.in_words()}")
     entries.append(f"upper {design.upper}  {design.upper.in_words()}")
     if design.crack:
