@@ -329,8 +329,8 @@ def _notices(
                      "rest, the peak of the elastic path; where limits of random sections were found they lay up to 4 "
                      "% below their peaks, which is no bound on this one")  # fmt: skip
     if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
-        yield Notice("W317", "the lines of the curved strength did not settle: at the factor that is printed they are "
-                     f"off by {limit.change * 100:.2g} % of the strength")  # fmt: skip
+        yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
+                     f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip

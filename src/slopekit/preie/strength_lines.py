@@ -8,6 +8,7 @@ is that of the law. Cohesion, which contacts that open lose, is τ(0) and never 
 Friction forces that several pairs share (a flat contact in a section) have the sum of the strengths of their pairs.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -28,7 +29,7 @@ _EXACT_IN_SPACE = 1e-6  # the same for many blocks in space, whose path ends at 
 _MOST_ROUNDS = 120
 _SWIFT = 6  # rounds before they are mixed with the last ones
 _MEMORY, _MIX, _LONGEST = 6, 0.3, 0.7  # of Anderson's mixing: rounds, its relaxation, and the longest step of ln tan φ
-_FRUITLESS = 12  # rounds without gain, after which the next is mixed with the last alone until there is one
+_FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
 _FLAT = 1e-12  # tan φ that counts as none
 _LEAST = 1e-6  # of the mean traction: lower ones are drawn as this one
 
@@ -128,26 +129,29 @@ def _shared(model: AnyModel, slopes: Floats, normal: Floats) -> Floats:
 
 
 def _rounds(
-    model: AnyModel, solve: Callable[[AnyModel], Found], forces: Callable[[Found], tuple[Floats | None, float]]
+    model: AnyModel, solve: Callable[[AnyModel], Found], forces: Callable[[Found], tuple[Floats, float, float] | None]
 ) -> tuple[AnyModel, Found, float]:
     """Solve, draw the lines anew, solve again, until they stay; mixed after Anderson where that takes long.
 
     Parameters
     ----------
-    forces : normal forces (n,) of what was found, None where there is no limit to draw lines at; how exact they are
+    forces : normal forces (n,) and factor of what was found, and how exact they are; None where there is no limit
 
     Returns
     -------
-    The model, what was found on it, and by which part of the strength its lines are off those of its own forces.
+    The model, what was found on it, and by which part of the strength its lines are off those of its own forces. Where
+    they do not stay (on other lines the blocks come to another limit state, and back) the lowest factor of the last
+    rounds, and how far the others lie above it.
     """
     steps: list[tuple[Floats, Floats]] = []
-    best: tuple[float, AnyModel, Found] | None = None
-    fruitless = 0
-    for count in range(_MOST_ROUNDS):
+    rounds: list[tuple[float, AnyModel, Found]] = []
+    best, fruitless = math.inf, 0
+    while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS:
         found = solve(model)
-        normal, exact = forces(found)
-        if normal is None:
+        carries = forces(found)
+        if carries is None:
             return model, found, 0.0
+        normal, factor, exact = carries
         new = drawn(model, normal)
         if isinstance(new, Model):
             carried, bonds = normal, new.cohesion
@@ -155,20 +159,20 @@ def _rounds(
             carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
         strength = float((bonds + new.tan_friction * carried).sum())
         off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, 1e-300)
-        fruitless += 1
-        if best is None or off < best[0]:
-            best, fruitless = (off, model, found), 0
         if off <= max(_STEADY, exact):
-            break
-        if count >= _SWIFT:
+            return model, found, off
+        rounds.append((factor, model, found))
+        best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
+        if len(rounds) > _SWIFT:
             at = np.log(np.maximum(model.tan_friction, _FLAT))
             last = (at, np.log(np.maximum(new.tan_friction, _FLAT)) - at)
             # modes that trade places lead the mixing astray: then the last round alone
             steps = [*steps[-_MEMORY:], last] if fruitless < _FRUITLESS else [last]
             new = replace(new, tan_friction=frozen(np.where(new.tan_friction > _FLAT, np.exp(_mixed(steps)), 0.0)))
         model = new
-    assert best is not None
-    return best[1], best[2], best[0]
+    last_ones = rounds[-_FRUITLESS:]
+    lowest = min(last_ones, key=lambda one: one[0])
+    return lowest[1], lowest[2], max(one[0] for one in last_ones) / lowest[0] - 1.0
 
 
 def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
@@ -196,10 +200,11 @@ def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAna
     analyse : the limit on lines as they are
     """
 
-    def forces(found: LimitAnalysis) -> tuple[Floats | None, float]:
+    def forces(found: LimitAnalysis) -> tuple[Floats, float, float] | None:
         limit = found.governing
-        known = bool(limit.factor) and limit.outcome is not Outcome.NOT_CONVERGED
-        return (limit.normal_force if known else None), limit.change
+        if not limit.factor or limit.outcome is Outcome.NOT_CONVERGED:
+            return None
+        return limit.normal_force, limit.factor, limit.change
 
     model, analysis, off = _rounds(model, analyse, forces)
     limit = analysis.governing
@@ -257,7 +262,9 @@ def settled_blocks(
         return found
 
     exact = _EXACT_IN_SPACE if model.unknowns == 6 else 0.0
-    model, limit, off = _rounds(model, solve, lambda found: (found.normal_force if found.factor else None, exact))
+    model, limit, off = _rounds(
+        model, solve, lambda found: (found.normal_force, found.factor, exact) if found.factor else None
+    )
     if limit.factor:
         limit = replace(limit, change=max(limit.change, off if off > max(_STEADY, exact) else 0.0), steps=steps)
         if limit.static_bound is not None:
