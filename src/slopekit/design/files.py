@@ -17,6 +17,7 @@ from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reading import wedge_design
 from slopekit.design.specs import SPECS, VERSION
+from slopekit.design.strength_laws import with_laws
 from slopekit.design.structure import check_structure
 from slopekit.errors import DesignError, Fault
 from slopekit.units import is_unit_of, unit_of
@@ -140,6 +141,7 @@ def _read(inputs: Inputs) -> Design:
     correlation = inputs.correlation()
     if inputs.faults:
         raise DesignError(inputs.faults)
+    design = with_laws(design, inputs.laws)
     return replace(design, variables=tuple(inputs.variables.values()), correlation=correlation)
 
 

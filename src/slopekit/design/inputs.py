@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from slopekit.design.nodes import Document, Node, as_text
+from slopekit.design.strength_laws import LAW_KEYS, Bent, bent, named_law
 from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 from slopekit.errors import DesignError, Fault
 
@@ -82,6 +83,7 @@ class Inputs:
         self.assumed: list[tuple[str, str]] = []
         self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []
+        self.laws: list[Bent] = []
 
     # -- values with their places -----------------------------------------------------------------
 
@@ -197,7 +199,7 @@ class Inputs:
         for joint, below in joints.items() if joints is not None else ():
             strength = below.get("strength")
             name = strength.text if strength is not None else self.only_strength()
-            for key in ("c", "phi", "dilation", "tension"):
+            for key in ("c", "phi", "dilation", "tension", *LAW_KEYS):
                 if (own := f"strength.{name}.{key}") in self.variables:
                     names[f"{joint}.{key}"] = own
         for group in ("joints.", "strength.", "sets."):
@@ -254,6 +256,11 @@ class Inputs:
         if not sound:
             return
         used = [sound[0] if node is None else node for node in nodes]  # the values of the others are read all the same
+        of_path = {node.path: bent(self, node) for node in used}
+        self.laws = [of_path[node.path] for node in used]
+        if any(named_law(node) for node in used):
+            self._beside_laws(used)
+            return
         for key in ("c", "phi", "dilation", "tension"):
             values = [node.get(key) for node in used]
             present = [value for value in values if value is not None]
@@ -276,6 +283,27 @@ class Inputs:
             numbers = [cache[value.path] for value in present]
             self.given[key] = numbers if len(used) > 1 else numbers[0]
             self.spelling.places[key] = present if len(used) > 1 else present[0]
+        self.take_stiffness(used)
+
+    def _beside_laws(self, used: Sequence[Node]) -> None:
+        """The straight strengths beside curved ones, whose c and φ stand for nothing; each value has its place."""
+        for key in ("c", "phi", "dilation", "tension"):
+            read: dict[str, Any] = {}
+            for node in used:
+                own, of_law = node.get(key), key in ("c", "phi") and named_law(node) is not None
+                if node.path in read:
+                    continue
+                if of_law or (own is None and key in ("dilation", "tension")):
+                    read[node.path] = 45.0 if key == "phi" else 0.0
+                elif own is None:
+                    self.fault("E143", f"{node.path}.{key} is missing", node, f"Add {key}.")
+                    read[node.path] = 0.0
+                else:
+                    read[node.path] = self.value(own)
+            values = [read[node.path] for node in used]
+            self.given[key] = values if len(used) > 1 else values[0]
+            places = [node.get(key) or node for node in used]
+            self.spelling.places[key] = places if len(used) > 1 else places[0]
         self.take_stiffness(used)
 
     def take_stiffness(self, strengths: Sequence[Node]) -> None:

@@ -10,6 +10,7 @@ from slopekit.design.common import Bolt, Force, Seismic, Strength, Water
 from slopekit.design.inputs import Inputs
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
+from slopekit.design.strength_laws import bent, named_law
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import number
 from slopekit.units import quantity
@@ -102,7 +103,11 @@ class AssemblyInputs:
             "dilation": ("angle", None), "tension": ("pressure", Reader.check_tension),
         }  # fmt: skip
         found: dict[str, float | None] = {}
+        by_law, curved = bent(self.inputs, node), named_law(node) is not None
         for key, (kind, check) in checks.items():
+            if curved and key in ("c", "phi"):
+                found[key] = 45.0 if key == "phi" else 0.0
+                continue
             below = node.get(key)
             if below is None and key in ("c", "phi"):
                 self.inputs.fault("E143", f"{node.path}.{key} is missing", node, f"Add {key}.")
@@ -119,7 +124,7 @@ class AssemblyInputs:
         if None in found.values():
             return None
         cohesion, friction, dilation, tension = (value for value in found.values() if value is not None)
-        return Strength(cohesion, friction, dilation, tension)
+        return by_law.of(Strength(cohesion, friction, dilation, tension))
 
     def pressures(self, example: str) -> list[tuple[str, Node, float]]:
         """Mean water pressures as the file names them; E179 for water said in another way, E119 below 0."""

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
+from slopekit.design.strength_laws import LAW_KEYS
+
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
@@ -32,7 +34,9 @@ _PLUNGE = Quantity("angle", -90.0, 90.0, turns=True)
 #: By dotted path; * is a name of the user's or the number of a list item; a row of one kind stands before that of all.
 _TABLE: Mapping[str, Quantity] = {
     "strength.*.c": _PRESSURE, "strength.*.phi": _FRICTION, "strength.*.dilation": _FRICTION,
-    "strength.*.tension": _PRESSURE, "strength.*.stiffness.normal": _STIFFNESS,
+    "strength.*.tension": _PRESSURE,
+    **{f"strength.*.{key}": Quantity(*measured) for key, measured in LAW_KEYS.items()},
+    "strength.*.stiffness.normal": _STIFFNESS,
     "strength.*.stiffness.shear": _STIFFNESS, "strength.*.stiffness.shear.phi": _FRICTION,
     "strength.*.stiffness.shear.k1": Quantity("ratio", 0.0), "strength.*.stiffness.shear.Rf": _PART,
     "strength.*.stiffness.shear.n": Quantity("ratio", 0.0, 2.0),

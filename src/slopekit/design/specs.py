@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from slopekit.design.strength_laws import LAW_KEYS
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section, Spec
 
 VERSION = 1
@@ -25,6 +26,8 @@ _STRENGTH = Section(
     {
         "c": Leaf(number=True, example="50 kPa"),
         "phi": Leaf(number=True, example="20"),
+        "law": Leaf(example="barton-bandis"),
+        **dict.fromkeys(LAW_KEYS, _NUMBER),
         "dilation": _NUMBER,
         "tension": _NUMBER,
         "stiffness": Section({

@@ -219,10 +219,10 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
             model, patch = found
             large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
             groups = _Groups(scene, there, blocks, model, patch) if large else None
-            yield Part(*_limit(model, scene.ranged, groups), blocks, patch)
+            yield Part(*component_limit(model, scene.ranged, groups), blocks, patch)
 
 
-def _limit(
+def component_limit(
     model: AssemblyModel, ranged: bool, proposal: "_Groups | None" = None
 ) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
     """The limit of a component, and its model: where laws are curved with the lines that the limit settled on."""
@@ -403,7 +403,7 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
         found = _model(scene, there, part.blocks, refine)
         if found is None or len(found[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = _limit(found[0], scene.ranged)
+        model, limit = component_limit(found[0], scene.ranged)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)

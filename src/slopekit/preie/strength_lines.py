@@ -58,6 +58,10 @@ class StrengthLines:
         """Those of some node pairs."""
         return replace(self, joint=self.joint[pairs], normal=self.normal[pairs])
 
+    def reduced(self, factor: float) -> "StrengthLines":
+        """Those of the laws with their strength divided by a factor."""
+        return replace(self, laws=tuple(None if law is None else law.reduced(factor) for law in self.laws))
+
     def with_bolts(self, count: int) -> "StrengthLines":
         """The same with bolts as the last node pairs."""
         return replace(

@@ -19,15 +19,9 @@ class PowerCurve:
 
     name: ClassVar[str] = "power"
     a: float = field(
-        metadata={
-            "key": "a",
-            "sign": "a",
-            "unit": "ratio",
-            "least": 0.0,
-            "example": "2",
-            "doc": "factor, of tractions in kPa",
-        }
-    )
+        metadata={"key": "a", "sign": "a", "unit": "ratio", "least": 0.0, "most": 1e3, "example": "2",
+                  "doc": "factor, of tractions in kPa"}
+    )  # fmt: skip
     b: float = field(
         metadata={"key": "b", "unit": "ratio", "above": 0.0, "most": 1.0, "example": "0.75",
                   "doc": "exponent; 1 is a straight line"}

@@ -242,7 +242,7 @@ def _absent(design: Design, found: Mapping[str, Key]) -> Iterator[_Absent]:
         yield "slope.height", design.height_m, ()
         for path, plane in (("slope.face", design.face), ("slope.upper", design.upper)):
             yield from _plane(path, plane)
-        for name in names or ["joints"]:
+        for name in [] if any(design.laws) else names or ["joints"]:
             yield f"strength.{name}.c", design.cohesion_kpa[0], ()
             yield f"strength.{name}.phi", design.friction_angle_deg[0], ()
     if isinstance(design, PlaneDesign | BenchDesign):

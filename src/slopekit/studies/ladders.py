@@ -26,7 +26,7 @@ from slopekit.preie.limit import LimitAnalysis, curved_limit_analysis, forces_on
 from slopekit.preie.mechanism import COLD, Stages
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import finer_model
+from slopekit.preie.ravelling import component_limit, finer_model
 from slopekit.result import Result
 
 #: What rungs vary, in words.
@@ -115,6 +115,8 @@ def block_ladder(design: Design, result: Result) -> tuple[Rung, ...]:
     prepare, refine, analyse = _stages(design)
     scene = prepare(refine)
     model = scene.model
+    if model.lines is not None:
+        model = analyse(model).model or model  # on the lines of its limit
     if analyse is limit_analysis:
         alone, seconds = timed(lambda: forces_only_limit(model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
@@ -272,7 +274,7 @@ def block_at_other_strengths(design: Design, result: Result) -> tuple[float | No
         say("other strengths, divided by", k, head=True)
         other = replace(
             model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
-            bolt_capacity=model.bolt_capacity / k,
+            bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
         )  # fmt: skip
         limit = analyse(other).governing
         found.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)
@@ -319,7 +321,7 @@ def _assembly_rungs(solved: SolvedAssembly) -> Iterator[Rung]:
         if level and len(model.control_area) > _MOST_PAIRS:
             break
         say(f"ladder, parts split {_often(level)}", head=True)
-        limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
+        limit, seconds = timed(lambda model=model: component_limit(model, False)[1])  # type: ignore[misc]
         setting = f"parts split {_often(level)}" if refines(solved) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 

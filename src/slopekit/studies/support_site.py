@@ -157,10 +157,14 @@ def site_of(design: Design) -> Site:
     Raises
     ------
     DesignError
-        E320 for other kinds.
+        E320 for other kinds, and for curved strength.
     GeometryError
         Where no block can be formed.
     """
+    if any(strength.law for strength in strengths_of(design)):
+        message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
+        advice = "solve changes the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
+        raise DesignError([Fault("E320", message, "", advice)])
     if isinstance(design, WedgeDesign):
         return _wedge_site(design)
     if isinstance(design, PlaneDesign):
@@ -173,8 +177,7 @@ def site_of(design: Design) -> Site:
 def strengths_of(design: Design) -> list[Strength]:
     """The strengths of the joints of a wedge or a plane."""
     if isinstance(design, WedgeDesign):
-        parts = (design.cohesion_kpa, design.friction_angle_deg, design.dilation_deg, design.tension_kpa)
-        return [Strength(*values) for values in zip(*parts, strict=True)]
+        return list(design.strengths)
     return [design.strength] if isinstance(design, PlaneDesign) else []
 
 

@@ -75,7 +75,7 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     values : (n, k) samples; values_at : the values of the design's file at one of them, by its number
     """
     kind = next((known for known in _KINDS if isinstance(design, known)), None)
-    if kind is None or any(bolt.acts == "passive" for bolt in design.bolts):
+    if kind is None or any(bolt.acts == "passive" for bolt in design.bolts) or _curved(design):
         return None
     arguments_of, closed_form = _KINDS[kind]
     rows, read = [], []
@@ -100,6 +100,13 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
             return None
         lines[name] = line
     return Vectorised(closed_form, fixed, lines)
+
+
+def _curved(design: Design) -> bool:
+    """Whether strength is curved: the closed form is asked again and again then, sample by sample."""
+    if isinstance(design, WedgeDesign):
+        return any(design.laws)
+    return isinstance(design, PlaneDesign) and design.strength.law is not None
 
 
 def _probes(values: Floats) -> Iterable[int]:
