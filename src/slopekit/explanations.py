@@ -202,7 +202,8 @@ EXPLANATIONS: Mapping[str, str] = {
     "edges); the lowest factor they came to is printed, with the range. Many blocks: the motion did not settle, and "
     "the factor is that of the last state at rest, the peak of the elastic path: it may be too high. Where random "
     "sections had both, the limit lay up to 4 % below the peak; in space that was not measured. The sheet says how "
-    "much higher the blocks run.",
+    "much higher the blocks run. With curved strength: no limit state has the strength of its own tractions; the "
+    "lowest factor of those that trade places is printed.",
     "W328": "A seismic load is meant to drive the block. Its trend is where it pushes the rock: out of the slope. On a "
     "surface below a profile x is east (090) and -x west (270).",
     "W329": "A joint that opens has lost its tensile strength, so the limit and the closed forms count none of it. It "

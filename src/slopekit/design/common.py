@@ -261,12 +261,14 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if isinstance(value, Plane) and not exact:
         return str(value)
     if is_dataclass(value):
-        # a law is written with its name, and only where there is one
-        law: dict[str, Any] = {"law": getattr(value, "name", "")} if hasattr(value, "resistance") else {}
-        return law | {
+        found = {
             part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
             if part.name not in _LAWS or any(_laws(getattr(value, part.name)))
         }  # fmt: skip
+        if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
+            inner = found.pop("law", {"law": getattr(value, "name", "")})
+            found = inner | found
+        return found
     if isinstance(value, tuple):
         return [_plain(item, exact) for item in value]
     return value
