@@ -15,6 +15,7 @@ from slopekit.loads import AssemblyLoads
 from slopekit.preie.ravelling import Part, whole_model
 from slopekit.preie.settlement import settlement
 from slopekit.result import AtFactorOne, Movement
+from slopekit.strength.mohr_coulomb import line
 
 _MOST_SETTLED = 2000  # moving blocks: beyond that the elastic bed would take minutes
 
@@ -54,7 +55,7 @@ def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
     else:
         normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
     # the pairs of a flat contact in a section share one friction force: each has its part of the strength
-    capacity = model.cohesion * limit.bond + model.tan_friction[model.group_of_pair] * limit.normal_force
+    capacity = line(model.cohesion * limit.bond, model.tan_friction[model.group_of_pair], limit.normal_force)
     whole = model.by_group(capacity)[model.group_of_pair]
     share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
     forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])

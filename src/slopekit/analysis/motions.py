@@ -9,6 +9,7 @@ from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes
+from slopekit.strength.mohr_coulomb import line
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
 _OPENS = 1e-5  # an interface of which more than this part of the area opens
@@ -94,7 +95,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
     opened, _, size = states_of_part(part)
-    carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
+    carried = line(model.by_group(model.cohesion * limit.bond), model.tan_friction, model.by_group(limit.normal_force))
     carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
     lost = carried * size
     work = np.bincount(model.group_contact, lost, len(model.plus))

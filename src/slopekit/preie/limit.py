@@ -32,6 +32,7 @@ from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.strength.mohr_coulomb import line
 
 MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
@@ -186,7 +187,7 @@ def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
     velocity, factor = model.load, 0.0
     for _ in range(passes):
-        friction = model.cohesion + model.tan_friction * normal
+        friction = line(model.cohesion, model.tan_friction, normal)
         found = cheapest_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
         velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
         normal = found.normal_force / factor
@@ -261,7 +262,7 @@ def forces_only_limit(model: Model) -> Limit:
         driving = math.sqrt(float(rest @ rest))
         touching: Bools = (pushes > 0.0)[which]
         normal = pushes[which] * share
-        strength = touching * held.cohesion + held.tan_friction * normal
+        strength = line(touching * held.cohesion, held.tan_friction, normal)
         slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
         return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
@@ -270,7 +271,7 @@ def forces_only_limit(model: Model) -> Limit:
         velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
         friction = pulls = None
         if factor:
-            strength = (bond * held.cohesion + held.tan_friction * push.normal_force) / factor
+            strength = line(bond * held.cohesion, held.tan_friction, push.normal_force) / factor
             slip = np.maximum(held.slip(velocity), NO_FORCE)
             friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
             pulls = push.bolt_pulls

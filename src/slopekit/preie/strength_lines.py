@@ -22,6 +22,7 @@ from slopekit.preie.bounds import static_bound
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
 _STEADY = 1e-13  # of the strength: the lines are those of their own tractions
@@ -161,7 +162,7 @@ def _rounds(
             carried, bonds = normal, new.cohesion
         else:
             carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
-        strength = float((bonds + new.tan_friction * carried).sum())
+        strength = float(line(bonds, new.tan_friction, carried).sum())
         off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, 1e-300)
         if off <= max(_STEADY, exact):
             return model, found, off
