@@ -226,12 +226,55 @@ class CohesionUnderMoments:
 
 
 @dataclass(frozen=True, slots=True)
+class SecantLine:
+    """The line of a curved law at the mean normal traction of a joint: kPa and degrees.
+
+    `range_kpa` are the lowest and highest traction of the node pairs at the limit.
+    """
+
+    traction_kpa: float
+    range_kpa: tuple[float, float]
+    cohesion_kpa: float
+    friction_angle_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class CurvedStrength:
+    """What the stress within the joints does where strength is curved.
+
+    Attributes
+    ----------
+    mean_stress : the limit with one traction a joint and no turning, as the closed form sees it
+    gap : the limit with the traction of every pair, in parts of that: below zero, for strength curves downward
+    rounds : how often the lines were drawn anew; lines : by joint
+    """
+
+    mean_stress: float | None
+    gap: float | None
+    rounds: int
+    lines: Mapping[str, SecantLine]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {
+            "mean_stress": self.mean_stress, "gap": self.gap, "rounds": self.rounds,
+            "lines": {
+                name: {
+                    "traction_kpa": line.traction_kpa, "range_kpa": list(line.range_kpa),
+                    "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
+                }
+                for name, line in self.lines.items()
+            },
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Result:
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
-    `cohesion_under_moments` is None where moments open no contact with cohesion.
+    `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
@@ -260,6 +303,7 @@ class Result:
     balance: Balance | None = None
     cohesion_under_moments: CohesionUnderMoments | None = None
     turns_over: str = ""
+    curved_strength: CurvedStrength | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -379,6 +423,7 @@ class Result:
             "cohesion_under_moments": (
                 None if self.cohesion_under_moments is None else self.cohesion_under_moments.to_dict()
             ),
+            **({} if self.curved_strength is None else {"curved_strength": self.curved_strength.to_dict()}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

@@ -15,6 +15,10 @@ LINE = {"trend": 10, "plunge": 5}
 SHEAR = {"k1": 4800, "n": 0.56, "Rf": 0.74, "phi": 36}
 STRENGTH = {"c": 10, "phi": 30, "dilation": 1, "tension": 2, "stiffness": {"normal": 1e7, "shear": 1e6}}
 BY_LAW = {"c": 10, "phi": 30, "stiffness": {"shear": SHEAR}}
+CURVED = (
+    {"law": "barton-bandis", "jrc": 8, "jcs": 5e4, "phi_r": 25, "length": 5, "length_0": 0.1, "waviness": 3},
+    {"law": "power", "a": 2, "b": 0.75, "d": 5}, {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
+)  # fmt: skip
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
 BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
 JOINTS = {"J1": {"plane": PLANE}, "J2": {"plane": "45/245"}}
@@ -33,6 +37,8 @@ DESIGNS = [
                "crack": {"depth": 4, "water": 3}, "loads": LOADS}),
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
                "crack": {"distance": 4}, "water": {"pressures": [5, 6]}}),
+    *(("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": law}, "rock": ROCK})
+      for law in CURVED),
     ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
                  "strength": {"a": STRENGTH}}),
     ("surface", {"slope": PROFILE, "slip": {"shape": "cylinder", "centre": [44, 44], "radius": 44, "length": 10},

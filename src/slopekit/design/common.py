@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
@@ -14,6 +15,7 @@ from slopekit.orientation import number as shown
 if TYPE_CHECKING:
     from slopekit.design.distributions import Variable
     from slopekit.design.nodes import Document
+    from slopekit.strength.protocol import StrengthLaw
 
 Criterion = Literal["limit", "all-pairs"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
@@ -162,9 +164,17 @@ class Stiffness:
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """Mohr-Coulomb strength of an interface: kPa and degrees, at full strength."""
+    """Strength of an interface at full strength: kPa and degrees.
 
-    ALSO: ClassVar[tuple[Field, ...]] = (Field("stiffness", "group", of=Stiffness),)
+    Mohr-Coulomb, or the curved `law`; then the cohesion is its strength at no normal traction, and the friction angle
+    that of the line from there to its strength at 100 kPa: for pictures and checks, the solvers ask the law.
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("stiffness", "group", of=Stiffness),
+        Field("law", "text", example="barton-bandis", left_out="mohr-coulomb",
+              doc="`mohr-coulomb`, or one of [curved strength](#curved-strength), whose keys then stand for c and phi"),
+    )  # fmt: skip
 
     cohesion_kpa: float = number(
         "c",
@@ -187,6 +197,29 @@ class Strength:
         "tension", "pressure", default=0.0, least=0.0, code="E114", says="a strength is never negative",
         doc="tensile strength; not in the limit (W329)",
     )  # fmt: skip
+    law: "StrengthLaw | None" = None
+
+    @classmethod
+    def by_law(cls, law: "StrengthLaw", dilation_deg: float = 0.0, tension_kpa: float = 0.0) -> "Strength":
+        """The strength of a curved law.
+
+        >>> from slopekit.strength.power import PowerCurve
+        >>> Strength.by_law(PowerCurve(2.0, 0.5)).friction_angle_deg
+        11.309932474020213
+        """
+        import numpy as np
+
+        from slopekit.strength.protocol import secant
+
+        cohesion, tangent = secant(law, np.array([_FOR_PICTURES_KPA]))
+        return cls(float(cohesion[0]), math.degrees(math.atan(float(tangent[0]))), dilation_deg, tension_kpa, law)
+
+    @staticmethod
+    def more_fields() -> "tuple[Field, ...]":
+        """The keys of the curved laws, which are looked at in files alone."""
+        from slopekit.design.strength_laws import KEYS
+
+        return tuple(KEYS.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,6 +256,7 @@ class Rule:
         return f"{self.name} {self.relation} {shown(self.value)}"
 
 
+_FOR_PICTURES_KPA = 100.0
 _RANGE = "out of range ({least} to {most})"
 
 
@@ -404,6 +438,13 @@ class Design:
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
+_LAWS = ("law", "laws")
+
+
+def _laws(given: Any) -> tuple[Any, ...]:
+    return given if isinstance(given, tuple) else (given,)
+
+
 def _plain(value: Any, exact: bool = False) -> Any:
     """Dataclasses and tuples as JSON values, planes in the way they are written unless every digit counts."""
     if isinstance(value, MeshFile):
@@ -411,7 +452,14 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if isinstance(value, Plane) and not exact:
         return str(value)
     if is_dataclass(value):
-        return {part.name: _plain(getattr(value, part.name), exact) for part in fields(value)}
+        found = {
+            part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
+            if part.name not in _LAWS or any(_laws(getattr(value, part.name)))
+        }  # fmt: skip
+        if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
+            inner = found.pop("law", {"law": getattr(value, "name", "")})
+            found = inner | found
+        return found
     if isinstance(value, tuple):
         return [_plain(item, exact) for item in value]
     return value

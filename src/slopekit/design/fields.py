@@ -279,11 +279,12 @@ def _angle(above: Field, key: str) -> Field:
 
 def every_field(record: Any, path: str = "") -> Iterator[Field]:
     """All fields of a record and of the groups in it, by their full paths; planes and lines by their angles too."""
-    for one in fields_of(record).values():
+    more = getattr(record, "more_fields", None)
+    for one in (*fields_of(record).values(), *(() if more is None else more())):
         own = replace(one, path=f"{path}.{one.path}" if path else one.path)
         yield own
         if one.measures in ANGLES:
-            angles = ANGLES[one.measures]  # type: ignore[index]
+            angles = ANGLES[one.measures]
             yield from (_angle(own, key) for key in angles)
         if one.is_number and (one.many or one.each):
             yield replace(own, path=f"{own.path}.*")
@@ -328,7 +329,8 @@ def field_at(record: Any, path: str) -> Field | None:
 # -- the structure of a design file -----------------------------------------------------------------------------------
 
 
-def structure_of(record: Any, required: Sequence[str] = (), without: Sequence[str] = ()) -> Section:
+@_remembered
+def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str, ...] = ()) -> Section:
     """Which keys a record may have: what `check_structure` goes by.
 
     Parameters
@@ -337,7 +339,8 @@ def structure_of(record: Any, required: Sequence[str] = (), without: Sequence[st
     """
     keys: dict[str, Any] = {}
     needed: dict[str, None] = dict.fromkeys(required)
-    for one in fields_of(record).values():
+    more = getattr(record, "more_fields", None)
+    for one in (*fields_of(record).values(), *(() if more is None else more())):
         if one.path in without:
             continue
         *above, last = one.path.split(".")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from slopekit.design import words
 from slopekit.design.common import Design, Strength
-from slopekit.design.fields import Field, field_at, fields_of
+from slopekit.design.fields import Field, every_field, field_at, fields_of
 from slopekit.design.nodes import Document, Node, as_text
 from slopekit.design.structure import has_angles, is_distribution, orientation_kind
 from slopekit.errors import DesignError, Fault
@@ -305,7 +305,7 @@ class Reader:
         for joint, below in joints.items() if joints is not None else ():
             strength = below.get("strength")
             name = strength.text if strength is not None else only
-            for field in fields_of(Strength).values():
+            for field in every_field(Strength):
                 if (own := f"strength.{name}.{field.path}") in self.variables:
                     names[f"{joint}.{field.path}"] = own
         for group in ("joints.", "strength.", "sets."):

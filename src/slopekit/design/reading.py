@@ -41,6 +41,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
         water=water, cohesion_kpa=tuple(one.cohesion_kpa for one in sound),
         friction_angle_deg=tuple(one.friction_angle_deg for one in sound),
         dilation_deg=tuple(one.dilation_deg for one in sound), tension_kpa=tuple(one.tension_kpa for one in sound),
+        laws=tuple(one.law for one in sound),
     )  # fmt: skip
 
 

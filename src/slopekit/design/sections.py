@@ -106,6 +106,41 @@ def read_strength(
     """
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
+    if node is not None and node.is_mapping and _is_curved(node):
+        return _curved_strength(reader, node, owner, standard)
+    return _straight_strength(reader, node, owner, standard, listed, beside)
+
+
+def _is_curved(node: Node) -> bool:
+    """Whether a strength has keys beside those of a straight line."""
+    straight = {field.path for field in fields_of(Strength).values()} - {"law"}
+    return any(key not in straight for key, _ in node.items())
+
+
+def _curved_strength(reader: Reader, node: Node, owner: str, standard: Mapping[str, float] | None) -> Strength | None:
+    from slopekit.design.strength_laws import named_law, read_law, refuse_keys, with_waves
+
+    if named_law(node) is None:
+        refuse_keys(reader, node)
+        straight = _straight_strength(reader, node, owner, standard)
+        return None if straight is None else with_waves(reader, node, owner, straight)
+    law = read_law(reader, node, owner)
+    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
+           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
+    if law is None or None in own.values():
+        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
+        return None
+    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
+
+
+def _straight_strength(
+    reader: Reader,
+    node: Node | None,
+    owner: str,
+    standard: Mapping[str, float] | None = None,
+    listed: Mapping[str, float | None] | None = None,
+    beside: Node | None = None,
+) -> Strength | None:
     found = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
@@ -127,7 +162,9 @@ def read_strength(
 
 def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
     """What c and φ are, by key, where none of the strengths says so: a wedge takes the paper's."""
-    given = list(nodes)
+    given = [node for node in nodes if node.get("law") is None or node.get("c") is not None]
+    if not given and list(nodes):
+        return {}
     found = {
         key: value for key, value in reader.record.DEFAULTS.items()
         if key in ("c", "phi") and key not in beside and all(node.get(key) is None for node in given)

@@ -214,7 +214,7 @@ class _Checker:
         folded = {known.lower().replace("-", "_"): known for known in spec.keys}
         near = get_close_matches(key.lower().replace("-", "_").replace(" ", "_"), folded, n=1)
         sure = bool(near) and SequenceMatcher(None, key.lower(), near[0]).ratio() > 0.8
-        if places and not sure:
+        if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
         if kinds and not above.path and not sure:
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."

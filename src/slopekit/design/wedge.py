@@ -1,13 +1,16 @@
 """The wedge design: everything `slopekit wedge` knows."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from slopekit.design.common import Design
+from slopekit.design.common import Design, Strength
 from slopekit.design.fields import Field, count, group, more_than_nothing, number, orientation, point
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Section
 from slopekit.orientation import Plane
+
+if TYPE_CHECKING:
+    from slopekit.strength.protocol import StrengthLaw
 
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
@@ -65,7 +68,10 @@ class Crack:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WedgeDesign(Design):
-    """One wedge, complete and checked. Made by `slopekit.design.reading.wedge_design`."""
+    """One wedge, complete and checked. Made by `slopekit.design.reading.wedge_design`.
+
+    `laws` are the curved ones of the joints; cohesion and friction angle are those of `Strength.by_law` then.
+    """
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
     REQUIRED: ClassVar[tuple[str, ...]] = ()
@@ -92,6 +98,22 @@ class WedgeDesign(Design):
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
     joint_names: tuple[str, str] = ("J1", "J2")
+    laws: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+
+    @property
+    def strengths(self) -> tuple[Strength, ...]:
+        """The strength of each joint."""
+        parts = self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws
+        return tuple(Strength(*values) for values in zip(*parts, strict=True))
+
+    def with_strengths(self, first: Strength, second: Strength) -> "WedgeDesign":
+        """The same wedge with other strengths on its joints."""
+        return replace(
+            self, cohesion_kpa=(first.cohesion_kpa, second.cohesion_kpa),
+            friction_angle_deg=(first.friction_angle_deg, second.friction_angle_deg),
+            dilation_deg=(first.dilation_deg, second.dilation_deg),
+            tension_kpa=(first.tension_kpa, second.tension_kpa), laws=(first.law, second.law),
+        )  # fmt: skip
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

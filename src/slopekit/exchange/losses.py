@@ -25,6 +25,14 @@ def acceptance(inputs: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     return kept, [f"{word} ({', '.join(lost)}): kind blocks has no such factor"]
 
 
+def lost_of_laws(inputs: Mapping[str, Any]) -> list[str]:
+    """Curved strength, of which the cohesion and the friction angle of one line are written."""
+    given = [inputs.get("strength"), *(strength for _, strength in inputs.get("strengths", ()))]
+    laws = [one["law"] for one in given if isinstance(one, Mapping) and "law" in one]
+    named = dict.fromkeys(law["law"] for law in (*laws, *(law for law in inputs.get("laws", ()) if law)))
+    return [f"curved strength ({', '.join(named)}): c and φ of its line up to 100 kPa are written"] if named else []
+
+
 def lost_of_criterion(source: Source) -> list[str]:
     """The all-pairs factor of one block is sought in another way than that of many."""
     if source.document["inputs"].get("criterion") != "all-pairs" or source.has_many:

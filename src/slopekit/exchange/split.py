@@ -18,6 +18,7 @@ from slopekit.exchange.losses import (
     load_name,
     lost_of_columns,
     lost_of_criterion,
+    lost_of_laws,
     lost_of_loads,
     lost_of_mixed,
     pressures_of,
@@ -63,7 +64,7 @@ def design_text(
         if joints[joint].strength != default
     }  # fmt: skip
     pressures = pressures_of(source, joints, of_pair, files)
-    lost = lost_of_mixed(source, found.mixed, pressures) + lost_of_columns(source)
+    lost = lost_of_mixed(source, found.mixed, pressures) + lost_of_columns(source) + lost_of_laws(inputs)
     apart = [pair for pair in rows_apart(source) if all(name in files for name in pair)]
     if apart:
         smooth = Joint(_APART, 0.0, 0.0, 0.0, 0.0)

@@ -3,15 +3,17 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Floats
-from slopekit.design.common import Design
+from slopekit.design.common import Design, Strength
 from slopekit.errors import Fault, GeometryError
 from slopekit.kinds.protocol import ClosedForm, D
+from slopekit.kinds.secants import on_secants
 
 #: The arguments of a closed form by name; None for what a design does not have.
 Arguments: TypeAlias = dict[str, float | None]
@@ -19,11 +21,20 @@ Arguments: TypeAlias = dict[str, float | None]
 
 @dataclass(frozen=True, slots=True)
 class ClosedForms:
-    """A closed form of n designs: names of outcomes, the number of each design's (n,), factors (n,) or nan."""
+    """A closed form of n designs.
+
+    Attributes
+    ----------
+    names : of outcomes; outcome : the number of each design's (n,); factor : (n,) or nan
+    normal_kn, areas_m2 : of each joint (n,): the effective normal force and the area it acts on; none where no strength
+        of the kind can be curved
+    """
 
     names: tuple[str, ...]
     outcome: NDArray[np.int8]
     factor: Floats
+    normal_kn: Sequence[Floats] = ()
+    areas_m2: Sequence[Floats] = ()
 
     def of(self, design: int = 0) -> ClosedForm:
         """One of them.
@@ -38,6 +49,12 @@ class ClosedForms:
             raise GeometryError([Fault(name, "the planes enclose no block")])
         return ClosedForm(None if math.isnan(factor) else factor, name)
 
+    def tractions_kpa(self, design: int = 0) -> list[float]:
+        """The mean effective normal traction on each joint of one of them."""
+        return [
+            float(normal[design] / area[design]) for normal, area in zip(self.normal_kn, self.areas_m2, strict=True)
+        ]
+
 
 @dataclass(frozen=True, slots=True)
 class OnArrays(Generic[D]):
@@ -46,31 +63,63 @@ class OnArrays(Generic[D]):
     Attributes
     ----------
     arguments : of a design, but for its passive bolts; bolts : these, at full capacity
+    strengths : of its joints; of_strengths : the arguments that hold their cohesion and friction
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     """
 
     arguments: Callable[[D], Arguments]
     bolts: Callable[[D], Sequence[Sequence[float]]]
+    strengths: Callable[[D], Sequence[Strength]]
+    of_strengths: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
 
     def of(self, design: D) -> ClosedForm:
-        """One design. Raises GeometryError where its planes cut no block."""
-        return self.closed_forms(self.arguments(design), self.bolts(design)).of()
+        """One design, on the secants of its strengths where these are curved.
+
+        Raises
+        ------
+        GeometryError
+            Its planes cut no block.
+        """
+        arguments, bolts, strengths = self.arguments(design), self.bolts(design), self.strengths(design)
+        if not any(strength.law for strength in strengths):
+            return self.closed_forms(arguments, bolts).of()
+
+        def on_lines(lines: Sequence[Strength]) -> tuple[ClosedForm, list[float]]:
+            found = self.closed_forms(arguments | self.of_strengths(lines), bolts)
+            return found.of(), found.tractions_kpa()
+
+        (found, _), _ = on_secants(strengths, on_lines, lambda told: told[1])
+        return found
 
     def answers(self, designs: Sequence[D], nothing: str) -> list[tuple[float | None, str]]:
         """Factor and status of each of several designs, in one call for all that have the same arguments and bolts.
+
+        Designs whose strength is curved are asked one by one.
 
         Parameters
         ----------
         nothing : the status of planes that cut no block
         """
+        found: dict[int, tuple[float | None, str]] = {}
+
+        def keep(number: int, ask: Callable[[], ClosedForm]) -> None:
+            try:
+                form = ask()
+            except GeometryError:
+                found[number] = None, nothing
+            else:
+                found[number] = form.factor, form.status
+
         given = [self.arguments(design) for design in designs]
         alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
         for number, (design, arguments) in enumerate(zip(designs, given, strict=True)):
+            if any(strength.law for strength in self.strengths(design)):
+                keep(number, partial(self.of, design))
+                continue
             missing = tuple(name for name, value in arguments.items() if value is None)
             alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
-        found: dict[int, tuple[float | None, str]] = {}
         for (_, bolts), numbers in alike.items():
             columns: dict[str, Any] = {}
             for name, first in given[numbers[0]].items():
@@ -78,12 +127,7 @@ class OnArrays(Generic[D]):
                 columns[name] = first if values.count(first) == len(values) else np.array(values)
             forms = self.closed_forms(columns, bolts)
             for place, number in enumerate(numbers):
-                try:
-                    form = forms.of(place if forms.outcome.size > 1 else 0)
-                except GeometryError:
-                    found[number] = None, nothing
-                else:
-                    found[number] = form.factor, form.status
+                keep(number, partial(forms.of, place if forms.outcome.size > 1 else 0))
         return [found[number] for number in range(len(designs))]
 
 

@@ -11,6 +11,7 @@ from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
@@ -37,11 +38,15 @@ def cut(design: FootingDesign) -> Cut:
 
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
-    strength, weight = design.strength, design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    found = footing(
-        design.load_kn, design.dip_deg, design.length_m, strength.cohesion_kpa, strength.friction_angle_deg, weight
+    weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
+    found, _ = on_secants(
+        [design.strength],
+        lambda lines: footing(
+            design.load_kn, design.dip_deg, design.length_m, lines[0].cohesion_kpa, lines[0].friction_angle_deg, weight
+        ),
+        lambda told: [told.normal_kn / design.length_m],
     )
-    return on_one_plane(found.factor, found.status, strength)
+    return on_one_plane(found.factor, found.status, design.strength)
 
 
 def _block(design: FootingDesign) -> tuple[Section, float]:

@@ -134,6 +134,8 @@ def ladder_of_block(
     made = cut(design)
     scene = made.scene_at(made.refine)
     model = scene.model
+    if model.lines is not None:
+        model = made.limit(model).model or model  # on the lines of its limit
     if made.limit is limit_analysis:
         alone, seconds = timed(lambda: forces_only_limit(model))
         rungs.append(Rung("forces alone", "no turning", len(scene.pairs), None, alone.factor, seconds))
@@ -181,7 +183,7 @@ def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
         say("other strengths, divided by", k, head=True)
         other = replace(
             model, cohesion=model.cohesion / k, tan_friction=model.tan_friction / k,
-            bolt_capacity=model.bolt_capacity / k,
+            bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
         )  # fmt: skip
         limit = made.limit(other).governing
         found.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)

@@ -20,6 +20,7 @@ from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind, compare
+from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
     SheetPart,
@@ -37,9 +38,27 @@ from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.bed import SHEAR_TO_NORMAL
 from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.passes import Outcome
-from slopekit.preie.ravelling import Failure, Part, Ravelling, critical_load, finer_model, ravel, whole_model
+from slopekit.preie.ravelling import (
+    Failure,
+    Part,
+    Ravelling,
+    component_limit,
+    critical_load,
+    finer_model,
+    ravel,
+    whole_model,
+)
 from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
-from slopekit.result import AllPairs, FactorsOfSafety, Forces, ModelSize, Result, Words
+from slopekit.result import (
+    AllPairs,
+    CurvedStrength,
+    FactorsOfSafety,
+    Forces,
+    ModelSize,
+    Result,
+    SecantLine,
+    Words,
+)
 
 if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder, Rung
@@ -206,7 +225,7 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         all_pairs=None if untied is None else _all_pairs(untied),
         warnings=tuple(_notices(own, design, scene, ravelling, found, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
-        findings=findings, balance=balanced, timing_s=clock.done(),
+        findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
@@ -286,6 +305,7 @@ def _left_out(design: AssemblyDesign, scene: AssemblyScene, parts: Sequence[Part
     if scene.assembly.in_section:
         ends = "three node pairs a contact (Simpson's rule), its friction one force: a flat contact slips as one"
         said += ["everything repeats along the strike: 3 unknowns a block instead of 6 (exact)", ends]
+    said += left_out_of_laws(scene.strengths)
     if design.mechanisms > 1 and scene.pressures.any():
         said.append("water in joints that a block has left: they stand open")
     return tuple(said)
@@ -332,6 +352,30 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
     )  # fmt: skip
 
 
+def _curved(scene: AssemblyScene, parts: Sequence[Part]) -> CurvedStrength | None:
+    """The line of each curved joint at the mean normal traction of its node pairs that carry any."""
+    solved = [part for part in parts if part.model.lines is not None and part.limit.factor]
+    if not solved:
+        return None
+    kinds = [part.model.lines.joint[part.model.joint_pairs] for part in solved if part.model.lines is not None]
+    joint = np.concatenate(kinds)
+    areas = [part.model.control_area[part.model.joint_pairs] * part.model.area_scale for part in solved]
+    area = np.concatenate(areas)
+    normals = [part.limit.normal_force[part.model.joint_pairs] * part.model.force_scale for part in solved]
+    normal = np.concatenate(normals)
+    lines = {}
+    for key, (name, strength) in enumerate(zip(scene.joints, scene.strengths, strict=True)):
+        on = (joint == key) & (normal > 0.0)
+        if on.any() and (line := secant_of(strength, float(normal[on].sum() / area[on].sum()))) is not None:
+            tractions = normal[on] / area[on]
+            lines[name] = SecantLine(
+                line.traction_kpa, (float(tractions.min()), float(tractions.max())), line.cohesion_kpa,
+                line.friction_angle_deg,
+            )  # fmt: skip
+    rounds = max(part.model.lines.rounds for part in solved if part.model.lines is not None)
+    return CurvedStrength(None, None, rounds, lines)
+
+
 def _drawn_out(part: Part) -> bool:
     """Whether a mechanism draws out a passive bolt."""
     _, slip = part.model.opening_and_slip(part.limit.velocity)
@@ -361,6 +405,9 @@ def _notices(
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
                      "rest, the peak of the elastic path; where limits of random sections were found they lay up to 4 "
                      "% below their peaks, which is no bound on this one")  # fmt: skip
+    if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
+        yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
+                     f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip
     if limit.loads_last and first.fos:
         yield Notice("W361", "with all loads on at once no limit state was found: weight and water came first, the "
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
@@ -459,7 +506,7 @@ def _rungs(found: SolvedAssembly) -> "Iterator[Rung]":
         if level and len(model.control_area) > MOST_PAIRS:
             break
         say(f"ladder, parts split {often(level)}", head=True)
-        limit, seconds = timed(partial(limit_of_blocks, model, ranged=False))
+        (_, limit), seconds = timed(partial(component_limit, model, False))
         setting = f"parts split {often(level)}" if _refines(found) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 

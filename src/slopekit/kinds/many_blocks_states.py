@@ -18,6 +18,7 @@ from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes, whole_model
 from slopekit.preie.settlement import settlement
 from slopekit.result import AtFactorOne, Movement
+from slopekit.strength.mohr_coulomb import line
 
 _TURNS = 0.05  # rotation beyond this part of a block's motion counts
 _OPENS = 1e-5  # an interface of which more than this part of the area opens
@@ -116,7 +117,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     if len(model.control_area) == 0 or limit.factor is None:
         return [], 0.0
     opened, _, size = states_of_part(part)
-    carried = model.by_group(model.cohesion * limit.bond) + model.tan_friction * model.by_group(limit.normal_force)
+    carried = line(model.by_group(model.cohesion * limit.bond), model.tan_friction, model.by_group(limit.normal_force))
     carried = np.where(model.bolted, limit.friction[:, 0] * limit.factor, carried)
     lost = carried * size
     work = np.bincount(model.group_contact, lost, len(model.plus))
@@ -173,7 +174,7 @@ def _of_part(scene: AssemblyScene, part: Part) -> NodePairState:
     else:
         normals, tangents = model.plus_motion[:, 0, :3], model.plus_motion[:, 1:3, :3]
     # the pairs of a flat contact in a section share one friction force: each has its part of the strength
-    capacity = model.cohesion * limit.bond + model.tan_friction[model.group_of_pair] * limit.normal_force
+    capacity = line(model.cohesion * limit.bond, model.tan_friction[model.group_of_pair], limit.normal_force)
     whole = model.by_group(capacity)[model.group_of_pair]
     share = np.divide(capacity, whole, out=np.zeros_like(whole), where=whole > 0.0)
     forces = np.einsum("gt,gtx->gx", limit.friction, tangents[model.group_contact])

@@ -19,7 +19,7 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
-from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis
+from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
@@ -85,6 +85,8 @@ def vouched(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
     """The analysis with the limit that the elastic path comes to, where moments govern a block on flat contacts."""
     if scene.bedding is None or not analysis.moments_govern:
         return analysis
+    if analysis.model is not None:
+        return _by_path_on_lines(analysis.model, analysis)
     return _by_path(scene.model, analysis)
 
 
@@ -97,6 +99,8 @@ def locked_in(
         return None, None
     if rules is not None and rules.rule in ("cracked_base", "by_mechanism"):
         return None, None
+    if model.lines is not None:
+        return None, None  # other forces mean other tractions, and other lines
     from slopekit.preie.one_path import range_of
 
     return range_of(model, limit)
@@ -109,6 +113,15 @@ def _by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     from slopekit.preie.one_path import by_path  # only what moments govern pays for SciPy
 
     return by_path(model, analysis)
+
+
+def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
+    """The same where laws are curved: the lines are drawn anew at the path's own tractions."""
+    from slopekit.preie.strength_lines import settled
+
+    found = settled(model, lambda drawn: _by_path(drawn, limit_on_lines(drawn)))
+    one, other = analysis.governing.factor, found.governing.factor
+    return analysis if one and other and abs(other / one - 1.0) < MOMENTS else found
 
 
 def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
@@ -178,6 +191,7 @@ def _bond_gone(model: Model) -> tuple[Limit | None, bool]:
     while True:
         bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
         analysis = limit_analysis(bare)
+        bare = analysis.model or bare
         if gone.any() or not _opens_bonds(analysis.governing, bare).any():
             followed = _by_path(bare, analysis)
             # what rests at no strength keeps the number of the passes: none at all would raise the headline
@@ -218,6 +232,10 @@ def _on_its_pairs(
         frozen(forces.area * model.area_scale), keys, np.zeros(count, dtype=np.int64), np.full(count, BEDROCK),
     )  # fmt: skip
     own = bedding.model_of(pairs)
+    if own.lines is not None:
+        from slopekit.preie.strength_lines import drawn
+
+        own = drawn(own, forces.normal)
     velocity = found.velocity.copy()
     velocity[model.translations :] *= own.length_scale / model.length_scale  # turns are per length of the model
     velocity /= np.sqrt(velocity @ velocity)

@@ -27,6 +27,7 @@ from slopekit.kinds.one_block_states import (
     turned_back,
 )
 from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
 from slopekit.loads import Loads
@@ -43,11 +44,13 @@ from slopekit.result import (
     AllPairs,
     AtFactorOne,
     CohesionUnderMoments,
+    CurvedStrength,
     FactorsOfSafety,
     Forces,
     ModelSize,
     ReductionStep,
     Result,
+    SecantLine,
     Words,
 )  # fmt: skip
 
@@ -184,8 +187,7 @@ def kind_of_one_block(
         found = find_limit(design, made.scene_at, made.refine, Clock())
         limit, governs = found.analysis.governing, found.analysis.moments_govern
         status = block_status(limit, found.analysis, found.scene, made.joints)
-        alone = governs or limit.outcome is Outcome.NOT_CONVERGED
-        compared = found.analysis.forces_only.factor if alone else limit.factor
+        compared = comparable(found.analysis, found.scene.model)
         difference, agree = compare(compared, status, closed, design.agree_within)
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
@@ -231,7 +233,10 @@ def on_one_plane(factor: float | None, status: str, strength: Strength) -> Close
 
 
 def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
-    """A little more friction and cohesion, by name."""
+    """A little more friction and cohesion, or a little more of each parameter of a curved law, by name."""
+    yield from changed_laws(strength)
+    if strength.law is not None:
+        return
     if strength.friction_angle_deg < 88.0:
         yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)
     if strength.cohesion_kpa:
@@ -348,16 +353,18 @@ def _refined(
     with clock("mesh"):
         scene = bounded = scene_at(refine)
     with clock("solve"):
-        analysis = look(scene)
+        scene, analysis = on_its_lines(scene, look(scene))
+        bounded = scene
     refined, change = refine, None
     while refined < most_refined and not opens_cohesive(scene, analysis):
         before = analysis.governing
-        if before.settled_to(design.stop_when) and not (analysis.turns and before.factor):
+        depends = analysis.turns or scene.model.lines is not None  # curved strength: on the tractions of the pairs
+        if before.settled_to(design.stop_when) and not (depends and before.factor):
             break  # a plain slide ends here
         with clock("mesh"):
             finer = scene_at(refined + 1)
         with clock("solve"):
-            again = look(finer)
+            finer, again = on_its_lines(finer, look(finer))
         after = again.governing
         change, done = _mesh_change(analysis, again)
         if before.settled_to(design.stop_when) and not after.settled_to(design.stop_when):
@@ -367,6 +374,22 @@ def _refined(
         if done or after.passes > _MOST_PASSES:
             break
     return FoundLimit(scene, bounded, analysis, refined, change)
+
+
+def on_its_lines(scene: Scene, analysis: LimitAnalysis) -> tuple[Scene, LimitAnalysis]:
+    """The scene with the model whose strength lines its limit settled on, where laws are curved."""
+    return (scene if analysis.model is None else replace(scene, model=analysis.model)), analysis
+
+
+def comparable(analysis: LimitAnalysis, model: Model) -> float | None:
+    """The factor on the closed form's assumptions: no turning where moments govern, one traction a plane."""
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import mean_stress_limit
+
+        return mean_stress_limit(model).factor
+    if analysis.moments_govern or analysis.governing.outcome is Outcome.NOT_CONVERGED:
+        return analysis.forces_only.factor
+    return analysis.governing.factor
 
 
 def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | None, bool]:
@@ -401,7 +424,7 @@ def result(
     pairs, searched = solved.pairs, solved.pairs.factor if solved.pairs else None
     if pairs and searched and limit.factor and pairs.lost_equilibrium and searched < 0.98 * limit.factor:
         searched = None  # equilibrium was lost on the elastic bed before the last pair failed: no such factor
-    compared = alone if analysis.moments_govern or limit.outcome is Outcome.NOT_CONVERGED else limit.factor
+    compared = comparable(analysis, model)
     difference, agree = compare(compared, status, closed, design.agree_within)
     rest = solved.at_rest
     facts = Facts(
@@ -412,8 +435,10 @@ def result(
         solved.span,
     )  # fmt: skip
     origin, turn = made.origin, made.axes
+    of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])
     size = ModelSize(
-        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, tuple(made.left_out), limit.passes,
+        1, model.unknowns, len(solved.scene.pairs), solved.refined, solved.change, (*made.left_out, *of_laws),
+        limit.passes,
         limit.change,
     )  # fmt: skip
     return Result(
@@ -436,8 +461,28 @@ def result(
         series=tuple(replace(step, movement=turned(step.movement, turn)) for step in solved.series),
         balance=balance(of_one_block(model, analysis)),
         cohesion_under_moments=_under_moments(solved, made.interfaces, origin, turn),
-        turns_over=turns_over(limit, model) if status == "topples" else "", timing_s=clock.done(),
+        turns_over=turns_over(limit, model) if status == "topples" else "",
+        curved_strength=_curved(solved, made.interfaces, compared), timing_s=clock.done(),
     )  # fmt: skip
+
+
+def _curved(solved: Solved, interfaces: Sequence[Interface], mean: float | None) -> CurvedStrength | None:
+    """What one mean traction a joint makes of the limit, and the lines there; None where no law is curved."""
+    model, limit = solved.scene.model, solved.limit
+    if model.lines is None:
+        return None
+    per_area = model.force_scale / model.area_scale
+    lines = {}
+    for interface in interfaces:
+        on = model.interface == interface.key
+        traction = float(limit.normal_force[on].sum() / model.control_area[on].sum()) * per_area
+        if (line := secant_of(interface.strength, traction)) is not None:
+            pairs = limit.normal_force[on] / model.control_area[on] * per_area
+            lines[interface.name] = SecantLine(
+                line.traction_kpa, (float(pairs.min()), float(pairs.max())), line.cohesion_kpa, line.friction_angle_deg
+            )
+    gap = limit.factor / mean - 1.0 if limit.factor and mean else None
+    return CurvedStrength(mean, gap, model.lines.rounds, lines)
 
 
 def _under_moments(

@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.design.common import Water
+from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
@@ -168,8 +168,7 @@ def arguments(design: PlaneDesign) -> Arguments:
     given = water.mode == "pressures"
     pressures = [*water.pressures_kpa, 0.0] if given else [None, None]
     return found | force_on(design) | {
-        "height_m": design.height_m, "cohesion_kpa": design.strength.cohesion_kpa,
-        "friction_deg": design.strength.friction_angle_deg, "unit_weight_kn_m3": design.unit_weight_kn_m3,
+        "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
         "water_in_crack_m": None if crack is None or given else crack.water_m,
@@ -177,6 +176,14 @@ def arguments(design: PlaneDesign) -> Arguments:
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "k": design.seismic.coefficient,
         "trend": design.seismic.trend_deg,
     }  # fmt: skip
+
+
+def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
+    return {"cohesion_kpa": strengths[0].cohesion_kpa, "friction_deg": strengths[0].friction_angle_deg}
+
+
+def _strengths(design: PlaneDesign) -> list[Strength]:
+    return [design.strength]
 
 
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
@@ -201,7 +208,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     count = max(found.outcome.size, np.size(across))
     outcome, factor = np.broadcast_to(found.outcome, count).copy(), np.broadcast_to(found.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
-    return ClosedForms(_OUTCOMES, outcome, factor)
+    return ClosedForms(_OUTCOMES, outcome, factor, [found.normal_kn], [found.length_m])
 
 
 def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
@@ -214,7 +221,7 @@ def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
     return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, closed_forms)
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:
@@ -292,6 +299,6 @@ KIND = kind_of_one_block(
         "Hoek & Bray: forces only",
         {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
     ),
-    cut, compared, changes=_changes, strengths=lambda design: [design.strength], slope=_slope, notices=_notices,
+    cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True,
 )  # fmt: skip

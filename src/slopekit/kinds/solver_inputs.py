@@ -34,11 +34,13 @@ def joint_stiffness(design: Design) -> JointStiffness:
 
 def joint_strength(strengths: Sequence[Strength]) -> JointStrength:
     """Strengths of the interfaces 0, 1, ... as arrays."""
+    laws = tuple(strength.law for strength in strengths)
     return JointStrength(
         np.array([strength.cohesion_kpa for strength in strengths]),
         np.tan(np.radians([strength.friction_angle_deg for strength in strengths])),
         np.tan(np.radians([strength.dilation_deg for strength in strengths])),
         np.array([strength.tension_kpa for strength in strengths]),
+        laws if any(laws) else (),
     )
 
 

@@ -257,9 +257,11 @@ def _closed_forms(
     design: SurfaceDesign, cut: _Mass
 ) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
-    plain = not (design.forces or design.bolts)
+    plain = not (design.forces or design.bolts) and design.strength.law is None
     rest: list[Notice] = []
-    if not plain:
+    if design.strength.law is not None:
+        rest.append(Notice("W324", "the methods of columns are left out: they take one cohesion and friction angle"))
+    elif not plain:
         rest.append(Notice("W324", "the methods of columns are left out: they know no forces and bolts"))
     try:
         rotation = _rotation(design, cut) if plain else None
@@ -276,7 +278,12 @@ def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
     """The exact answer of a surface of revolution about the y axis with φ = 0, None for any other."""
     strength, slip, profile = design.strength, design.slip, design.profile_m
     round_ = slip.shape != "mesh" and math.isclose(slip.radii_m[0], slip.radii_m[2], rel_tol=1e-12)
-    if not (profile and round_ and strength.friction_angle_deg == 0.0) or _sideways(design) or cut.mass.pieces:
+    if (
+        strength.law is not None
+        or not (profile and round_ and strength.friction_angle_deg == 0.0)
+        or _sideways(design)
+        or cut.mass.pieces
+    ):
         return None
     found = rotational_failure(
         slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,

@@ -83,6 +83,8 @@ def goodman_bray(design: ToppleDesign, found: Mechanism | None) -> tuple[ClosedF
 def _why_not(design: ToppleDesign) -> str:
     """Why Goodman & Bray's method says nothing of a design."""
     sides, base = design.strength(design.sides), design.strength(design.base)
+    if sides.law or base.law:
+        return "the closed form (Goodman & Bray) knows one friction angle for all bases: not compared"
     if sides.cohesion_kpa:
         return "the closed form (Goodman & Bray) knows no cohesion on the sides of columns: not compared"
     if any(design.pressures_kpa):

@@ -20,6 +20,7 @@ from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.words import (
     SheetPart,
@@ -76,8 +77,7 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
 
 def strengths_of(design: WedgeDesign) -> list[Strength]:
     """The strengths of its two joints."""
-    parts = (design.cohesion_kpa, design.friction_angle_deg, design.dilation_deg, design.tension_kpa)
-    return [Strength(*values) for values in zip(*parts, strict=True)]
+    return list(design.strengths)
 
 
 def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
@@ -134,8 +134,7 @@ def arguments(design: WedgeDesign) -> Arguments:
     given = water.mode == "pressures"
     pressures = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
     return found | force_on(design) | {
-        "height_m": design.height_m, "cohesion1_kpa": design.cohesion_kpa[0], "cohesion2_kpa": design.cohesion_kpa[1],
-        "friction1_deg": design.friction_angle_deg[0], "friction2_deg": design.friction_angle_deg[1],
+        "height_m": design.height_m, **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
         "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
@@ -143,6 +142,14 @@ def arguments(design: WedgeDesign) -> Arguments:
         "crack_dip_direction_deg": None if crack is None else crack.plane.dip_direction_deg,
         "crack_distance_m": 0.0 if crack is None else crack.distance_m,
         "seismic": design.seismic.coefficient, "seismic_trend_deg": design.seismic.trend_deg,
+    }  # fmt: skip
+
+
+def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
+    one, two = strengths
+    return {
+        "cohesion1_kpa": one.cohesion_kpa, "cohesion2_kpa": two.cohesion_kpa,
+        "friction1_deg": one.friction_angle_deg, "friction2_deg": two.friction_angle_deg,
     }  # fmt: skip
 
 
@@ -163,10 +170,10 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
             force_kn=None if force[0] is None else force,
         )
     )  # fmt: skip
-    return ClosedForms(OUTCOMES, found.outcome, found.factor)
+    return ClosedForms(OUTCOMES, found.outcome, found.factor, list(found.normal_kn), list(found.areas_m2[:2]))
 
 
-ON_ARRAYS = OnArrays(arguments, passive_bolts, closed_forms)
+ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms)
 
 
 def closed_form(design: WedgeDesign) -> ClosedForm:
@@ -186,10 +193,17 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
         changes.append(
             ("full water", replace(design, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
+    first, second = design.strengths
+    for k, strength in enumerate(dict.fromkeys(design.strengths), 1):
+        of = "" if first == second else f" of J{k}"
+        for name, other in changed_laws(strength):
+            pair = [other if own == strength else own for own in (first, second)]
+            changes.append((name + of, design.with_strengths(*pair)))
+    is_straight = not any(design.laws)
     phi, c = design.friction_angle_deg, design.cohesion_kpa
-    if max(phi) < 88.0:
+    if is_straight and max(phi) < 88.0:
         changes.append(("φ +1°", replace(design, friction_angle_deg=(phi[0] + 1.0, phi[1] + 1.0))))
-    if any(c):
+    if is_straight and any(c):
         changes.append(("c +10 %", replace(design, cohesion_kpa=(c[0] * 1.1, c[1] * 1.1))))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:

@@ -13,7 +13,7 @@ and a node pair that never touches: it pulls with 0 <= T <= λ times its capacit
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import sparse
@@ -24,6 +24,9 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, Model, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
+
+if TYPE_CHECKING:
+    from slopekit.preie.strength_lines import StrengthLines
 
 _LIGHTEST = 1e-6
 
@@ -49,6 +52,7 @@ class AssemblyModel:
     length_scale : m; force_scale : kN; area_scale : m²
     kinematics, statics : (m + g t, n u) sparse B, from block motions to openings and slips, and its transpose
     bolts : (b,) which of the passive bolts are the last b contacts, friction forces and node pairs; they have no patch
+    lines : where tan_friction was drawn on curved laws, None where none is
     """
 
     plus: Ints
@@ -75,6 +79,7 @@ class AssemblyModel:
     kinematics: Any
     statics: Any
     bolts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    lines: "StrengthLines | None" = None
 
     @property
     def bolted(self) -> Bools:
@@ -158,6 +163,7 @@ class AssemblyModel:
             patch=self.patch[contacts[contacts < len(self.patch)]], points=self.points[pairs],
             moving=self.moving[blocks], load=self.load[blocks], live=self.live[blocks],
             kinematics=kinematics, statics=kinematics.T.tocsr(), bolts=bolts,
+            lines=None if self.lines is None else self.lines.chosen(pairs),
         )  # fmt: skip
         return model, contacts, pairs, groups
 
@@ -261,6 +267,11 @@ def build_assembly(
         load=frozen(load), live=frozen(live_load),
         length_scale=length, force_scale=force_scale, area_scale=area_scale,
     )  # fmt: skip
+    if strength.laws:
+        from slopekit.preie.strength_lines import first_lines  # only curved laws pay for it
+
+        mean = force_scale * len(moving) / float(areas.sum())
+        model = first_lines(strength.laws, joint[pair_contact], model, mean)
     return _with_bolts(model, bolts, index, centroids) if len(bolts.head) else model
 
 
@@ -334,6 +345,7 @@ def _with_bolts(model: AssemblyModel, bolts: PassiveBolts, index: Ints, centroid
         tan_friction=frozen(np.append(model.tan_friction, none)),
         tan_dilation=frozen(np.append(model.tan_dilation, none)),
         points=frozen(np.concatenate([model.points, middle])), bolts=kept,
+        lines=None if model.lines is None else model.lines.with_bolts(len(kept)),
     )  # fmt: skip
     tangents = model.slip_rows.shape[1]
     rows = np.concatenate([whole.normal_rows, whole.slip_rows.reshape(groups * tangents + len(kept) * tangents, -1)])

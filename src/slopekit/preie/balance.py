@@ -13,6 +13,7 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
+from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
@@ -89,7 +90,7 @@ def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
     if not factor or friction is None or pulls is None:
         return []
     out = np.column_stack([normal, friction]).ravel() @ model.flat_rows + model.load + pulls @ model.bolt_rows
-    allowed = (limit.bond * model.cohesion + model.tan_friction * normal) / factor
+    allowed = line(limit.bond * model.cohesion, model.tan_friction, normal) / factor
     beyond = np.concatenate([_sizes(friction) - allowed, pulls - model.bolt_capacity / factor, -pulls])
     turns = limit.velocity.size == model.unknowns
     return [Carried(factor, out[None, :], model.translations if turns else limit.velocity.size, normal, beyond)]
@@ -100,7 +101,7 @@ def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: F
     own = _sizes(model.load)
     weights = np.append(np.maximum(own, _SOUND * float(own.max())), np.inf)  # bedrock is the last
     beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
-    allowed = model.by_group(bond * model.cohesion) + model.tan_friction * model.by_group(normal)
+    allowed = line(model.by_group(bond * model.cohesion), model.tan_friction, model.by_group(normal))
     over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))
     return Carried(
         factor, model.unbalanced(normal, friction), 2 if model.unknowns == 3 else 3, normal[model.joint_pairs],

@@ -25,6 +25,7 @@ from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.stiffness import Stiffness
+from slopekit.strength.mohr_coulomb import line
 
 #: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
 SHEAR_TO_NORMAL = 0.4
@@ -211,7 +212,7 @@ class Bed:
             slack = self.bolted & (direction[:, 0] > 0.0)
             cohesion = np.where(slack, 0.0, cohesion)
             frozen = None if frozen is None else np.where(slack, 0.0, frozen)
-        strength = cohesion + self.friction * self._summed(normal)
+        strength = line(cohesion, self.friction, self._summed(normal))
         allowed = reduction * strength if frozen is None else frozen
         if modes is None:
             slips = size > allowed
@@ -222,7 +223,7 @@ class Bed:
             carried = np.where(slips, allowed, size)
         if self.dilates and frozen is None and slips.any():
             normal, touching, carried = self._dilated(pressing, size, reduction, touching, carried, modes, cohesion)
-            strength = cohesion + self.friction * self._summed(normal)
+            strength = line(cohesion, self.friction, self._summed(normal))
         friction = -direction * carried[:, None]
         if modes is not None:
             friction = np.where(slips[:, None], friction, -elastic)
@@ -259,7 +260,7 @@ class Bed:
         dilation, of_pair = self._dilation(reduction), self.group_of_pair
         pushes = self.area * dilation[of_pair] / self.spring[of_pair]
         for _ in range(_KINKS):
-            allowed = reduction * (cohesion + self.friction * self._summed(np.where(touching, pressing, 0.0)))
+            allowed = reduction * line(cohesion, self.friction, self._summed(np.where(touching, pressing, 0.0)))
             gain = reduction * self.friction * self._summed(np.where(touching, pushes, 0.0))
             beyond = (size - allowed) / (1.0 + gain)  # k_t A p
             beyond = np.maximum(beyond, 0.0) if modes is None else np.where(modes.slips, beyond, 0.0)

@@ -144,8 +144,8 @@ def limit_of_blocks(
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
     if whole and (bond == 0.0).any():
         limit = replace(limit, bonded=1.0 / whole)
-    if limit.factor is None or not ranged:
-        return limit
+    if limit.factor is None or not ranged or model.lines is not None:
+        return limit  # where laws are curved other forces mean other tractions, and other lines
     span: Span | None = None
     if limit.group and proposal is not None:
         span = proposal.span()

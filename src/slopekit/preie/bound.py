@@ -35,6 +35,10 @@ def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bo
     of_its_motion : the limit counts all cohesion that its motion calls on; where it does not, as on a cracked base,
         its motion says nothing of the bound
     """
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import outer  # only curved laws pay for it
+
+        return _by_programs(outer(model), velocity, limit)
     if not of_its_motion:
         return _by_programs(model, velocity, limit)
     if not model.tan_friction.any():

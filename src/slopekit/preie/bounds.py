@@ -22,6 +22,7 @@ from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.distance import NEAR, NOTHING, Distance, StaticBound, bound_by_programs
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
+from slopekit.strength.mohr_coulomb import line
 
 _CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
 _BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
@@ -61,7 +62,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     if found is not None:
         return found
     summed = model.by_group(program.start.normal)
-    dilating = Strengths(model.tan_friction, program.cohesion + model.tan_friction * summed, summed)
+    dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
     lifted = _is_lifted(program.solve(dilating, program.start, _CLOSE, _STEPS))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
@@ -138,7 +139,7 @@ def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Float
     opening, slip = model.opening_and_slip(velocity)
     size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
     hardly = _HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
-    strength = (model.by_group(model.cohesion) + model.tan_friction * model.by_group(normal)) / factor
+    strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
     sticks = (carried < (1.0 - _HARDLY_MOVES) * strength) & (size < hardly)
     sticks &= ~model.bolted | (carried > _HARDLY_MOVES * strength)  # a slack bolt may get shorter
     still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])

@@ -10,6 +10,7 @@ from enum import IntEnum
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints
+from slopekit.strength.mohr_coulomb import line
 
 
 class ContactMode(IntEnum):
@@ -98,7 +99,7 @@ def tractions(
     normal = -k_n * opening
     open_: Bools = debonded & (normal < 0.0)
     shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), give if psi.any() else law)
-    strength = np.maximum(c + mu * normal, 0.0)
+    strength = np.maximum(line(c, mu, normal), 0.0)
     yields: Bools = (shear > strength) & ~open_
     softer, lifting = np.ones_like(slip), np.zeros_like(slip)
     if psi.any():
@@ -106,7 +107,7 @@ def tractions(
         softer = np.where(yields, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
         lifting = np.where(yields, k_n * psi * softer, 0.0)
         normal = np.where(yields, (normal + k_n * psi * (slip - c / give)) * softer, normal)
-        strength = np.maximum(c + mu * normal, 0.0)
+        strength = np.maximum(line(c, mu, normal), 0.0)
     # shear as a function of normal traction and slip: the strength where the pair yields, else the elastic law
     force = np.where(open_, 0.0, np.where(yields, strength, shear))
     slope_normal = np.where(open_, 0.0, np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal))

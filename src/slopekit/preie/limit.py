@@ -32,6 +32,7 @@ from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.strength.mohr_coulomb import line
 
 MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
 _STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
@@ -46,6 +47,7 @@ class LimitAnalysis:
 
     `by_rule`: the one that governs is that of a rule on cohesion (`moments`): what has lost its own need not open.
     `without_path`: the elastic path was asked and came to no limit; the one that governs is that of the search.
+    `model`: where laws are curved, the model with the line of each pair at its own traction; None where none is.
     """
 
     governing: Limit
@@ -54,6 +56,7 @@ class LimitAnalysis:
     moments_govern: bool
     by_rule: bool = False
     without_path: bool = False
+    model: Model | None = None
 
     @property
     def turns(self) -> bool:
@@ -75,6 +78,20 @@ class LimitAnalysis:
 
 def limit_analysis(model: Model) -> LimitAnalysis:
     """The limit factor of one block, and whether moments govern it."""
+    return _on_lines(model, limit_on_lines)
+
+
+def _on_lines(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis:
+    """The limit, the lines of curved laws drawn again until they stay."""
+    if model.lines is None:
+        return analyse(model)
+    from slopekit.preie.strength_lines import settled  # only curved laws pay for it
+
+    return settled(model, analyse)
+
+
+def limit_on_lines(model: Model) -> LimitAnalysis:
+    """The limit on the lines that the model has."""
     intact = _intact_limit(model)
     if intact is not None:
         return _alike(intact)
@@ -126,6 +143,10 @@ def curved_limit_analysis(model: Model) -> LimitAnalysis:
 
     There are no forces alone to compare with: `moments_govern` is false.
     """
+    return _on_lines(model, _curved_limit_on_lines)
+
+
+def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
     intact = _intact_limit(model)
     if intact is not None:
         return _alike(intact)
@@ -168,7 +189,7 @@ def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
     velocity, factor = model.load, 0.0
     for _ in range(passes):
-        friction = model.cohesion + model.tan_friction * normal
+        friction = line(model.cohesion, model.tan_friction, normal)
         found = cheapest_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
         velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
         normal = found.normal_force / factor
@@ -226,6 +247,10 @@ def forces_only_limit(model: Model) -> Limit:
     the least of the load: that is the driving force, and its direction the velocity. The block stands where
     λ (c A + N tan φ) is more. Falling λ (rising F) is followed to the first loss.
     """
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import averaged  # only curved laws pay for it
+
+        model = averaged(model)
     held = model if model.unknowns == model.translations else model.without_rotation()
     normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
     which = which.ravel()
@@ -239,7 +264,7 @@ def forces_only_limit(model: Model) -> Limit:
         driving = math.sqrt(float(rest @ rest))
         touching: Bools = (pushes > 0.0)[which]
         normal = pushes[which] * share
-        strength = touching * held.cohesion + held.tan_friction * normal
+        strength = line(touching * held.cohesion, held.tan_friction, normal)
         slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
         return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
@@ -248,7 +273,7 @@ def forces_only_limit(model: Model) -> Limit:
         velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
         friction = pulls = None
         if factor:
-            strength = (bond * held.cohesion + held.tan_friction * push.normal_force) / factor
+            strength = line(bond * held.cohesion, held.tan_friction, push.normal_force) / factor
             slip = np.maximum(held.slip(velocity), NO_FORCE)
             friction = -(strength / slip)[:, None] * held.relative(velocity)[:, 1:]
             pulls = push.bolt_pulls

@@ -19,6 +19,7 @@ import numpy as np
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
+from slopekit.strength.mohr_coulomb import line
 
 _EYE2 = np.eye(2)
 _MOST_STEPS = 30  # of Newton's method
@@ -73,7 +74,7 @@ def intact_limit_state(model: Model) -> LimitState | None:
         return None
     displacement = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ displacement), 0.0)
-    strength = float((model.cohesion + model.tan_friction * normal).sum() + model.bolt_capacity.sum())
+    strength = float(line(model.cohesion, model.tan_friction, normal).sum() + model.bolt_capacity.sum())
     if strength < 1e-14:
         return None
     state = limit_state(
@@ -211,7 +212,7 @@ def limit_state(
             return None
         direction = tangential / size[:, None]
         normal = springs @ elastic
-        strength = cohesion + tan_friction * normal
+        strength = line(cohesion, tan_friction, normal)
         forces[:, 0] = normal
         forces[:, 1:] = (-reduction * strength)[:, None] * direction
         hinge_forces = hinge_springs @ elastic
@@ -259,7 +260,7 @@ def limit_state(
         return None
     at_hinges = hinge_forces.reshape(-1, 3)
     shear = np.sqrt((at_hinges[:, 1:] ** 2).sum(axis=1))
-    most = (model.cohesion * bond)[hinges] + model.tan_friction[hinges] * np.maximum(at_hinges[:, 0], 0.0)
+    most = line((model.cohesion * bond)[hinges], model.tan_friction[hinges], np.maximum(at_hinges[:, 0], 0.0))
     if (shear > reduction * most + 1e-9).any():
         return None  # a hinge that would slip is none
     all_forces = np.zeros((len(closed), 3))

@@ -13,6 +13,7 @@ control areas by their sum: a wedge of 1 mm and one of 100 km are the same model
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,21 +22,27 @@ from slopekit.errors import Fault, SolverError
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 
+if TYPE_CHECKING:
+    from slopekit.preie.strength_lines import StrengthLines
+    from slopekit.strength.protocol import StrengthLaw
+
 _RIGID_TOLERANCE = 1e-9
 _SECTION = [0, 2, 4]  # of the six unknowns of a block those that stay in its x-z section
 
 
 @dataclass(frozen=True, slots=True)
 class JointStrength:
-    """Mohr-Coulomb strength of each interface: (k,) arrays; kPa and tangents.
+    """Strength of each interface as a line: (k,) arrays; kPa and tangents.
 
-    Dilation and tension are those of the joint at full strength.
+    Dilation and tension are those of the joint at full strength. `laws` are the curved ones by interface, None where
+    the line is all; empty where no law is curved. Their cohesion is τ(0).
     """
 
     cohesion: Floats
     tan_friction: Floats
     tan_dilation: Floats
     tension: Floats
+    laws: "tuple[StrengthLaw | None, ...]" = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +60,7 @@ class Model:
     bolt_rows : (b, u) shortening of each passive bolt per unknown; bolt_capacity : (b,) at full strength
     length_scale : m; force_scale : kN; area_scale : m²
     translations : how many of the unknowns are translations (they come first): 3, or 2 in a vertical section
+    lines : where tan_friction was drawn on curved laws, None where none is
     """
 
     rows: Floats
@@ -69,6 +77,7 @@ class Model:
     force_scale: float
     area_scale: float
     translations: int = 3
+    lines: "StrengthLines | None" = None
 
     @property
     def unknowns(self) -> int:
@@ -157,7 +166,7 @@ def build_model(
     area = float(pairs.control_areas.sum())
     per_force = pairs.control_areas / force_scale
     at = pairs.interface
-    return Model(
+    model = Model(
         rows=frozen(rows),
         control_area=frozen(pairs.control_areas / area),
         cohesion=frozen(strength.cohesion[at] * per_force),
@@ -173,6 +182,11 @@ def build_model(
         area_scale=area,
         translations=2 if in_section else 3,
     )
+    if not strength.laws:
+        return model
+    from slopekit.preie.strength_lines import first_lines  # only curved laws pay for it
+
+    return first_lines(strength.laws, at, model, force_scale / area)
 
 
 def local_axes(normals: Floats) -> Floats:

@@ -15,6 +15,7 @@ from slopekit.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
 from slopekit.preie.model import Model
+from slopekit.strength.mohr_coulomb import line
 
 _OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
 _MOST_PASSES = 300  # swift, and as many patient: two random wedges in 400 need the second
@@ -89,7 +90,7 @@ def _steered(
     Bonds change only when the passes have settled: what opens on the way there is the guess's doing.
     """
     releases = np.zeros(len(bond))
-    friction = bond * model.cohesion + model.tan_friction * normal_force
+    friction = line(bond * model.cohesion, model.tan_friction, normal_force)
     if not float(velocity @ model.load) > 1e-6 * math.sqrt(float((velocity @ velocity) * (model.load @ model.load))):
         velocity = model.load
     stages, weight = COLD, 1.0

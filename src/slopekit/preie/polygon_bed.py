@@ -20,6 +20,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.model import Model, local_axes
+from slopekit.strength.mohr_coulomb import line
 
 SHEAR_TO_NORMAL = 0.4  # k_t / k_n, that of the elastic path (METHOD-3 §13)
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
@@ -132,7 +133,7 @@ class Springs:
                 grows = length * (bed.area[k] / max(steep, 1e-300))
             across = at[:, 1:] @ slip
             size = np.sqrt((across * across).sum(axis=1))
-            strength = bed.cohesion[k] + bed.tan_friction[k] * normal
+            strength = line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal)
             elastic = SHEAR_TO_NORMAL * size
             if sticks:
                 slides = np.zeros(len(size), dtype=bool)
@@ -189,7 +190,7 @@ class Springs:
                 normal = np.zeros(len(area)) if open_part else np.maximum(-at[:, 0] @ opening, 0.0)
                 across = at[:, 1:] @ slip
                 size = np.maximum(np.sqrt((across * across).sum(axis=1)), 1e-300)
-                cap = reduction * (bed.cohesion[k] + bed.tan_friction[k] * normal)
+                cap = reduction * (line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal))
                 shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
                 found.append((
@@ -252,6 +253,10 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Be
         own = float(model.control_area[model.interface == key].sum())
         area.append(own / _size(scaled))
     per_share = model.cohesion[first] / model.control_area[first]
+    if model.lines is not None:
+        from slopekit.preie.strength_lines import averaged  # a contact of curved strength: one line all over it
+
+        model = averaged(model)
     return Bed(
         tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
         model.bolt_rows, model.bolt_capacity, columns,

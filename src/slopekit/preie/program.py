@@ -29,6 +29,7 @@ from slopekit.preie.iterates import Iterate, Step
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.springs import Coupling, Springs
 from slopekit.preie.stiffness import Stiffness
+from slopekit.strength.mohr_coulomb import line
 
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
 _ELASTIC_ENERGY = 1e-3  # what an elastic bed of the whole assembly may store beside the load factor; a hundredth of it
@@ -184,7 +185,7 @@ class BlockProgram:
         normal, friction = -model.control_area * opening, -slip / self.group_give[:, None]
         stored = float((self.give * normal * normal).sum() + (self.group_give[:, None] * friction * friction).sum())
         normal = np.maximum(normal, _START * max(float(np.abs(normal).mean()), 1e-12))
-        carried = self.cohesion + model.tan_friction * model.by_group(normal)
+        carried = line(self.cohesion, model.tan_friction, model.by_group(normal))
         size = np.sqrt((friction * friction).sum(axis=1)) + float(normal.min())
         strength = np.concatenate([np.maximum(carried, 1.5 * size)[:, None], friction], axis=1)
         # every product of a force and its multiplier is the same
@@ -223,7 +224,7 @@ class _Residuals:
             work = model.tan_friction * slips
             caps, floors = strengths.dilation >= primal, strengths.dilation <= least
             coupling = Coupling(
-                program.cohesion + model.tan_friction * model.by_group(at.normal), primal,
+                line(program.cohesion, model.tan_friction, model.by_group(at.normal)), primal,
                 np.clip(strengths.dilation, least, primal), work,
                 np.where(caps, work, np.where(floors, strengths.normality * work, 0.0)),
             )  # fmt: skip

@@ -218,10 +218,20 @@ def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
             model, patch = found
-            large = model.unknowns == 6 and len(blocks) > _LARGE
+            large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
             groups = _Groups(scene, there, blocks, model, patch) if large else None
-            limit = limit_of_blocks(model, scene.ranged, proposal=groups)
-            yield Part(model, limit, blocks, patch)
+            yield Part(*component_limit(model, scene.ranged, groups), blocks, patch)
+
+
+def component_limit(
+    model: AssemblyModel, ranged: bool, proposal: "_Groups | None" = None
+) -> tuple[AssemblyModel, BlocksLimit]:  # fmt: skip
+    """The limit of a component, and its model: where laws are curved with the lines that the limit settled on."""
+    if model.lines is None:
+        return model, limit_of_blocks(model, ranged, proposal=proposal)
+    from slopekit.preie.strength_lines import settled_blocks  # only curved laws pay for it
+
+    return settled_blocks(model, limit_of_blocks)
 
 
 class _Groups:
@@ -396,11 +406,11 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
         found = _model(scene, there, part.blocks, refine)
         if found is None or len(found[0].control_area) > _MOST_PAIRS:
             break
-        limit = limit_of_blocks(found[0], scene.ranged)
+        model, limit = component_limit(found[0], scene.ranged)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)
-        part = replace(part, model=found[0], patch=found[1], limit=limit, refined=refine, mesh_change=change)
+        part = replace(part, model=model, patch=found[1], limit=limit, refined=refine, mesh_change=change)
         if change < _MESH_CHANGE:
             break
     return part

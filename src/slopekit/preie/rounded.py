@@ -24,6 +24,7 @@ from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
+from slopekit.strength.mohr_coulomb import line
 
 _SHARP = 1e-10  # what is left of the rounding, in parts of a mean load times its elastic displacement
 _FIRST, _LONGEST, _SHORTEST = 0.3, 2.0, 1e-4  # steps along the curve, 1 being a change of all forces or of W by e
@@ -250,10 +251,8 @@ class RoundedPath:
         return math.exp(rounding - work) * self._unit
 
     def _strength(self, normal: Floats) -> Floats:
-        strength: Floats = self.bed.cohesion + self.bed.friction * np.bincount(
-            self.bed.group_of_pair, normal, self.bed.groups
-        )
-        return strength
+        carried = np.asarray(np.bincount(self.bed.group_of_pair, normal, self.bed.groups), dtype=np.float64)
+        return line(self.bed.cohesion, self.bed.friction, carried)
 
     def _motion(self, velocity: Floats) -> tuple[Floats, Floats]:
         relative = self.bed.rows @ velocity

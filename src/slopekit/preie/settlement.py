@@ -86,9 +86,14 @@ def settlement(
             shear = np.sqrt((forces.friction * forces.friction).sum(axis=1)) * model.force_scale / group_area
             ratio = np.sqrt(ratio) * np.sqrt(stiff * np.maximum(1.0 - bent * shear, _LEAST) / stiffness.normal)
             ratio[bolted] = of_bolts
+        if model.lines is not None:
+            from slopekit.preie.strength_lines import drawn  # only curved laws pay for it
+
+            model = drawn(model, forces.normal)
         moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
         settled = taken > 0 and moved < _STEADY
-        if not parted.any() and (settled or not isinstance(law, CloughDuncan)):
+        constant = not isinstance(law, CloughDuncan) and model.lines is None
+        if not parted.any() and (settled or constant):
             break
     unknowns = model.unknowns
     to_metres = np.where(np.arange(unknowns) < unknowns // 2 + unknowns % 2, model.length_scale, 1.0) / per_metre

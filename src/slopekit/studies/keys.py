@@ -253,8 +253,10 @@ def _strengths(design: Design) -> Iterator[_Absent]:
     strengths = design.source.root.get("strength")
     names = [name for name, _ in strengths.items()] if strengths is not None else []
     for name in names or ["joints"]:
+        node = None if strengths is None else strengths.get(name)
+        curved = node is not None and node.get("law") is not None
         for field in fields_of(Strength).values():
-            if field.is_number:
+            if field.is_number and not (field.may_lack and curved):
                 value = design.DEFAULTS.get(field.path, None if field.may_lack else field.default)
                 if value is not None and (names or field.may_lack):
                     yield f"strength.{name}.{field.path}", value, ()

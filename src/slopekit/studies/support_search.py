@@ -160,7 +160,7 @@ def site_of(design: Design) -> Site:
     Raises
     ------
     DesignError
-        E320 for other kinds.
+        E320 for other kinds, and for curved strength.
     GeometryError
         Where no block can be formed.
     """
@@ -170,6 +170,10 @@ def site_of(design: Design) -> Site:
         advice = (
             "sweep and solve change the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         )
+        raise DesignError([Fault("E320", message, "", advice)])
+    if any(strength.law for strength in kind.strengths(design)):
+        message = "support takes Mohr-Coulomb strength: the directions it compares have one c and φ a joint"
+        advice = "solve changes the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         raise DesignError([Fault("E320", message, "", advice)])
     made, asked = kind.cut(design), kind.closed_form
     model, block = made.scene_at(0).model, made.block

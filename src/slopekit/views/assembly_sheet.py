@@ -9,7 +9,17 @@ from slopekit.kinds import dilates
 from slopekit.kinds.words import SheetPart, counted, first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import accept, all_pairs, factor_text, forces, governs, methods, series, verdict
+from slopekit.views.entries import (
+    accept,
+    all_pairs,
+    curved_strength,
+    factor_text,
+    forces,
+    governs,
+    methods,
+    series,
+    verdict,
+)
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -42,6 +52,7 @@ def assembly_parts(result: Result, findings: Findings) -> Iterator[SheetPart]:
     yield SheetPart("FORCES", forces(result))
     yield SheetPart("STATUS", [_status(result, findings, order)])
     yield SheetPart("FoS", _factors(result))
+    yield SheetPart("STRENGTH", curved_strength(result))
     yield SheetPart("ALL PAIRS", all_pairs(result))
     yield SheetPart("ACCEPT", accept(result))
     yield SheetPart("MOVES", _moves(result, first))

@@ -163,6 +163,26 @@ def cohesion(result: Result) -> list[str]:
     return [said]
 
 
+def curved_strength(result: Result) -> list[str]:
+    """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
+    found = result.curved_strength
+    if found is None:
+        return []
+    said = []
+    for name, line in found.lines.items():
+        low, high = line.range_kpa
+        said.append(
+            f"{name} at {line.traction_kpa:.4g} kPa (node pairs {low:.4g} .. {high:.4g}): "
+            f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
+        )
+    if found.gap is not None:
+        said.append(
+            f"the tractions of the node pairs lower the limit by {-found.gap * 100:.2f} % below that of one mean "
+            "traction a joint"
+        )
+    return said
+
+
 def _share(part: float) -> str:
     return f"{part * 100:.3g} %"
 

@@ -17,6 +17,7 @@ from slopekit.views.entries import (
     all_pairs,
     block,
     cohesion,
+    curved_strength,
     factor_text,
     forces,
     governs,
@@ -57,6 +58,7 @@ def _parts(result: Result) -> Iterator[SheetPart]:
     yield SheetPart("FoS", _factors(result))
     yield SheetPart("COLUMNS", methods(result))
     yield SheetPart("ROTATION", _rotation(result))
+    yield SheetPart("STRENGTH", curved_strength(result))
     yield SheetPart("COHESION", cohesion(result))
     yield SheetPart("ALL PAIRS", all_pairs(result))
     yield SheetPart("SERIES", series(result))
@@ -82,7 +84,10 @@ def _factors(result: Result) -> list[str]:
     dilating = dilates(result.design)
     assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
     assumption += result.words.assumes
-    if fos.closed_form is None and result.agree is None:
+    curved = result.curved_strength
+    if curved is not None:
+        assumption += ", strength of each node pair at its own normal traction"
+    if (fos.closed_form is None and result.agree is None) or curved is not None:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}")
     else:
         entries.append(f"{factor_text(fos.limit)}  limit, {assumption}       {verdict(result)}")
@@ -93,7 +98,10 @@ def _factors(result: Result) -> list[str]:
         entries.append(
             f"{factor_text(result.forces_only)}  forces only, PRE-IE (no turning: the closed form's assumptions)"
         )
+    if curved is not None and curved.mean_stress is not None and fos.closed_form is not None:
+        entries.append(f"{factor_text(curved.mean_stress)}  one traction a plane, PRE-IE       {verdict(result)}")
     zero = ", zero dilation" if dilating else ""
+    zero += "" if curved is None else ", secant at the mean normal traction of each plane"
     if fos.closed_form is None and result.agree is None:
         entries.append(f"  none  closed form: {result.words.no_closed_form}")
     else:

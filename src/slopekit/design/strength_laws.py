@@ -1,0 +1,102 @@
+"""Curved strength in design files: `{law: barton-bandis, jrc: 8, jcs: 50 MPa, phi_r: 25, waviness: 5}`.
+
+Which keys a law takes, in which units and between which limits, stands at its own fields (`slopekit.strength`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, replace
+from difflib import get_close_matches
+from math import inf
+from typing import Any
+
+from slopekit.design.common import Strength
+from slopekit.design.fields import Field
+from slopekit.design.nodes import Node
+from slopekit.design.reader import Reader
+from slopekit.orientation import number
+from slopekit.strength.mohr_coulomb import MohrCoulomb
+from slopekit.strength.protocol import StrengthLaw
+from slopekit.strength.registry import LAWS
+from slopekit.strength.waviness import Wavy
+
+#: Keys of a strength beside those of its law.
+BESIDE = ("law", "waviness", "dilation", "tension", "stiffness")
+_CODES = {"pressure": "E114", "angle": "E115"}
+_UPRIGHT = 90.0
+
+
+def fields_of_law(law: Any) -> Mapping[str, Field]:
+    """The declared fields of a strength law by attribute."""
+    found = {}
+    for part in fields(law):
+        said = part.metadata
+        if not said:
+            continue
+        low, high = said.get("least", said.get("above", -inf)), said.get("most", said.get("below", inf))
+        found[part.name] = Field(
+            said["key"], said["unit"], low, high, above="above" in said, below="below" in said,
+            is_required=part.default is MISSING, default=None if part.default is MISSING else part.default,
+            code=_CODES.get(said["unit"], "E127"), example=said["example"], doc=said["doc"], is_attribute=True,
+        )  # fmt: skip
+    return found
+
+
+#: Every key of the curved laws, those of waves among them.
+KEYS: Mapping[str, Field] = {
+    field.path: replace(field, is_required=False, left_out="")
+    for law in (*LAWS.values(), Wavy) if law is not MohrCoulomb
+    for field in fields_of_law(law).values() if field.path != "phi"
+}  # fmt: skip
+
+
+def named_law(node: Node | None) -> str | None:
+    """The law that a strength names, None where that is Mohr-Coulomb."""
+    law = node.get("law") if node is not None else None
+    return None if law is None or law.text in (None, MohrCoulomb.name) else law.text
+
+
+def read_law(reader: Reader, node: Node, owner: str) -> StrengthLaw | None:
+    """The curved law of a strength; what is wrong with it becomes faults: E142, E143, E114, E115, E127."""
+    name = named_law(node) or ""
+    if name not in LAWS:
+        near = get_close_matches(name, LAWS, n=1, cutoff=0.4)
+        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(LAWS)}."
+        reader.fault("E142", f"{name} is no strength law", node.get("law"), advice)
+        return None
+    declared = fields_of_law(LAWS[name])
+    known = {field.path: field for field in declared.values()}
+    for key, below in node.items():
+        if key not in known and key not in BESIDE:
+            reader.fault("E142", f"{key} is not a key of the law {name}", below, f"It takes {', '.join(known)}.")
+    for key, field in known.items():
+        if field.is_required and node.get(key) is None:
+            advice = f"Add {key}: {field.example} ({field.doc})."
+            reader.fault("E143", f"{node.path}.{key} is missing", node, advice)
+    values = {part: reader.field(field, node.get(field.path), owner) for part, field in declared.items()}
+    given = {part: field.is_required or node.get(field.path) is not None for part, field in declared.items()}
+    if any(values[part] is None and is_given for part, is_given in given.items()):
+        return None
+    steepest = (values.get("phi_deg") or 0.0) + (values.get("i_deg") or 0.0)
+    if steepest >= _UPRIGHT:
+        message = f"phi and i of {owner} are {number(steepest)}° together, below 90 is needed"
+        reader.fault("E115", message, node)
+        return None
+    law: StrengthLaw = LAWS[name](**values)
+    return law
+
+
+def with_waves(reader: Reader, node: Node, owner: str, strength: Strength) -> Strength:
+    """The strength with the waves that its node adds to its law, or to its line."""
+    waves = reader.field(fields_of_law(Wavy)["waviness_deg"], node.get("waviness"), owner)
+    if node.get("waviness") is None or waves is None:
+        return strength
+    law = strength.law or MohrCoulomb(strength.cohesion_kpa, strength.friction_angle_deg)
+    return Strength.by_law(Wavy(law, waves) if waves else law, strength.dilation_deg, strength.tension_kpa)
+
+
+def refuse_keys(reader: Reader, node: Node) -> None:
+    """E142 for keys of a law that is not named."""
+    for key, below in node.items():
+        if key in KEYS and key not in BESIDE:
+            message = f"{key} is a key of a curved law, and none is named"
+            reader.fault("E142", message, below, "Add law: barton-bandis.")

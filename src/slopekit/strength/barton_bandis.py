@@ -1,0 +1,101 @@
+"""Barton-Bandis: the peak strength of a rough joint.
+
+    τ = σ tan(φ_r + JRC log10(JCS / σ))
+    JRC_n = JRC (L_n / L_0)^(-0.02 JRC),   JCS_n = JCS (L_n / L_0)^(-0.03 JRC)
+
+The angle is 70° at the most (Barton 1976, for the low tractions where the logarithm has no bound) and φ_r at the
+least, which it comes down to at σ = JCS.
+
+Sources: Barton & Choubey (1977), Rock Mechanics 10, 1-54 (the law with φ_r); Barton & Bandis (1982), 23rd US Symp. on
+Rock Mechanics, 739-760 (the scale); Hoek, Practical Rock Engineering, ch. 4, where both are worked through.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.strength.reduced import Reduced
+
+STEEPEST_DEG = 70.0
+
+
+@dataclass(frozen=True, slots=True)
+class BartonBandis:
+    """Roughness JRC, wall strength JCS (kPa) and residual angle φ_r (degrees), those of a sample `length_0_m` long.
+
+    `length_m` is the length of the joint in the field, None for no correction of scale.
+    """
+
+    name: ClassVar[str] = "barton-bandis"
+    jrc: float = field(
+        metadata={"key": "jrc", "sign": "JRC", "step": 1.0, "unit": "ratio", "least": 0.0, "most": 25.0, "example": "8",
+                  "doc": "joint roughness coefficient, 0 (smooth) to 20 (rough)"}
+    )  # fmt: skip
+    jcs_kpa: float = field(
+        metadata={"key": "jcs", "sign": "JCS", "unit": "pressure", "above": 0.0, "example": "50 MPa",
+                  "doc": "compressive strength of the joint wall"}
+    )  # fmt: skip
+    phi_r_deg: float = field(
+        metadata={"key": "phi_r", "sign": "φ_r", "step": 1.0, "unit": "angle", "least": 0.0, "below": STEEPEST_DEG,
+                  "example": "25", "doc": "residual friction angle"}
+    )  # fmt: skip
+    length_m: float | None = field(
+        default=None,
+        metadata={"key": "length", "unit": "length", "above": 0.0, "example": "5 m",
+                  "doc": "length of the joint in the field; left out, no correction of scale"},
+    )  # fmt: skip
+    length_0_m: float = field(
+        default=0.1,
+        metadata={"key": "length_0", "unit": "length", "above": 0.0, "example": "0.1 m",
+                  "doc": "length of the sample that JRC and JCS were found on"},
+    )  # fmt: skip
+
+    @property
+    def scaled(self) -> tuple[float, float]:
+        """JRC_n and JCS_n (kPa) at the length of the joint.
+
+        >>> [round(value, 2) for value in BartonBandis(10.0, 100e3, 30.0, length_m=1.0).scaled]
+        [6.31, 50118.72]
+        """
+        if self.length_m is None:
+            return self.jrc, self.jcs_kpa
+        ratio = self.length_m / self.length_0_m
+        return self.jrc * ratio ** (-0.02 * self.jrc), self.jcs_kpa * ratio ** (-0.03 * self.jrc)
+
+    def resistance(self, normal: Floats) -> Floats:
+        """τ (n,) kPa.
+
+        >>> BartonBandis(16.9, 96e3, 29.0).resistance(np.array([1440.0])).round()
+        array([2477.])
+        """
+        strength: Floats = np.maximum(normal, 0.0) * np.tan(self._angle(normal)[0])
+        return strength
+
+    def slope(self, normal: Floats) -> Floats:
+        """Tan φ - JRC / (ln 10 cos² φ), and tan φ alone where the angle is cut off, (n,)."""
+        angle, curved = self._angle(normal)
+        falls = math.radians(self.scaled[0]) / math.log(10.0)
+        slope: Floats = np.tan(angle) - np.where(curved, falls / np.cos(angle) ** 2, 0.0)
+        return slope
+
+    def _angle(self, normal: Floats) -> tuple[Floats, Floats]:
+        roughness, wall = self.scaled
+        with np.errstate(divide="ignore"):
+            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300))
+        within = np.clip(degrees, self.phi_r_deg, STEEPEST_DEG)
+        return np.radians(within), within == degrees
+
+    def reduced(self, factor: float) -> Reduced:
+        """The strength over a factor: no other JRC gives that."""
+        return Reduced(self, factor)
+
+    def in_words(self) -> str:
+        """The parameters, with those at the joint's length."""
+        roughness, wall = self.scaled
+        words = f"Barton-Bandis JRC {self.jrc:.6g}  JCS {self.jcs_kpa / 1e3:.6g} MPa  φ_r {self.phi_r_deg:.6g}°"
+        if self.length_m is None:
+            return words
+        return f"{words}, at {self.length_m:.6g} m JRC {roughness:.4g}  JCS {wall / 1e3:.4g} MPa"

@@ -1,0 +1,63 @@
+"""Bilinear (Patton): the joint rides over its asperities at low tractions and shears through them at high ones.
+
+    τ = σ tan(φ + i)                          σ <= σ_t
+    τ = σ_t tan(φ + i) + (σ - σ_t) tan φ      σ > σ_t
+
+Source: Patton (1966), Proc. 1st Congress ISRM, Lisbon, 1, 509-513.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.strength.reduced import Reduced
+
+
+@dataclass(frozen=True, slots=True)
+class Bilinear:
+    """Friction angle φ, angle of the asperities i (degrees) and the traction σ_t (kPa) that shears them."""
+
+    name: ClassVar[str] = "bilinear"
+    phi_deg: float = field(
+        metadata={"key": "phi", "sign": "φ", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0, "example": "25",
+                  "doc": "friction angle of a flat joint"}
+    )  # fmt: skip
+    i_deg: float = field(
+        metadata={"key": "i", "sign": "i", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0, "example": "15",
+                  "doc": "angle of the asperities; phi + i is below 90"}
+    )  # fmt: skip
+    sigma_t_kpa: float = field(
+        metadata={"key": "sigma_t", "sign": "σ_t", "unit": "pressure", "above": 0.0, "example": "300 kPa",
+                  "doc": "normal traction above which the asperities are sheared"}
+    )  # fmt: skip
+
+    @property
+    def _slopes(self) -> tuple[float, float]:
+        return math.tan(math.radians(self.phi_deg + self.i_deg)), math.tan(math.radians(self.phi_deg))
+
+    def resistance(self, normal: Floats) -> Floats:
+        """τ (n,) kPa.
+
+        >>> Bilinear(0.0, 45.0, 300.0).resistance(np.array([100.0, 300.0, 900.0])).round(9)
+        array([100., 300., 300.])
+        """
+        steep, flat = self._slopes
+        at = np.maximum(normal, 0.0)
+        strength: Floats = steep * np.minimum(at, self.sigma_t_kpa) + flat * np.maximum(at - self.sigma_t_kpa, 0.0)
+        return strength
+
+    def slope(self, normal: Floats) -> Floats:
+        """Tan(φ + i) below σ_t, tan φ above, (n,)."""
+        steep, flat = self._slopes
+        return np.where(normal <= self.sigma_t_kpa, steep, flat)
+
+    def reduced(self, factor: float) -> Reduced:
+        """The strength over a factor; σ_t stays."""
+        return Reduced(self, factor)
+
+    def in_words(self) -> str:
+        """The angles and σ_t."""
+        return f"bilinear φ {self.phi_deg:.6g}°  i {self.i_deg:.6g}° below σ_t {self.sigma_t_kpa:.6g} kPa"

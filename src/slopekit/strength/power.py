@@ -1,0 +1,56 @@
+"""Power curve: a fit to shear tests.
+
+    τ = a σ^b + d   (kPa)
+
+Source: Jaeger (1971), Géotechnique 21, 97-134; in SWedge, RocPlane and UnWedge as "power curve".
+"""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from slopekit.arrays import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class PowerCurve:
+    """Factor a and exponent b of tractions in kPa, and the strength d (kPa) at none."""
+
+    name: ClassVar[str] = "power"
+    a: float = field(
+        metadata={"key": "a", "sign": "a", "unit": "ratio", "least": 0.0, "most": 1e3, "example": "2",
+                  "doc": "factor, of tractions in kPa"}
+    )  # fmt: skip
+    b: float = field(
+        metadata={"key": "b", "unit": "ratio", "above": 0.0, "most": 1.0, "example": "0.75",
+                  "doc": "exponent; 1 is a straight line"}
+    )  # fmt: skip
+    d_kpa: float = field(
+        default=0.0,
+        metadata={"key": "d", "unit": "pressure", "least": 0.0, "example": "10 kPa",
+                  "doc": "strength at no normal traction; lost where the joint opens, as cohesion"},
+    )  # fmt: skip
+
+    def resistance(self, normal: Floats) -> Floats:
+        """τ (n,) kPa.
+
+        >>> PowerCurve(2.0, 0.5, 3.0).resistance(np.array([0.0, 100.0]))
+        array([ 3., 23.])
+        """
+        strength: Floats = self.a * np.maximum(normal, 0.0) ** self.b + self.d_kpa
+        return strength
+
+    def slope(self, normal: Floats) -> Floats:
+        """A b σ^(b - 1), (n,)."""
+        slope: Floats = self.a * self.b * normal ** (self.b - 1.0)
+        return slope
+
+    def reduced(self, factor: float) -> "PowerCurve":
+        """Both a and d over the factor."""
+        return PowerCurve(self.a / factor, self.b, self.d_kpa / factor)
+
+    def in_words(self) -> str:
+        """The formula with its numbers."""
+        added = f" + {self.d_kpa:.6g}" if self.d_kpa else ""
+        return f"power curve {self.a:.6g} σ^{self.b:.6g}{added} kPa"

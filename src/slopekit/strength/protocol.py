@@ -1,0 +1,74 @@
+"""What a strength law is, and the straight lines that the solvers take in its place.
+
+A law gives the shear strength τ(σ) of a joint at the effective normal traction σ (kPa, compression positive). The
+factor of safety divides τ, never the parameters of the law: JRC 8 at F = 2 is half the strength, not JRC 4.
+
+The solvers know lines c + σ tan φ alone. A curved law is the line through its own strength at no traction and at the
+traction that acts (the secant), found again where the traction has changed, until it no longer does. There the limit
+state is that of the law itself: forces, moments and τ(σ) / F agree in every node pair.
+"""
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from slopekit.arrays import Floats
+
+#: Least normal traction, kPa, at which a line is drawn: 1e-6 of the weight of a metre of rock.
+LEAST_KPA = 2.5e-5
+
+
+@runtime_checkable
+class StrengthLaw(Protocol):
+    """The shear strength of a joint by its normal traction."""
+
+    @property
+    def name(self) -> str:
+        """The law as design files write it: `barton-bandis`."""
+        ...
+
+    def resistance(self, normal: Floats) -> Floats:
+        """Shear strength τ (n,) kPa at normal tractions (n,) kPa; negative ones count as none."""
+        ...
+
+    def slope(self, normal: Floats) -> Floats:
+        """dτ/dσ (n,) at normal tractions (n,) above zero."""
+        ...
+
+    def reduced(self, factor: float) -> "StrengthLaw":
+        """The law with its strength divided by a factor."""
+        ...
+
+    def in_words(self) -> str:
+        """The law with its parameters as the sheet prints it."""
+        ...
+
+
+def secant(law: StrengthLaw, normal: Floats, least: float = LEAST_KPA) -> tuple[Floats, Floats]:
+    """Cohesion and tan φ (n,) of the lines through τ(0) and τ(σ).
+
+    Parameters
+    ----------
+    normal : (n,) kPa
+    least : kPa; lower tractions are taken as this one, where the steepest laws have no slope
+
+    >>> from slopekit.strength.power import PowerCurve
+    >>> secant(PowerCurve(2.0, 0.5), np.array([100.0]))
+    (array([0.]), array([0.2]))
+    """
+    at = np.maximum(normal, least)
+    cohesion = law.resistance(np.zeros_like(at))
+    tangent: Floats = (law.resistance(at) - cohesion) / at
+    return cohesion, tangent
+
+
+def tangent(law: StrengthLaw, normal: Floats, least: float = LEAST_KPA) -> tuple[Floats, Floats]:
+    """Cohesion and tan φ (n,) of the tangents at normal tractions (n,): of a concave law nowhere below it.
+
+    >>> from slopekit.strength.power import PowerCurve
+    >>> tangent(PowerCurve(2.0, 0.5), np.array([100.0]))
+    (array([10.]), array([0.1]))
+    """
+    at = np.maximum(normal, least)
+    slope = law.slope(at)
+    return law.resistance(at) - at * slope, slope

@@ -1,0 +1,48 @@
+"""Waviness: the large undulations of a joint on top of any law.
+
+    τ = τ_law(σ) + σ tan φ_w
+
+It never changes the geometry: planes stay flat. Source: SWedge and UnWedge, "joint waviness angle" (Rocscience online
+help, joint shear strength, eq. 1: τ = c + σ tan φ + σ tan φ_w).
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from slopekit.arrays import Floats
+from slopekit.strength.protocol import StrengthLaw
+
+
+@dataclass(frozen=True, slots=True)
+class Wavy:
+    """A law, and the angle of the waves (degrees)."""
+
+    name: ClassVar[str] = "waviness"
+    law: StrengthLaw
+    waviness_deg: float = field(
+        metadata={"key": "waviness", "sign": "φ_w", "step": 1.0, "unit": "angle", "least": 0.0, "below": 90.0,
+                  "example": "5", "doc": "angle of the large waves, on any law"}
+    )  # fmt: skip
+
+    @property
+    def _tangent(self) -> float:
+        return math.tan(math.radians(self.waviness_deg))
+
+    def resistance(self, normal: Floats) -> Floats:
+        """τ (n,) kPa."""
+        return self.law.resistance(normal) + np.maximum(normal, 0.0) * self._tangent
+
+    def slope(self, normal: Floats) -> Floats:
+        """The slope of the law and tan φ_w, (n,)."""
+        return self.law.slope(normal) + self._tangent
+
+    def reduced(self, factor: float) -> "Wavy":
+        """Both parts over the factor."""
+        return Wavy(self.law.reduced(factor), math.degrees(math.atan(self._tangent / factor)))
+
+    def in_words(self) -> str:
+        """The law and the waves."""
+        return f"{self.law.in_words()}  waviness {self.waviness_deg:.6g}°"

@@ -1,0 +1,235 @@
+"""Curved strength in designs of every kind: node pairs, closed forms, sheet and JSON."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.design.common import Strength
+from slopekit.design.reading import wedge_design
+from slopekit.design.templates import path_of
+from slopekit.kinds import analyse, factors_of
+from slopekit.strength.barton_bandis import BartonBandis
+from slopekit.strength.bilinear import Bilinear
+from slopekit.strength.mohr_coulomb import MohrCoulomb
+from slopekit.strength.power import PowerCurve
+from slopekit.strength.waviness import Wavy
+from slopekit.views.sheet import sheet
+
+ROUGH = BartonBandis(8.0, 50e3, 25.0)
+CURVED = [ROUGH, BartonBandis(16.0, 100e3, 28.0), PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 300.0)]
+
+
+def template(name):
+    """A template as a design."""
+    return sk.load(path_of(name))
+
+
+def with_law(design, law):
+    """A design with one law on all of its joints."""
+    strength = Strength.by_law(law)
+    if hasattr(design, "joints") and hasattr(design, "laws"):
+        return design.with_strengths(strength, strength)
+    if hasattr(design, "strengths"):
+        return replace(design, strengths=tuple((name, strength) for name, _ in design.strengths))
+    return replace(design, strength=strength)
+
+
+def paper_wedge(law, **more):
+    """The paper's wedge with a law on both joints."""
+    return with_law(wedge_design({"dips": ["45/115", "45/245"], **more}), law)
+
+
+@pytest.mark.parametrize(
+    ("law", "mean", "varying"),
+    [
+        (CURVED[0], 2.79500, 2.784),
+        (CURVED[1], 7.33921, 7.249),
+        (CURVED[2], 1.42134, 1.411),
+        (CURVED[3], 2.41146, 2.350),
+    ],
+)
+def test_the_papers_wedge(law, mean, varying) -> None:
+    """Prototypes on another path (METHOD-2 §9): one traction a plane to 6 digits, that of the node pairs to 4.
+
+    The mean again by hand: both joints carry the same N, so F = Σ A τ(N/A) / S.
+    """
+    result = analyse(paper_wedge(law))
+    found = result.curved_strength
+    assert found.mean_stress == pytest.approx(mean, abs=5e-6)
+    assert result.fos.closed_form == pytest.approx(found.mean_stress, rel=1e-9)
+    assert result.difference < 1e-9
+    assert result.agree
+    area, normal = result.geometry.areas_m2["J1"], result.forces.normal["J1"]
+    by_hand = 2.0 * area * law.resistance(np.array([normal / area]))[0] / result.forces.driving
+    assert by_hand == pytest.approx(mean, abs=5e-6)
+    assert result.fos.limit == pytest.approx(varying, abs=1.2e-3)
+    assert found.gap == pytest.approx(result.fos.limit / found.mean_stress - 1.0, rel=1e-12)
+    assert found.gap < 0.0
+    assert result.fos.static_bound > result.fos.limit
+
+
+@pytest.mark.parametrize(
+    ("curved", "straight"),
+    [(PowerCurve(math.tan(math.radians(20.0)), 1.0, 50.0), MohrCoulomb(50.0, 20.0)),
+     (Bilinear(20.0, 0.0, 300.0), MohrCoulomb(0.0, 20.0)),
+     (Wavy(MohrCoulomb(50.0, 20.0), 5.0),
+      MohrCoulomb(50.0, math.degrees(math.atan(math.tan(math.radians(20.0)) + math.tan(math.radians(5.0))))))],
+)  # fmt: skip
+@pytest.mark.parametrize("name", ["wedge", "plane", "footing", "blocks", "topple"])
+def test_a_straight_curve_is_mohr_coulomb(name, curved, straight) -> None:
+    """Power curves with b = 1, bilinear laws of equal slopes, waves on a line: both factors to 1e-12."""
+    design = template(name)
+    strength = Strength(straight.cohesion_kpa, straight.friction_angle_deg)
+    if name == "wedge":
+        plain = design.with_strengths(strength, strength)
+    elif hasattr(design, "strengths"):
+        plain = replace(design, strengths=tuple((own, strength) for own, _ in design.strengths))
+    else:
+        plain = replace(design, strength=strength)
+    one, other = factors_of(with_law(design, curved)), factors_of(plain)
+    assert one.status == other.status
+    assert one.limit == pytest.approx(other.limit, rel=1e-12)
+    if name in ("wedge", "plane", "footing"):
+        assert one.closed_form == pytest.approx(other.closed_form, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", CURVED, ids=lambda law: law.name)
+@pytest.mark.parametrize("name", ["paper-wedge", "plane", "paper-footing", "wall"])
+def test_reduced_strength_has_the_reduced_factor(name, law) -> None:
+    """F(τ / k) k = F: the factor divides the strength, not the parameters of the law."""
+    if name == "wall" and law.name == "power":
+        law = PowerCurve(0.6, 0.9)
+    design = template(name)
+    one, other = factors_of(with_law(design, law)), factors_of(with_law(design, law.reduced(1.7)))
+    assert other.limit * 1.7 == pytest.approx(one.limit, rel=1e-9)
+    if one.closed_form:
+        assert other.closed_form * 1.7 == pytest.approx(one.closed_form, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", CURVED, ids=lambda law: law.name)
+def test_the_tractions_under_a_footing(law) -> None:
+    """A rigid block on an even elastic bed: σ runs from 150 (1 - 6 e/L) to 150 (1 + 6 e/L) kPa, F = ∫ τ dx / T.
+
+    The load passes the middle by 0.5 m, e = 0.5 / cos 45°, N = T = 1500 cos 45° kN on 7.071 m.
+    """
+    design = replace(template("paper-footing"), pairs=65)
+    sigma = np.linspace(60.0, 240.0, 20001)
+    tau = law.resistance(sigma)
+    mean = float((tau[1:] + tau[:-1]).sum()) / 2.0 / (len(sigma) - 1)
+    assert analyse(with_law(design, law)).fos.limit == pytest.approx(mean / 150.0, rel=2e-4)
+
+
+def test_water_bolts_a_crack_and_an_earthquake() -> None:
+    """Both methods ask the law at effective tractions: the forces alone agree with Hoek & Bray to 1e-9."""
+    for more in (
+        {"water": "50%"}, {"seismic": "0.1"}, {"crack": "80/180@20"},
+        {"bolts": ["500000@000/10,passive"]}, {"bolts": ["500000@000/10"]}, {"forces": ["300000@180/0"]},
+    ):  # fmt: skip
+        result = analyse(paper_wedge(ROUGH, **more))
+        assert result.difference < 1e-9, more
+        assert result.agree, more
+
+
+def test_two_laws_on_one_wedge() -> None:
+    """Each joint asks its own law; the closed form by hand, N being that of any strength."""
+    one, two = ROUGH, PowerCurve(2.0, 0.75)
+    design = paper_wedge(ROUGH).with_strengths(Strength.by_law(one), Strength.by_law(two))
+    result = analyse(design)
+    area, normal = result.geometry.areas_m2["J1"], np.array([result.forces.normal["J1"]])
+    by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving
+    assert result.fos.closed_form == pytest.approx(by_hand, rel=1e-9)
+    assert list(result.curved_strength.lines) == ["J1", "J2"]
+    assert result.curved_strength.lines["J1"].friction_angle_deg == pytest.approx(42.20, abs=0.01)
+
+
+@pytest.mark.parametrize("law", [ROUGH, PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 30.0)], ids=lambda law: law.name)
+def test_one_block_of_many_is_the_block_on_a_plane(law, tmp_path) -> None:
+    """The same block as a kind of one block and as blocks: a parallelogram 2 m long on 30°, by hand too.
+
+    A base of 2 m under 2 m of rock: N = W cos 30°, shear in the plane, the resultant in the middle of the base, so one
+    traction all over: F = A τ(N/A) / T.
+    """
+    cos, sin = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
+    text = f"""
+slopekit: 1
+kind: blocks
+rock: {{unit_weight: 25 kN/m3}}
+blocks:
+  base: {{polygon: [[{-4 * cos!r}, {-4 * sin!r}], [{6 * cos!r}, {6 * sin!r}], [6, -5], [-4, -5]], fixed: true}}
+  B1: {{polygon: [[0, 0], [{2 * cos!r}, {2 * sin!r}], [{2 * cos!r}, {2 * sin + 0.8!r}], [0, 0.8]]}}
+strength: {{joint: {{c: 0, phi: 30}}}}
+"""
+    path = tmp_path / "one.yaml"
+    path.write_text(text, encoding="utf-8")
+    result = analyse(with_law(sk.load(path), law))
+    weight = 25.0 * 2.0 * cos * 0.8
+    normal, driving = weight * cos, weight * sin
+    exact = 2.0 * float(law.resistance(np.array([normal / 2.0]))[0]) / driving
+    assert result.fos.limit == pytest.approx(exact, rel=1e-9)
+    assert result.curved_strength.lines["joint"].traction_kpa == pytest.approx(normal / 2.0, rel=1e-9)
+
+
+def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
+    """From a tenth and from ten times the mean traction: the same wall, the same columns."""
+    from slopekit.preie import strength_lines
+
+    first = strength_lines.first_lines
+    for name in ("wall", "topple"):
+        design = with_law(template(name), ROUGH)
+        found = []
+        for times in (0.1, 1.0, 10.0):
+            monkeypatch.setattr(
+                strength_lines, "first_lines",
+                lambda laws, joint, model, mean, times=times: first(laws, joint, model, mean * times),
+            )  # fmt: skip
+            found.append(factors_of(design).limit)
+        assert found == pytest.approx([found[0]] * 3, rel=1e-9)
+
+
+def test_where_limit_states_trade_places_the_lowest_is_printed() -> None:
+    """A steep power curve under a wall: no lines are those of their own tractions; range and lowest factor are said.
+
+    Each of the two limit states, drawn at the tractions of the other, gives it back; the range is that of plain rounds.
+    """
+    result = analyse(with_law(template("wall"), PowerCurve(2.0, 0.75)))
+    assert result.fos.limit == pytest.approx(1.7031, abs=3e-3)
+    assert 3e-3 < result.model.residual < 2e-2
+    assert [notice.code for notice in result.warnings if "leads to another" in notice.message] == ["W317"]
+
+
+def test_what_the_sheet_and_the_json_say() -> None:
+    """The law on its joint, the secants, the gap; inputs of Mohr-Coulomb have no word of laws."""
+    result = analyse(paper_wedge(ROUGH))
+    words = sheet(result)
+    for said in (
+        "Barton-Bandis JRC 8  JCS 50 MPa  φ_r 25°", "strength of each node pair at its own normal traction",
+        "2.7950  one traction a plane, PRE-IE", "secant at the mean normal traction of each plane", "JRC +1",
+        "lower the limit by 0.40 %", "other locked-in forces",
+    ):  # fmt: skip
+        assert said in words
+    document = result.to_dict()
+    assert document["inputs"]["laws"][0] == {
+        "law": "barton-bandis",
+        "jrc": 8.0,
+        "jcs_kpa": 50e3,
+        "phi_r_deg": 25.0,
+        "length_m": None,
+        "length_0_m": 0.1,
+    }
+    assert document["curved_strength"]["lines"]["J1"]["traction_kpa"] == pytest.approx(353.88, abs=0.01)
+    plain = analyse(wedge_design({"dips": ["45/115", "45/245"]})).to_dict()
+    assert "laws" not in plain["inputs"]
+    assert "curved_strength" not in plain
+    assert wedge_design({"dips": ["45/115", "45/245"]}).input_hash() != paper_wedge(ROUGH).input_hash()
+
+
+def test_moments_that_open_a_rough_joint() -> None:
+    """A tall block on a plane turns at the same factor whatever its law, if that carries it: no strength is lost."""
+    design = template("paper-footing")
+    eccentric = replace(design, load_at_m=0.02, pairs=33)
+    result = analyse(with_law(eccentric, ROUGH))
+    assert result.status in ("rotates", "topples", "slides_on_J1")
+    assert result.agree is not False
