@@ -10,12 +10,15 @@ import slopekit as sk
 from slopekit.design.common import Strength
 from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
-from slopekit.kinds import analyse, factors_of
+from slopekit.errors import DesignError
+from slopekit.kinds import analyse, factors_of, kind_of
+from slopekit.kinds.secants import changed_laws
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.waviness import Wavy
+from slopekit.studies.support_search import site_of
 from slopekit.views.sheet import sheet
 
 ROUGH = BartonBandis(8.0, 50e3, 25.0)
@@ -131,6 +134,39 @@ def test_water_bolts_a_crack_and_an_earthquake() -> None:
         result = analyse(paper_wedge(ROUGH, **more))
         assert result.difference < 1e-9, more
         assert result.agree, more
+
+
+@pytest.mark.parametrize("name", ["paper-wedge", "plane"])
+def test_straight_and_curved_designs_in_one_question(name) -> None:
+    """A closed form on arrays answers curved designs among straight ones as it does each of them alone."""
+    straight = template(name)
+    asked = [with_law(straight, ROUGH), straight, with_law(straight, CURVED[2])]
+    found = kind_of(straight).on_arrays.answers(asked, "no block")
+    alone = [kind_of(design).closed_form(design) for design in asked]
+    assert found == [(one.factor, one.status) for one in alone]
+    assert len({factor for factor, _ in found}) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "signs"), [("paper-wedge", "JRC JCS φ_r"), ("plane", "JRC"), ("paper-footing", "JRC")]
+)
+def test_what_governs_a_rough_joint(name, signs) -> None:
+    """GOVERNS changes the parameters of the law, never c and φ of the line; each factor is that of the changed law."""
+    design = with_law(template(name), ROUGH)
+    told = {change: factor for change, factor, _ in analyse(design).governs}
+    assert not {"φ +1°", "c +10 %"} & told.keys()
+    assert all(any(change.startswith(sign) for change in told) for sign in signs.split())
+    (changed,) = [change for change in told if change.startswith("JRC")]
+    rougher = next(one.law for change, one in changed_laws(Strength.by_law(ROUGH)) if change == changed)
+    assert rougher.jrc > ROUGH.jrc
+    assert told[changed] == pytest.approx(factors_of(with_law(design, rougher), pre_ie=False).closed_form, rel=1e-12)
+
+
+def test_support_takes_straight_laws_alone() -> None:
+    """It compares directions by one c and φ a joint."""
+    with pytest.raises(DesignError, match="E320"):
+        site_of(paper_wedge(ROUGH))
+    assert site_of(template("paper-wedge")).design == template("paper-wedge")
 
 
 def test_two_laws_on_one_wedge() -> None:
