@@ -339,8 +339,7 @@ def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str
     """
     keys: dict[str, Any] = {}
     needed: dict[str, None] = dict.fromkeys(required)
-    more = getattr(record, "more_fields", None)
-    for one in (*fields_of(record).values(), *(() if more is None else more())):
+    for one in fields_of(record).values():
         if one.path in without:
             continue
         *above, last = one.path.split(".")
@@ -353,7 +352,31 @@ def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str
         holder[last] = (one, _spec(one) if beside is None else _with_keys(_spec(one), _section(beside)))
         if one.is_required:
             needed[one.path.partition(".")[0]] = None
-    return _section(keys, tuple(needed))
+    made, more = _section(keys, tuple(needed)), getattr(record, "more_fields", None)
+    return made if more is None else replace(made, keys=_Later(made.keys, more))
+
+
+class _Later(Mapping[str, Spec]):
+    """Keys, and more of them, which are asked for where a key is none of these."""
+
+    def __init__(self, own: Mapping[str, Spec], more: Callable[[], Sequence[Field]]) -> None:
+        self.own, self.more = own, more
+
+    def every(self) -> Mapping[str, Spec]:
+        """All of them."""
+        return {**self.own, **{one.path: _spec(one) for one in self.more()}}
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.own or key in self.every()
+
+    def __getitem__(self, key: str) -> Spec:
+        return self.own[key] if key in self.own else self.every()[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.every())
+
+    def __len__(self) -> int:
+        return len(self.every())
 
 
 def _with_keys(spec: Spec, more: Section) -> Spec:
