@@ -106,8 +106,8 @@ def test_where_the_path_settles_the_limit_state_there_is_exact(number: int) -> N
     assert found.factor == pytest.approx(passes.factor, rel=1e-7)
 
 
-#: 52 on coarse pairs, 133 on finer ones; 48 of seed 7 with its cohesion, by the rule that the bond is gone
-@pytest.mark.parametrize(("seed", "number", "cohesion"), [(20, 52, False), (20, 133, False), (7, 48, True)])
+#: 52 on coarse pairs, 133 on finer ones; 70 with its cohesion, by the rule that the bond is gone
+@pytest.mark.parametrize(("seed", "number", "cohesion"), [(20, 52, False), (20, 133, False), (20, 70, True)])
 def test_a_number_that_the_path_does_not_vouch_for_says_so(seed: int, number: int, cohesion: bool) -> None:
     rng = np.random.default_rng(seed)
     wedge = [random_wedge(rng) for _ in range(number + 1)][-1]
