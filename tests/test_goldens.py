@@ -13,8 +13,8 @@ from benchmarks.goldens import compare, differences, read
 from slopekit.cli import app
 from slopekit.design.templates import names
 
-#: Cases that stand for the rest in every run of the tests: faults of designs (those of YAML are tests/design/test_document),
-#: one of each kind, one of each study.
+#: Cases that stand for the rest in every run of the tests: faults of designs (those of YAML stand in
+#: tests/design/test_document), one of each kind, one of each study.
 CHEAP = re.compile(
     r"^(broken/(?!no-block|study|yaml)|wedge/|output/(templates|explain|help)|examples/02|designs/(sheets|pressed-plane|strike)"
     r"|templates/(?!bench|surface|cylinder|paper|rough)|checks/(footing|blocks)|studies/(sweep-(curve|blocks)|solve-(dip|none)"
