@@ -74,6 +74,7 @@ FAULTS = [
     ("E143", "wedge", "c: 48, ", "", "strength.clay.c is missing", "9:9"),
     ("E143", "footing", "c: 120, ", "", "strength.seam.c is missing", "5:18"),
     ("E143", "plane", "depth: 4.35 m, ", "", "crack.depth is missing", "5:8"),
+    ("E143", "surface", "slope: {profile: [[60, 0], [40, 0], [0, 40], [-20, 40]]}\n", "", "slope is missing", "1:1"),
     ("E143", "surface", "shape: sphere, ", "", "slip.shape is missing", "4:7"),
     ("E112", "surface", "shape: sphere", "mesh: a.stl, shape: sphere", "slip has mesh and shape", "4:14"),
     ("E197", "wedge", "mode: dry", "pressures: {J1: 5, K2: 6}", "water pressure on K2: there is no such", "11:32"),

@@ -399,7 +399,7 @@ def _section(keys: Mapping[str, Any], required: Sequence[str] | None = None) -> 
             needed.append(key)
         if one.example and (one.is_required or required is None):
             examples.append((one.is_required, f"{key}: {one.example}"))
-    shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:2]]
+    shown_ones = [text for is_needed, text in examples if is_needed] or [text for _, text in examples[:1]]
     example = f"{{{', '.join(shown_ones)}}}" if shown_ones else ""
     return Section(made, tuple(needed if required is None else required), example)
 

@@ -185,6 +185,8 @@ class Slip:
 class SurfaceDesign(Design):
     """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
+    REQUIRED: ClassVar[tuple[str, ...]] = ("slope", "strength", "rock")
+
     profile_m: Points | None = text(
         "slope.profile", default=None, coordinates=2, left_out="one of the two",
         doc="[x, z] from one side to the other; level beyond its ends (W331)",
