@@ -40,7 +40,6 @@ RESULTS = "run {} --quiet --no-pictures -o out"
 SHEETS = {
     "run": "sheet.sheet", "wedge": "sheet.sheet", "prob": "probability_sheet.probability_sheet",
     "combos": "combos_sheet.combos_sheet", "kinematic": "kinematic_sheet.kinematic_sheet",
-    "sweep": "sweep_sheet.sweep_sheet", "tornado": "tornado_sheet.tornado_sheet",
     "check": "check_sheet.check_sheet", "solve": "solve_sheet.solve_sheet", "support": "support_sheet.support_sheet",
 }  # fmt: skip
 #: Rows of the suite: what stands in verification.json already is left out.
@@ -128,7 +127,7 @@ def _commands(commands: list[str]) -> Callable[[Path], Answer]:
             said = [] if is_json else text_of(ran.stdout)
             answer[f"command{number}"] = head + said + [f"2> {line}" for line in text_of(ran.stderr)]
             if is_json:
-                answer[f"stdout{number} values"] = lines_of(json.loads(ran.stdout))
+                answer[f"stdout{number} values"] = lines_of(_document(ran.stdout))
             for path, stamp in _files(folder).items():
                 if before.get(path) != stamp:
                     answer[str(path.relative_to(folder))] = _content(path)
@@ -152,10 +151,19 @@ def _files(folder: Path) -> dict[Path, tuple[int, int]]:
 
 def _content(path: Path) -> Section:
     if path.suffix == ".json":
-        return lines_of(json.loads(path.read_text(encoding="utf-8")))
+        return lines_of(_document(path.read_text(encoding="utf-8")))
     if path.suffix in _TEXTS:
         return text_of(path.read_text(encoding="utf-8"))
     return ["(not compared)"]
+
+
+def _document(text: str) -> Any:
+    return _without_sheet(json.loads(text))
+
+
+def _without_sheet(document: dict[str, Any]) -> dict[str, Any]:
+    """The JSON of a study without its sheet, which is compared as text."""
+    return {key: value for key, value in document.items() if key != "sheet" or "study" not in document}
 
 
 @contextmanager
@@ -184,12 +192,19 @@ def _example(name: str) -> Callable[[Path], Answer]:
             runpy.run_path(str(folder / "examples" / name))
         answer = {"printed": [_TIMES.sub("#", line) for line in text_of(out.getvalue())]}
         for k, (call, result) in enumerate(calls, start=1):
-            module, function = SHEETS[call].split(".")
-            answer[f"{k} {call} values"] = lines_of(result.to_dict())
-            answer[f"{k} {call} sheet"] = text_of(getattr(import_module(f"slopekit.views.{module}"), function)(result))
+            answer[f"{k} {call} values"] = lines_of(_without_sheet(result.to_dict()))
+            answer[f"{k} {call} sheet"] = text_of(_sheet(call, result))
         return answer
 
     return run
+
+
+def _sheet(call: str, result: Any) -> str:
+    if call not in SHEETS:
+        return str(result)
+    module, function = SHEETS[call].split(".")
+    text: str = getattr(import_module(f"slopekit.views.{module}"), function)(result)
+    return text
 
 
 #: Of the first example: its table of times, and the machine they were taken on.

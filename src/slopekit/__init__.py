@@ -10,13 +10,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
-from slopekit.api import analyse, combos, kinematic, load, plot, prob, report, run, solve, sweep, tornado, wedge
+from slopekit.api import analyse, combos, kinematic, load, plot, prob, report, run, solve, wedge
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.studies.check import check
     from slopekit.studies.support import support
+    from slopekit.studies.sweep import Sweep as Sweep
+    from slopekit.studies.sweep import sweep
+    from slopekit.studies.tornado import Tornado as Tornado
+    from slopekit.studies.tornado import tornado
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check",
@@ -25,11 +29,19 @@ __all__ = [
 ]  # fmt: skip
 
 
-#: Calls that are the function itself, from a module that loads when they are asked for.
-_LATER = {"check": "studies.check", "export": "exchange.export", "support": "studies.support"}
+#: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
+_LATER = {"export": "exchange.export", "Sweep": "studies.sweep", "Tornado": "studies.tornado"}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _LATER:
+    if name in _LATER:
+        return getattr(import_module(f"slopekit.{_LATER[name]}"), name)
+    from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
+
+    if name not in STUDIES and name not in VARIANTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"slopekit.{_LATER[name]}"), name)
+    return function_of(name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from slopekit.studies.ranges import Within
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
-    from slopekit.studies.sweep import Methods, Sweep
-    from slopekit.studies.tornado import Tornado
 
 
 def wedge(
@@ -172,66 +170,6 @@ def prob(
         design, n, seed=seed, method=method, by=by, target=target, confirm_count=confirm, near=near,
         confidence=confidence, accept=accept, crew=checked_crew(jobs, scheduler, executor),
     )  # fmt: skip
-
-
-def sweep(
-    design: "Design",
-    keys: "Mapping[str, Any]",
-    *,
-    methods: "Methods" = "both",
-    fos: float | None = None,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-) -> "Sweep":
-    """A loaded design at many values of one of its numbers, or of two.
-
-    Parameters
-    ----------
-    keys : dotted paths and their values: numbers, texts with units, or "60:80:5" (from, to, how many)
-    methods : "both", "closed-form" (quick) or "pre-ie"
-    fos : a factor of safety: where it is passed is said, as for 1 and the acceptance rules
-    jobs, scheduler : who does the work
-
-    Raises
-    ------
-    DesignError
-        With every fault of the keys. Points that form no block are points: they keep their code and reason.
-
-    >>> import slopekit as sk
-    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
-    >>> swept = sk.sweep(sk.load(wedge), {"water.fill": [0, 1]})
-    >>> [round(point.factors.limit, 4) for point in swept.points]
-    [1.5574, 1.039]
-    """
-    from slopekit.studies.running import checked_crew
-    from slopekit.studies.sweep import sweep as sweep_design
-
-    return sweep_design(design, keys, methods=methods, fos=fos, crew=checked_crew(jobs, scheduler))
-
-
-def tornado(
-    design: "Design",
-    ranges: "Mapping[str, Within] | None" = None,
-    *,
-    methods: "Methods" = "both",
-    jobs: Any = 1,
-    scheduler: str | None = None,
-) -> "Tornado":
-    """What each number of a loaded design does to its factor of safety, one at a time, the one that does most first.
-
-    Parameters
-    ----------
-    ranges : (low, high) or "lo:hi" of some keys; the others take theirs by a rule (`slopekit.studies.tornado.RULE`)
-
-    Raises
-    ------
-    DesignError
-        With every fault of the keys.
-    """
-    from slopekit.studies.running import checked_crew
-    from slopekit.studies.tornado import tornado as tornado_of
-
-    return tornado_of(design, ranges, methods=methods, crew=checked_crew(jobs, scheduler))
 
 
 def solve(

@@ -12,9 +12,8 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
 from slopekit.studies.points import Point
-from slopekit.studies.running import Crew
+from slopekit.studies.protocol import Desk
 from slopekit.studies.sweep import sweep
-from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet
 
 WEDGE = str(path_of("wedge"))
 #: Low on one joint: water takes its contact, then lifts the wedge off.
@@ -81,9 +80,9 @@ def test_points_without_a_block_are_kept_and_counted(curve) -> None:
     assert curve.counts == {"slides_on_both": 4, "E203": 1}
     assert [notice.code for notice in curve.warnings] == ["W359"]
     assert "1 of 5 points have no factor of safety: E203 1" in curve.warnings[0].message
-    sheet = sweep_sheet(curve)
+    sheet = str(curve)
     assert "E203 the line plunges 22.9°, steeper than the face (20°)" in sheet
-    assert len(list(csv.reader(StringIO(sweep_csv(curve))))) == 6
+    assert len(list(csv.reader(StringIO(curve.sheet.tables["sweep.csv"].csv())))) == 6
 
 
 def test_levels_that_are_passed_are_interpolated_and_said_to_be(curve) -> None:
@@ -98,7 +97,7 @@ def test_levels_that_are_passed_are_interpolated_and_said_to_be(curve) -> None:
     assert pytest.approx((1.0 - share) * low + share * high, rel=1e-12) == 1.5
     assert abs(found[0].at - 72.9958) < 1.0  # where solve finds it
     assert [one for one in curve.critical if one.level == 1.0] == []
-    assert "interpolated between 71° and 88°" in sweep_sheet(curve)
+    assert "interpolated between 71° and 88°" in str(curve)
     exact = sweep(sk.load(WEDGE), {"strength.weak.phi": [10, 20]}, fos=curve.points[2].factors.limit)
     assert exact.critical[0].how in ("interpolated", "at a point")
 
@@ -125,8 +124,8 @@ def test_changes_of_status_are_marked() -> None:
     assert all(one.at is None for one in over)
     assert swept.warnings[0].code == "W359"
     curve = sweep(sk.load(WET), {"water.pressures.J1": [0, 300, 360]}, methods="closed-form")
-    assert "between 300 kPa and 360 kPa: slides on both planes -> slides on J2" in sweep_sheet(curve)
-    assert [line[31] for line in sweep_sheet(curve).splitlines()[3:6]] == [" ", " ", ">"]
+    assert "between 300 kPa and 360 kPa: slides on both planes -> slides on J2" in str(curve)
+    assert [line[31] for line in str(curve).splitlines()[3:6]] == [" ", " ", ">"]
 
 
 def test_how_the_factor_goes() -> None:
@@ -159,14 +158,14 @@ def test_exit_codes() -> None:
         off = replace(good, points=(Point(replace(good.points[0].factors, **wrong)),))
         assert off.exit_code == 4
         assert off.disagree == 1
-        assert "1 disagree" in sweep_line(off)
+        assert "1 disagree" in off.line
 
 
 def test_workers_give_the_same_points(tmp_path) -> None:
     """Two processes, out of order, and what a journal keeps."""
     design, values = sk.load(WEDGE), {"slope.face.dip": [50, 60, 70]}
     serial = sweep(design, values)
-    two = sweep(design, values, crew=Crew(jobs=2), folder=tmp_path)
+    two = sweep(design, values, jobs=2, desk=Desk(tmp_path))
     assert two.points == serial.points
     assert list(tmp_path.iterdir()) == []  # a journal goes when its run is complete
 
@@ -203,13 +202,13 @@ def test_sheets_are_a_hundred_columns_wide(curve, grid) -> None:
     wide = sweep(sk.load(WEDGE), {"slope.face.dip": "40:85:12", "water.fill": "0:1:3"}, methods="closed-form")
     long = sweep(sk.load(WEDGE), {"slope.face.dip": "15:89:300"}, methods="closed-form")
     for swept in (curve, grid, wide, long):
-        lines = sweep_sheet(swept).splitlines()
+        lines = str(swept).splitlines()
         assert max(map(len, lines)) <= 100
-        assert sweep_line(swept)
-    assert "more points are left out here" in sweep_sheet(long)
-    assert len(sweep_sheet(long).splitlines()) < 130
-    assert "E203" in sweep_sheet(grid)
-    assert "1.5574" in sweep_sheet(grid)
+        assert swept.line
+    assert "more points are left out here" in str(long)
+    assert len(str(long).splitlines()) < 130
+    assert "E203" in str(grid)
+    assert "1.5574" in str(grid)
 
 
 def test_json_is_strict_and_the_same_twice_but_for_times(curve) -> None:

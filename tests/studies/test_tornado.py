@@ -9,8 +9,8 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
 from slopekit.studies.keys import Key
-from slopekit.studies.tornado import ends_of, tornado
-from slopekit.views.sweep_sheet import tornado_line, tornado_sheet
+from slopekit.studies.tornado import tornado
+from slopekit.studies.tornado.run import ends_of
 
 WEDGE = str(path_of("wedge"))
 SCATTERS = {
@@ -100,7 +100,7 @@ def test_ends_without_a_number_are_told() -> None:
     ends = {bar.key.path: bar for bar in found.bars}
     assert ends["slope.face.dip"].at_low.code == "E203"
     assert ends["slope.face.dip"].swings["closed_form"] == 0.0
-    sheet = tornado_sheet(found)
+    sheet = str(found)
     assert "slope.face.dip = 20°: E203" in sheet
     assert found.exit_code == 0
     lifted = tornado(sk.load(WEDGE, {"water": {"pressures": {"J1": 10, "J2": 900}}}), {"water.pressures.J1": "0:900"},
@@ -112,7 +112,7 @@ def test_ends_without_a_number_are_told() -> None:
 def test_a_design_that_forms_no_block() -> None:
     found = tornado(sk.load(WEDGE, {"slope.face": "15/180"}), {"slope.height": "10:20"}, methods="closed-form")
     assert found.exit_code == 3
-    assert "no block: E203" in tornado_sheet(found)
+    assert "no block: E203" in str(found)
 
 
 def test_other_kinds_and_workers() -> None:
@@ -137,11 +137,11 @@ def test_what_cannot_be_asked(ranges, code) -> None:
 
 
 def test_sheet_json_and_line(study) -> None:
-    sheet = tornado_sheet(study)
+    sheet = str(study)
     assert max(map(len, sheet.splitlines())) <= 100
     assert "angles ±2°" in sheet
     assert "changes nothing: " in sheet
-    assert tornado_line(study).startswith("water.fill 0.5184")
+    assert study.line.startswith("water.fill 0.5184")
     document = study.to_dict()
     assert json.loads(json.dumps(document, allow_nan=False)) == document
     assert document.keys() >= {"study", "rule", "base", "bars", "left_out", "disagree", "warnings"}

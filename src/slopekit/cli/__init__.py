@@ -2,16 +2,47 @@
 
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from slopekit._version import __version__
 from slopekit.cli import designs, joint_lists, outputs, studies, tools
 from slopekit.cli.common import print_faults
 from slopekit.errors import DesignError, Fault, SlopekitError
 
+#: In the order of the help; those of studies are made of their functions, when they are asked for.
+COMMANDS = (
+    "wedge", "run", "check", "lint", "prob", "sweep", "combos", "kinematic", "solve", "support", "plot", "export",
+    "report", "templates", "doctor", "explain",
+)  # fmt: skip
+
+
+class _Commands(TyperGroup):
+    """The commands, of which those of studies are made when they are asked for."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
+        self.commands = dict.fromkeys(COMMANDS) | dict(self.commands)
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Their names, in order."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """A command by its name, None for another word."""
+        if cmd_name in COMMANDS and self.commands[cmd_name] is None:
+            from slopekit.cli.study_command import command_of
+
+            one = typer.Typer(rich_markup_mode=None, add_completion=False)
+            one.command(cmd_name)(command_of(cmd_name))
+            self.commands[cmd_name] = typer.main.get_command(one)
+        return self.commands.get(cmd_name)
+
+
 app = typer.Typer(
+    cls=_Commands,
     add_completion=False,
     no_args_is_help=True,
     rich_markup_mode=None,
@@ -34,7 +65,7 @@ def _slopekit(
 
 
 for command in (
-    designs.wedge, designs.run, designs.check, designs.lint, studies.prob, studies.sweep, joint_lists.combos,
+    designs.wedge, designs.run, designs.check, designs.lint, studies.prob, joint_lists.combos,
     joint_lists.kinematic, studies.solve, studies.support, outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)

@@ -38,27 +38,6 @@ def load_design(design: str, sets: list[str] | None) -> "Design":
     return load(design, overrides)
 
 
-def number_of(text: str, option: str) -> float:
-    """The number that an option was given; a part may be written in per cent."""
-    from slopekit.units import quantity
-
-    return quantity(text, "ratio", option, f"{option} {text}")
-
-
-def whole_number(text: str, option: str) -> int:
-    """The whole number that an option was given.
-
-    Raises
-    ------
-    DesignError
-        E106 for anything else.
-    """
-    value = number_of(text, option)
-    if value != int(value):
-        raise DesignError([Fault("E106", f"{option} is {text}, a whole number is needed", f"{option} {text}")])
-    return int(value)
-
-
 def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
     with writing(folder, "the folder "):

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli.common import JSON, folder_of, json_text, number_of, whole_number
+from slopekit.cli.common import JSON, folder_of, json_text
 from slopekit.errors import DesignError, Fault
+from slopekit.studies.protocol import number_of, whole_number
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import Written

@@ -16,11 +16,10 @@ from slopekit.cli.common import (
     deliver,
     folder_of,
     load_design,
-    number_of,
-    whole_number,
 )
 from slopekit.cli.progress import progress
 from slopekit.errors import DesignError, Fault
+from slopekit.studies.protocol import number_of, whole_number
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -28,11 +27,7 @@ if TYPE_CHECKING:
     from slopekit.studies.running import Crew
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
-    from slopekit.studies.sweep import Methods, Sweep
-    from slopekit.studies.tornado import Tornado
 
-_KEYS = typer.Argument(help="KEY=from:to:how many, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
-                       metavar="KEY=VALUES")  # fmt: skip
 _ABOUT = 60  # evaluations: for the bar
 
 
@@ -85,95 +80,6 @@ def prob(
             image=image)  # fmt: skip
     if folder is not None:
         study.discard_journals()
-    raise typer.Exit(study.exit_code)
-
-
-def sweep(
-    design: Annotated[str, FILE],
-    keys: Annotated[list[str] | None, _KEYS] = None,
-    tornado: Annotated[bool, typer.Option("--tornado", help="Every number of the design, one at a time.")] = False,
-    closed_form: Annotated[bool, typer.Option("--closed-form", help="The closed form alone: quick.")] = False,
-    pre_ie: Annotated[bool, typer.Option("--pre-ie", help="PRE-IE alone.")] = False,
-    fos: Annotated[str | None, typer.Option(help="A factor of safety: where it is passed is said.")] = None,
-    jobs: Annotated[str, JOBS] = "1",
-    scheduler: Annotated[str | None, SCHEDULER] = None,
-    sets: Annotated[list[str] | None, SET] = None,
-    picture: Annotated[str | None, typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")] = None,
-    as_json: Annotated[bool, JSON] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="One line: points, factors, check.")] = False,
-    output: Annotated[str | None, typer.Option("-o", help="Folder for sweep.json, .txt, .csv and a picture.")] = None,
-) -> None:
-    """A design at many values of one number (a curve) or of two (a grid), or of each in turn (--tornado).
-
-    Points that form no block are kept, with their reason. Exit codes: 0 done, 3 no point forms a block, 4 the methods
-    disagree at a point, or no convergence.
-    """
-    folder = None if output is None else folder_of(Path(output))
-    image = checked_image(picture)
-    if closed_form and pre_ie:
-        raise DesignError([Fault("E313", "--closed-form and --pre-ie exclude each other", "", "Leave both out.")])
-    if tornado and fos is not None:
-        raise DesignError([Fault("E313", "--fos says nothing of a tornado", "--fos", "Leave it out.")])
-    methods: Methods = "closed-form" if closed_form else "pre-ie" if pre_ie else "both"
-    given = _given(keys or [])
-    study = (_tornado if tornado else _sweep)(design, sets, given, methods, fos, jobs, scheduler, folder)
-    _finish(study, folder, image, as_json, quiet)
-
-
-def _given(keys: list[str]) -> dict[str, str]:
-    """Paths and what follows their equals signs."""
-    faults, found = [], dict[str, str]()
-    for text in keys:
-        path, equals, values = text.partition("=")
-        path = path.strip()
-        if not equals:
-            advice = f"Write {path}=60:80:5 (from, to, how many), or {path}=60,70,80."
-            faults.append(Fault("E312", f"{path} has no values", text, advice))
-        elif path in found:
-            faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
-        found[path] = values
-    if faults:
-        raise DesignError(faults)
-    return found
-
-
-def _sweep(
-    design: str, sets: list[str] | None, given: dict[str, str], methods: "Methods", fos: str | None, jobs: str,
-    scheduler: str | None, folder: Path | None,
-) -> "Sweep":  # fmt: skip
-    from slopekit.studies.running import checked_crew
-    from slopekit.studies.sweep import one_or_two
-    from slopekit.studies.sweep import sweep as sweep_design
-
-    one_or_two(given)
-    target = None if fos is None else number_of(fos, "--fos")
-    return sweep_design(load_design(design, sets), given, methods=methods, fos=target,
-                        crew=checked_crew(jobs, scheduler), folder=folder, bar=progress)  # fmt: skip
-
-
-def _tornado(
-    design: str, sets: list[str] | None, given: dict[str, str], methods: "Methods", _fos: str | None, jobs: str,
-    scheduler: str | None, folder: Path | None,
-) -> "Tornado":  # fmt: skip
-    from slopekit.studies.running import checked_crew
-    from slopekit.studies.tornado import tornado as tornado_of
-
-    crew = checked_crew(jobs, scheduler)
-    return tornado_of(load_design(design, sets), given, methods=methods, crew=crew, folder=folder, bar=progress)
-
-
-def _finish(study: "Sweep | Tornado", folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
-    """Write and print a study, draw it where matplotlib is there, and leave with its exit code."""
-    from slopekit.studies.sweep import Sweep
-    from slopekit.views.sweep_sheet import sweep_csv, sweep_line, sweep_sheet, tornado_line, tornado_sheet
-
-    if isinstance(study, Sweep):
-        what, tables = "curve" if len(study.keys) == 1 else "contour", {"sweep.csv": sweep_csv(study)} if folder else {}
-        deliver(study, "sweep", sweep_sheet(study), sweep_line(study), folder, as_json, quiet, tables=tables,
-                what=what, image=image)  # fmt: skip
-    else:
-        deliver(study, "tornado", tornado_sheet(study), tornado_line(study), folder, as_json, quiet, what="tornado",
-                image=image)  # fmt: skip
     raise typer.Exit(study.exit_code)
 
 

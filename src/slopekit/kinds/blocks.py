@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.sheet import counted
 from slopekit.design.blocky import BlocksDesign
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, no_closed_form, no_notices
@@ -14,7 +15,6 @@ from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.words import (
     BLOCKS_STATUSES,
     SheetPart,
-    counted,
     first_and_last,
     names_in_runs,
     strength_in_words,

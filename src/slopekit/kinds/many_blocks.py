@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
+from slopekit.core.sheet import counted
 from slopekit.design.blocky import AssemblyDesign
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
@@ -24,7 +25,6 @@ from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
     SheetPart,
-    counted,
     first_and_last,
     loads_part,
     size_number,

@@ -12,13 +12,14 @@ from slopekit.closed_form.toppling import (
     toppling_factor_of_safety,
     toppling_table,
 )
+from slopekit.core.sheet import counted
 from slopekit.design.blocky import ToppleDesign
 from slopekit.errors import DesignError, Notice
 from slopekit.findings import Column, Mechanism
 from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import ClosedForm
-from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, counted, first_and_last
+from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, first_and_last
 from slopekit.orientation import number
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words

@@ -89,15 +89,6 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
     return items[:first], between, items[len(items) - last :]
 
 
-def counted(count: int, one: str, many: str = "") -> str:
-    """A count with its word.
-
-    >>> counted(1, "block"), counted(3, "block"), counted(2, "mass", "masses")
-    ('1 block', '3 blocks', '2 masses')
-    """
-    return f"{count} {one if count == 1 else many or one + 's'}"
-
-
 # -- one design ----------------------------------------------------------------------------------------------------
 
 

@@ -4,22 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from slopekit.core.sheet import counted, factor_text
 from slopekit.findings import MOTIONS, AssemblyGeometry, Column, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import dilates
-from slopekit.kinds.words import SheetPart, counted, first_and_last, in_order, line_in_words, names_in_runs, size_number
+from slopekit.kinds.words import SheetPart, first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import (
-    accept,
-    all_pairs,
-    curved_strength,
-    factor_text,
-    forces,
-    governs,
-    methods,
-    series,
-    verdict,
-)
+from slopekit.views.entries import accept, all_pairs, curved_strength, forces, governs, methods, series, verdict
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {

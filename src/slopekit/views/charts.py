@@ -11,10 +11,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from slopekit.core.sheet import factor_text
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds.ladders import METHODS
 from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, Damaged, dressed, nothing, short, title_of
-from slopekit.views.entries import factor_text
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16

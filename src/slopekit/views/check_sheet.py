@@ -3,9 +3,10 @@
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
 from slopekit.studies.check import Check, Finding
 from slopekit.views.assembly_sheet import limit_in_words
-from slopekit.views.entries import LABEL, WIDTH, accept, block, factor_text, methods
+from slopekit.views.entries import accept, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
 

@@ -5,12 +5,12 @@ import io
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.core.sheet import WIDTH, block, factor_text
 from slopekit.kinds import kind_named
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
 from slopekit.studies.combos import Combos, PairCheck
 from slopekit.studies.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
-from slopekit.views.entries import WIDTH, block, factor_text
 
 _WHY = {
     "parallel": "the joints are parallel",

@@ -1,29 +1,16 @@
 """Entries that the sheets of one block and of many blocks share, and how they are folded."""
 
-import textwrap
-
 from slopekit.arrays import Floats
+from slopekit.core.sheet import factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import STATUSES, Result
 
-WIDTH = 100
-LABEL = 10
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
     "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
     "forces_alone": "forces only",
 }  # fmt: skip
-
-
-def block(label: str, entries: list[str], hang: int = 3) -> list[str]:
-    """A label and its entries, folded to the width of the sheet; what is folded hangs in by `hang`."""
-    lines: list[str] = []
-    for k, entry in enumerate(entries):
-        head = f"{label if k == 0 else '':<{LABEL}}"
-        indent = " " * (LABEL + hang)
-        lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
-    return lines
 
 
 def forces(result: Result) -> list[str]:
@@ -72,11 +59,6 @@ def series(result: Result) -> list[str]:
         across = x if horizontal == "x" else (x * x + y * y) ** 0.5
         entries.append(f"{step.factor:6.4f}   {across:16.4f}{z:12.4f}{step.failed_pairs:14d}")
     return entries
-
-
-def factor_text(value: float | None) -> str:
-    """A factor of safety with four decimals, six columns wide below 10."""
-    return "  none" if value is None else f"{value:.4f}" if value < 1e4 else f"{value:.4g}"
 
 
 def verdict(result: Result) -> str:

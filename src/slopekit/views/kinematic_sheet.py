@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Mapping, Sequence
 
 from slopekit._version import __version__
+from slopekit.core.sheet import WIDTH, block
 from slopekit.orientation import number
 from slopekit.studies.kinematic import Kinematic, percentages
 from slopekit.studies.kinematic_criteria import (
@@ -18,7 +19,6 @@ from slopekit.studies.kinematic_criteria import (
     SECONDARY,
     SLIDING_BASE,
 )
-from slopekit.views.entries import WIDTH, block
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set

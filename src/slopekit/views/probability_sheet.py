@@ -3,6 +3,7 @@
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.core.sheet import LABEL, WIDTH, block
 from slopekit.kinds import status_text
 from slopekit.orientation import number
 from slopekit.result import STATUSES
@@ -10,7 +11,6 @@ from slopekit.studies.confirmation import Confirmation
 from slopekit.studies.estimates import QUANTILES, Share, Summary
 from slopekit.studies.probability import Probability
 from slopekit.studies.probability_records import variable
-from slopekit.views.entries import LABEL, WIDTH, block
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
 #: Why planes form no block, in a few words; the whole is in `slopekit explain CODE`.

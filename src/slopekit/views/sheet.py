@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from slopekit._version import __version__
+from slopekit.core.sheet import WIDTH, block, factor_text
 from slopekit.design.wedge import DEFAULT_NAMES
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.words import SheetPart, line_in_words, size_number
@@ -12,13 +13,10 @@ from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
 from slopekit.views.entries import (
-    WIDTH,
     accept,
     all_pairs,
-    block,
     cohesion,
     curved_strength,
-    factor_text,
     forces,
     governs,
     methods,

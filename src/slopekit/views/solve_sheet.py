@@ -5,6 +5,7 @@ import textwrap
 from collections.abc import Sequence
 
 from slopekit._version import __version__
+from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
 from slopekit.kinds import status_text
@@ -14,7 +15,6 @@ from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Answers, Found, Solution
 from slopekit.studies.solve_probability import Estimate, ProbabilitySolution, ProbableValue
-from slopekit.views.entries import LABEL, WIDTH, block, factor_text
 
 _METHODS = {"closed_form": "closed form", "pre_ie": "PRE-IE"}
 _MOST_REFUSED, _MOST_OTHERS = 6, 12

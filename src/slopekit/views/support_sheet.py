@@ -4,12 +4,12 @@ import math
 import textwrap
 
 from slopekit._version import __version__
+from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
 from slopekit.errors import Notice
 from slopekit.kinds import status_text
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
 from slopekit.studies.support_search import Answer
-from slopekit.views.entries import LABEL, WIDTH, block, factor_text
 
 _ROLES = {
     "active": "a load: it counts in full, whatever the joints do",

@@ -9,6 +9,7 @@ from typing import Any
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Method, point_from_record
 from slopekit.studies.solve import factor_at
+from slopekit.studies.words import METHODS, cell
 from slopekit.views.drawing import (
     BLUE,
     BOX,
@@ -24,7 +25,6 @@ from slopekit.views.drawing import (
     stretches,
     title_of,
 )  # fmt: skip
-from slopekit.views.sweep_sheet import METHODS, cell
 
 Document = Mapping[str, Any]
 _LOW, _HIGH = "#8fb8de", "#1f5a94"

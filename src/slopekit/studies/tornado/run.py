@@ -10,10 +10,8 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -23,11 +21,15 @@ from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Point, study_head
+from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.running import ALONE, Crew
+from slopekit.studies.running import checked_crew
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
-from slopekit.studies.sweep import Bar, Methods, check_methods, evaluated
+from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -59,8 +61,8 @@ class TornadoBar:
     swings: Mapping[Method, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Tornado:
+@dataclass(frozen=True, slots=True, repr=False)
+class Tornado(Outcome):
     """The numbers of a design by what they do.
 
     Attributes
@@ -70,12 +72,32 @@ class Tornado:
     left_out : (key, why) of numbers that were not changed
     """
 
+    name: ClassVar[str] = "tornado"
     design: Design
     base: Point
     bars: tuple[TornadoBar, ...]
     left_out: tuple[tuple[str, str], ...]
     methods: Methods
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """Its bars, what does nothing, what changes the status."""
+        from slopekit.studies.tornado.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """The three that do most on one line."""
+        from slopekit.studies.tornado.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Its bars."""
+        return ("tornado",)
 
     @property
     def asked(self) -> tuple[Method, ...]:
@@ -136,23 +158,23 @@ class Tornado:
             "disagree": self.disagree,
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
+            "sheet": self.sheet.to_dict(),
         }  # fmt: skip
 
 
+@study
 def tornado(
-    design: Design,
-    ranges: Mapping[str, Within] | None = None,
+    design: ADesign,
+    ranges: Annotated[Mapping[str, Within] | None, KEYS] = None,
     *,
-    methods: Methods = "both",
-    crew: Crew = ALONE,
-    folder: Path | None = None,
-    bar: Bar = lambda _label, _total: nullcontext(_silent),
+    methods: MethodsAsked = "both",
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Desk = DESK,
 ) -> Tornado:
-    """Every number of a design one at a time, from one end to the other, ranked by what it does.
+    """Every number of the design, one at a time.
 
-    Parameters
-    ----------
-    ranges : ends of some keys, `lo:hi` or a pair; the others take theirs by `RULE`
+    Each goes from one end to the other, `ranges` or by `RULE`; they are ranked by what they do.
 
     Raises
     ------
@@ -160,6 +182,7 @@ def tornado(
         E280, E310 and E311 for a key, E312 for its range, E313 for what does not go together.
     """
     began = time.perf_counter()
+    crew = checked_crew(jobs, scheduler)
     check_methods(design, methods)
     given, faults = dict[str, tuple[Key, tuple[float, float]]](), Faults()
     for path, text in (ranges or {}).items():
@@ -181,7 +204,7 @@ def tornado(
     chosen += [(key, low, high, "given") for key, (low, high) in given.values()]
     tasks: list[dict[str, object]] = [{}]
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
-    points = evaluated(design, "tornado", tasks, methods, crew, folder, bar)
+    points = evaluated(design, "tornado", tasks, methods, crew, desk)
     study = Tornado(design, points[0], (), tuple(left_out), methods)
     bars = [
         _bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)
@@ -285,10 +308,3 @@ def _swing(points: Sequence[Point], method: Method) -> float:
         return 0.0
     swing = max(factors) - min(factors)
     return 0.0 if swing <= _NO_CHANGE * max(factors) and math.isfinite(swing) else swing
-
-
-def _silent(_done: int) -> None:
-    """Progress that nobody looks at."""
-
-
-__all__ = ["RULE", "Tornado", "TornadoBar", "ends_of", "status_of", "tornado"]

@@ -10,27 +10,40 @@
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
+from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
+from slopekit.studies.protocol import (
+    DESK,
+    ADesign,
+    Argument,
+    Desk,
+    Jobs,
+    Option,
+    Outcome,
+    Scheduler,
+    number_of,
+    study,
+)
 from slopekit.studies.ranges import MOST, parse_values
-from slopekit.studies.running import ALONE, Advance, Crew, Journal, run_all
+from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
 
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
+
 Methods = Literal["both", "closed-form", "pre-ie"]
-#: A progress bar: its label and how much there is to do.
-Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
 _SAME = 1e-9  # factors that differ by less do not rise or fall
 
 
@@ -64,8 +77,8 @@ class Change:
     statuses: tuple[str, str]
 
 
-@dataclass(frozen=True, slots=True)
-class Sweep:
+@dataclass(frozen=True, slots=True, repr=False)
+class Sweep(Outcome):
     """A design at many values.
 
     Attributes
@@ -76,6 +89,7 @@ class Sweep:
     levels : what the factor is held against: (level, words)
     """
 
+    name: ClassVar[str] = "sweep"
     design: Design
     keys: tuple[Key, ...]
     values: tuple[tuple[float, ...], ...]
@@ -83,6 +97,25 @@ class Sweep:
     methods: Methods
     levels: tuple[tuple[float, str], ...]
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """Its curve or grid, where levels are passed, changes of status."""
+        from slopekit.studies.sweep.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """Points, factors between which they lie, disagreements and notices on one line."""
+        from slopekit.studies.sweep.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """A curve, or contours."""
+        return ("curve" if len(self.keys) == 1 else "contour",)
 
     @property
     def places(self) -> list[tuple[float, ...]]:
@@ -181,7 +214,7 @@ class Sweep:
     @property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number."""
-        bare = [point for point in self.points if not has_number(factor_at(point, self.asked[0]))]
+        bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
         if not bare:
             return ()
         named = Counter(self.status(point) for point in bare)
@@ -218,35 +251,65 @@ class Sweep:
             "shape": {method: self.shape(method) or None for method in self.asked},
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
+            "sheet": self.sheet.to_dict(),
         }  # fmt: skip
 
 
-def sweep(
-    design: Design,
-    keys: Mapping[str, object],
-    *,
-    methods: Methods = "both",
-    fos: float | None = None,
-    crew: Crew = ALONE,
-    folder: Path | None = None,
-    bar: Bar = lambda _label, _total: nullcontext(_silent),
-) -> Sweep:
-    """A design at every value of one key, or at every pair of values of two.
+def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
+    """Paths and what follows their equals signs."""
+    faults, found = Faults(), dict[str, str]()
+    for text in texts:
+        path, equals, values = text.partition("=")
+        path = path.strip()
+        if not equals:
+            advice = f"Write {path}=60:80:5 (from, to, how many), or {path}=60,70,80."
+            faults.append(Fault("E312", f"{path} has no values", text, advice))
+        elif path in found:
+            faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
+        found[path] = values
+    faults.refuse()
+    return found
 
-    Parameters
-    ----------
-    keys : dotted paths and their values: numbers, texts with units, `60:80:5` or `60,70,80`
-    methods : both, closed-form alone (quick), or pre-ie alone
-    fos : a factor of safety that is wanted: where it is passed is said, as for 1 and the acceptance rules
-    crew : who does the work; folder : where its journal is kept; bar : how progress is shown
+
+#: `KEY=VALUES ...` of a command.
+KEYS = Argument("KEY=from:to:how many, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.", "KEY=VALUES", given_keys,
+                many=True, called="keys")  # fmt: skip
+#: Whose factors are asked for.
+MethodsAsked = Annotated[Methods, Option(choices={
+    "--closed-form": ("closed-form", "The closed form alone: quick."), "--pre-ie": ("pre-ie", "PRE-IE alone."),
+})]  # fmt: skip
+
+
+@study
+def sweep(
+    design: ADesign,
+    keys: Annotated[Mapping[str, Any], KEYS],
+    *,
+    methods: MethodsAsked = "both",
+    fos: Annotated[float | None, Option("A factor of safety: where it is passed is said.", number_of)] = None,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Desk = DESK,
+) -> Sweep:
+    """A design at many values of one number (a curve) or of two (a grid), or of each in turn (--tornado).
+
+    Points that form no block are kept, with their code and reason. Exit codes: 0 done, 3 no point forms a block, 4 the
+    methods disagree at a point, or no convergence.
 
     Raises
     ------
     DesignError
         E280 a design without a file, E310 and E311 for a key, E312 for its values, E313 for what does not go together,
         E314 for the target, and those of `run_all`.
+
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> swept = sk.sweep(sk.load(wedge), {"water.fill": [0, 1]})
+    >>> [round(point.factors.limit, 4) for point in swept.points]
+    [1.5574, 1.039]
     """
     began = time.perf_counter()
+    crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     check_methods(design, methods)
     faults, found = Faults(), list[tuple[Key, tuple[float, ...]]]()
@@ -263,20 +326,19 @@ def sweep(
     own, values = tuple(key for key, _ in found), tuple(of for _, of in found)
     swept = Sweep(design, own, values, (), methods, levels_of(design, fos))
     tasks = [values_of(design, own, place) for place in swept.places]
-    points = tuple(evaluated(design, "sweep", tasks, methods, crew, folder, bar))
+    points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
     return replace(swept, points=points, seconds=time.perf_counter() - began)
 
 
 def evaluated(
-    design: Design, study: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew,
-    folder: Path | None, bar: Bar,
-) -> list[Point]:  # fmt: skip
+    design: Design, name: str, tasks: Sequence[Mapping[str, object]], methods: Methods, crew: Crew, desk: Desk
+) -> list[Point]:
     """The points of a study, by whoever does the work; what is done is kept in a journal until all are."""
     plain = design.source.root.plain() if design.source is not None else None
     run = [plain, design.input_hash(), methods, [list(task.items()) for task in tasks]]
-    journal = Journal.of(folder or Path.cwd(), study, run, streamed=folder is not None)
+    journal = Journal.of(desk.folder or Path.cwd(), name, run, streamed=desk.folder is not None)
     at_once = 64 if methods == "closed-form" else 1 if kind_of(design).closed_form is None else 8
-    with bar("points", len(tasks)) as advance:
+    with desk.bar("points", len(tasks)) as advance:
         work = Evaluation(design, methods != "closed-form")
         records = run_all(work, tasks, crew, journal=journal, advance=advance, at_once=at_once, given_up=GIVEN_UP)
     journal.remove()
@@ -325,19 +387,10 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
     return tuple(found.items())
 
 
-def _silent(_done: int) -> None:
-    """Progress that nobody looks at."""
-
-
 def _step(low: float, high: float) -> str:
     if low == high or abs(high - low) <= _SAME * max(low, high):
         return "stays"
     return "rises" if high > low else "falls"
-
-
-def has_number(factor: float | None) -> bool:
-    """Whether a factor is one: neither infinite, where nothing drives, nor 0, where nothing holds."""
-    return factor is not None and 0.0 < factor < math.inf
 
 
 def _by_pre_ie(point: Point) -> Point:

@@ -1,0 +1,168 @@
+"""The command of a study, made of its function: options, one driver for files, printing, pictures and the exit code."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from slopekit.cli.common import JSON, SET, checked_image, draw_to, folder_of, json_text, load_design, write
+from slopekit.cli.progress import progress, watched
+from slopekit.errors import DesignError, Fault
+from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
+
+_QUIET = typer.Option("--quiet", help="One line.")
+_FOLDER = typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures.")
+_PICTURE = typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")
+_DRIVEN = ("sets", "picture", "as_json", "quiet", "output")
+
+
+def command_of(name: str) -> Callable[..., None]:
+    """What Typer makes a command of: a function with the parameters of the study's, and of those of its variants."""
+    main = function_of(name)
+    variants = {flag: function_of(flag) for flag, (of, _) in VARIANTS.items() if of == name}
+    functions = [main, *variants.values()]
+    declared: dict[str, inspect.Parameter] = {}
+    for function in functions:
+        for key, parameter in inspect.signature(function).parameters.items():
+            for own in _on_command_line(key, parameter):
+                declared.setdefault(own.name, own)
+    for flag, function in variants.items():
+        declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
+    first = inspect.signature(main).parameters
+    with_design = any(parameter.annotation == ADesign for parameter in first.values())
+    declared |= {own.name: own for own in _of_every_study(with_design, name)}
+
+    def command(**given: Any) -> None:
+        chosen = next((flag for flag in variants if given[flag]), "")
+        _drive(variants.get(chosen, main), given, chosen)
+
+    command.__name__ = name
+    command.__doc__ = _help_of(main)
+    command.__signature__ = inspect.Signature(list(declared.values()))  # type: ignore[attr-defined]
+    command.__annotations__ = {own.name: own.annotation for own in declared.values()}
+    return command
+
+
+# -- parameters -------------------------------------------------------------------------------------------------------
+
+
+def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Parameter]:
+    """What a parameter of a study is on the command line: nothing, one option or argument, or some flags."""
+    how = given_by(parameter)
+    if isinstance(how, Argument):
+        needed = parameter.default is inspect.Parameter.empty and not how.many
+        type_ = list[str] | None if how.many else str if needed else str | None
+        key = how.called or key
+        return [_parameter(key, type_, typer.Argument(help=how.help, metavar=how.metavar), ... if needed else None)]
+    if how is None:
+        return []
+    if how.choices:
+        flags = how.choices.items()
+        return [_parameter(_name(flag), bool, typer.Option(flag, help=text), False) for flag, (_, text) in flags]
+    if isinstance(parameter.default, bool):
+        return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
+    option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None)
+    needed = parameter.default is inspect.Parameter.empty
+    return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
+
+
+def _of_every_study(with_design: bool, name: str) -> list[inspect.Parameter]:
+    sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
+    return [
+        *sets,
+        _parameter("picture", str | None, _PICTURE, None),
+        _parameter("as_json", bool, JSON, False),
+        _parameter("quiet", bool, _QUIET, False),
+        _parameter("output", str | None, _FOLDER, None),
+    ]
+
+
+def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
+    """A parameter as Typer reads it; `...` for one that is needed."""
+    default = inspect.Parameter.empty if default is ... else default
+    kind = inspect.Parameter.KEYWORD_ONLY
+    return inspect.Parameter(name, kind, default=default, annotation=Annotated[type_, how])
+
+
+def _flag(key: str, how: Option) -> str:
+    return how.flag or "--" + key.replace("_", "-")
+
+
+def _name(flag: str) -> str:
+    return flag.lstrip("-").replace("-", "_")
+
+
+def _first_line(function: Callable[..., Any]) -> str:
+    return (inspect.getdoc(function) or "").partition("\n")[0]
+
+
+def _help_of(function: Callable[..., Any]) -> str:
+    """The docstring down to its parameters: what a command line has to say."""
+    return (inspect.getdoc(function) or "").partition("\nParameters\n")[0].partition("\nRaises\n")[0].strip()
+
+
+# -- the driver -------------------------------------------------------------------------------------------------------
+
+
+def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
+    """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
+    folder = None if given["output"] is None else folder_of(Path(given["output"]))
+    image = checked_image(given["picture"])
+    values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
+    parameters = inspect.signature(function).parameters
+    for key, parameter in parameters.items():
+        value, names = _value(key, parameter, given)
+        taken |= names
+        if value is not None:
+            values[key] = value
+    for name in given:
+        if given[name] not in (None, False, []) and name not in taken:
+            option = "--" + name.replace("_", "-")
+            raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
+    with watched():
+        outcome = function(**values, desk=Desk(folder, progress, _option))
+    _deliver(outcome, folder, image, given["as_json"], given["quiet"])
+    raise typer.Exit(outcome.exit_code)
+
+
+def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> tuple[Any, set[str]]:
+    """What a parameter of the study is given, None where that is left to it; and the names it was given by."""
+    how = given_by(parameter)
+    if how is None:
+        return None, set()
+    if isinstance(how, Option) and how.choices:
+        chosen = [flag for flag in how.choices if given[_name(flag)]]
+        if len(chosen) > 1:
+            raise DesignError([Fault("E313", f"{' and '.join(chosen)} exclude each other", "", "Leave both out.")])
+        return (how.choices[chosen[0]][0] if chosen else None), {_name(flag) for flag in how.choices}
+    key = getattr(how, "called", "") or key
+    text = given[key]
+    if parameter.annotation == ADesign:
+        return load_design(text, given.get("sets")), {key}
+    if isinstance(how, Argument) and how.many:
+        return how.reads(text or [], key), {key}
+    if text is None or isinstance(text, bool):
+        return text or None, {key}
+    return how.reads(text, how.metavar if isinstance(how, Argument) else _flag(key, how)), {key}
+
+
+def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
+    record = outcome.to_dict() if as_json or folder or image else {}
+    document = json_text(record) if record else ""
+    text = str(outcome) if folder or not (as_json or quiet) else ""
+    if folder is not None:
+        write(folder / f"{outcome.name}.json", document + "\n")
+        write(folder / f"{outcome.name}.txt", text + "\n")
+        for name, table in outcome.sheet.tables.items():
+            write(folder / name, table.csv())
+        for name, more in outcome.files().items():
+            write(folder / name, more)
+    typer.echo(document if as_json else outcome.line if quiet else text)
+    for k, what in enumerate(outcome.charts):
+        draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
+
+
+def _option(key: str) -> str:
+    return "--" + key.replace("_", "-")

@@ -1,0 +1,1 @@
+"""What every floor stands on: the sheet, and dataclasses as JSON."""

@@ -1,0 +1,94 @@
+"""Dataclasses as JSON values and back, by the types of their fields.
+
+>>> @dataclass(frozen=True)
+... class Bracket:
+...     low: float
+...     high: float = field(metadata={"json": "high_m"})
+...     note: str = field(default="", metadata={"json": None})
+>>> json_of(Bracket(1.0, math.inf)), from_json(Bracket, {"low": 1, "high_m": 2.0})
+({'low': 1.0, 'high_m': None}, Bracket(low=1.0, high=2.0, note=''))
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from enum import Enum
+from types import NoneType, UnionType
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+T = TypeVar("T")
+_PLAIN = (str, bool, int, NoneType)
+
+
+def json_of(value: Any) -> Any:
+    """Anything of slopekit as JSON values.
+
+    A dataclass gives its fields by name, or by the name in their metadata (`json`; None: left out), and what its class
+    lists in `JSON_ALSO`, properties. What has a `to_dict` of its own gives that. Numbers that are not finite are null.
+    """
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, _PLAIN):
+        return value
+    if isinstance(value, Mapping):
+        return {str(name): json_of(item) for name, item in value.items()}
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    if is_dataclass(value) and not isinstance(value, type):
+        return record_of(value)
+    if hasattr(value, "tolist"):  # NumPy's arrays and numbers
+        return json_of(value.tolist())
+    if isinstance(value, tuple | list | set | frozenset):
+        return [json_of(item) for item in value]
+    raise TypeError(f"{type(value).__name__} has no JSON")
+
+
+def record_of(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass as JSON values, and what it lists besides."""
+    found = {name: json_of(getattr(value, own)) for own, name in _names(type(value))}
+    return found | {name: json_of(getattr(value, name)) for name in getattr(type(value), "JSON_ALSO", ())}
+
+
+def _names(kind: Any) -> tuple[tuple[str, str], ...]:
+    named = ((own.name, own.metadata.get("json", own.name)) for own in fields(kind))
+    return tuple((own, name) for own, name in named if name is not None)
+
+
+def from_json(kind: type[T], value: Mapping[str, Any]) -> T:
+    """A dataclass of what `json_of` made of it; fields that are not there take their defaults.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        Where the values are not those of such a dataclass.
+    """
+    hints = get_type_hints(kind)
+    given = {own: _back(hints[own], value[name]) for own, name in _names(kind) if name in value}
+    return kind(**given)
+
+
+def _back(hint: Any, value: Any) -> Any:
+    origin, inner = get_origin(hint), get_args(hint)
+    if value is None:
+        if hint is NoneType or NoneType in inner or hint is Any:
+            return None
+        raise TypeError(f"null where {hint} is needed")
+    if origin in (Union, UnionType):
+        return _back(next(one for one in inner if one is not NoneType), value)
+    if origin in (tuple, list):
+        kinds = [inner[0]] * len(value) if origin is list or inner[-1] is ... else inner
+        return origin(_back(one, item) for one, item in zip(kinds, value, strict=True))
+    if origin is not None and issubclass(origin, Mapping):
+        return {name: _back(inner[1], item) for name, item in value.items()}
+    if is_dataclass(hint) and isinstance(hint, type):
+        return from_json(hint, value)
+    if hint is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if isinstance(hint, type) and not isinstance(value, hint):
+        raise TypeError(f"{value!r} where {hint.__name__} is needed")
+    return value
+
+
+__all__ = ["dataclass", "field", "from_json", "json_of", "record_of"]

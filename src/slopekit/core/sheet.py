@@ -1,0 +1,242 @@
+"""The sheet: sections of entries and tables, made once and written as text, CSV, JSON and HTML.
+
+A table knows its rows as they are and, by column, what a cell holds, its unit and how many digits are shown; no
+writing reads what another has written.
+
+>>> from operator import itemgetter
+>>> table = Table((Column("joint", itemgetter(0), width=-8), Column("FoS", itemgetter(1), "fos", show=".2f", width=6)),
+...               [("J1", 1.234), ("J2", None)])
+>>> print(Sheet("slopekit   demo", (Section("JOINTS", (table,)),)))
+slopekit   demo
+JOINTS    joint      FoS
+          J1        1.23
+          J2
+>>> table.csv()
+'fos\\n1.234\\n""\\n'
+"""
+
+import math
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeAlias, TypeVar
+
+from slopekit.core.codec import json_of
+
+WIDTH = 100
+LABEL = 10
+Row = TypeVar("Row")
+
+
+@dataclass(frozen=True, slots=True)
+class Column(Generic[Row]):
+    """One column of a table, declared once for every writing of it.
+
+    Attributes
+    ----------
+    title : its head, in text with the blanks that set it off
+    of : what a cell of a row holds: a number, words, None where there is nothing
+    key : its name in CSV and JSON; empty: it is not there
+    unit : of its numbers
+    show : how a cell is written for a person: a format of its numbers, or a function of the cell
+    text : or a function of the row, where more than the cell is shown
+    width : characters in text, negative to the left; 0: it is not there
+    exact : format of its numbers in CSV, empty for every digit
+    """
+
+    title: str
+    of: Callable[[Row], Any]
+    key: str = ""
+    unit: str = ""
+    show: str | Callable[[Any], str] = ""
+    width: int = 0
+    exact: str = ""
+    text: Callable[[Row], str] | None = None
+
+    def shown(self, row: Row) -> str:
+        """The cell of a row for a person."""
+        if self.text is not None:
+            return self.text(row)
+        value = self.of(row)
+        if callable(self.show):
+            return self.show(value)
+        if value is None:
+            return ""
+        return format(value, self.show) if isinstance(value, int | float) else str(value)
+
+    def written(self, row: Row) -> str:
+        """The cell of a row in CSV."""
+        value = json_of(self.of(row))
+        if value is None:
+            return ""
+        if isinstance(value, float):
+            return format(value, self.exact) if self.exact else repr(value)
+        return str(value)
+
+    def padded(self, text: str) -> str:
+        """A cell or the head as wide as the column."""
+        return f"{text:<{-self.width}}" if self.width < 0 else f"{text:>{self.width}}"
+
+
+@dataclass(frozen=True, slots=True)
+class Table(Generic[Row]):
+    """Rows of any kind, and the columns that are made of them.
+
+    Attributes
+    ----------
+    rows : in order, all of them
+    shown : those that a person is shown, all where None; `rest` says where the others are
+    headless : without a line of titles in text
+    """
+
+    columns: Sequence[Column[Row]]
+    rows: Sequence[Row]
+    shown: Sequence[Row] | None = None
+    rest: str = ""
+    headless: bool = False
+
+    def lines(self) -> list[str]:
+        """The table in text."""
+        columns = [column for column in self.columns if column.width]
+        lines = [] if self.headless else ["".join(column.padded(column.title) for column in columns)]
+        lines += ["".join(column.padded(column.shown(row)) for column in columns) for row in self._shown]
+        return [line.rstrip() for line in lines] + ([self.rest] if self.rest else [])
+
+    def csv(self) -> str:
+        """Every row, with every digit; a cell that does not apply is empty."""
+        import csv
+        from io import StringIO
+
+        columns = [column for column in self.columns if column.key]
+        text = StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow([column.key for column in columns])
+        writer.writerows([column.written(row) for column in columns] for row in self.rows)
+        return text.getvalue()
+
+    def records(self) -> list[dict[str, Any]]:
+        """Every row by the keys of its columns: what data frames are made of."""
+        return [{column.key: json_of(column.of(row)) for column in self.columns if column.key} for row in self.rows]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
+        columns = [column for column in self.columns if column.width]
+        return {
+            "columns": [
+                {"title": column.title.strip(), "key": column.key or None, "unit": column.unit} for column in columns
+            ],
+            "rows": [[json_of(column.of(row)) for column in columns] for row in self._shown],
+            "shown": [[column.shown(row).strip() for column in columns] for row in self._shown],
+            "rest": self.rest,
+        }
+
+    @property
+    def _shown(self) -> Sequence[Row]:
+        return self.rows if self.shown is None else self.shown
+
+
+Entry: TypeAlias = str | Table[Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A label, what stands beside it, and how far folded lines of text hang in."""
+
+    label: str
+    entries: Sequence[Entry]
+    hang: int = 3
+
+    def lines(self) -> list[str]:
+        """The section in text; without entries it is nothing."""
+        return block(self.label, list(self._texts()), self.hang)
+
+    def _texts(self) -> Iterator[str]:
+        for entry in self.entries:
+            if isinstance(entry, Table):
+                yield from entry.lines()
+            else:
+                yield entry
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What a result or a study says of itself.
+
+    Attributes
+    ----------
+    head : version, what it is, hash of the input, title
+    sections : those without entries are not written
+    tables : whole tables by the name of their file, for CSV and data frames
+    """
+
+    head: str
+    sections: Sequence[Section]
+    tables: Mapping[str, Table[Any]] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        lines = textwrap.wrap(self.head, WIDTH, subsequent_indent=" " * LABEL)
+        for section in self.sections:
+            lines += section.lines()
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Entries by label as JSON values; times stand in their own block."""
+        found: dict[str, list[Any]] = {}
+        for section in self.sections:
+            if section.entries and section.label != "TIME":
+                own = [entry.to_dict() if isinstance(entry, Table) else entry for entry in section.entries]
+                found.setdefault(section.label, []).extend(own)
+        return found
+
+    def _repr_html_(self) -> str:
+        return sheet_html(self.head, self.to_dict())
+
+
+def sheet_html(head: str, sections: Mapping[str, Sequence[Any]]) -> str:
+    """A sheet as HTML of its JSON values: sections with a heading, entries as paragraphs, tables as tables."""
+    from html import escape
+
+    parts = [f'<div class="slopekit-sheet"><p><code>{escape(head)}</code></p>']
+    for label, entries in sections.items():
+        parts.append(f"<h4>{escape(label)}</h4>")
+        parts += [_table_html(entry) if isinstance(entry, Mapping) else f"<p>{escape(entry)}</p>"
+                  for entry in entries]  # fmt: skip
+    return "\n".join([*parts, "</div>"])
+
+
+def _table_html(table: Mapping[str, Any]) -> str:
+    from html import escape
+
+    heads = "".join(f"<th>{escape(column['title'])}</th>" for column in table["columns"])
+    rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in table["shown"])
+    rest = f"<p>{escape(table['rest'])}</p>" if table["rest"] else ""
+    return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>{rest}"
+
+
+def block(label: str, entries: Sequence[str], hang: int = 3) -> list[str]:
+    """A label and its entries, folded to the width of the sheet; what is folded hangs in by `hang`."""
+    lines: list[str] = []
+    for k, entry in enumerate(entries):
+        head = f"{label if k == 0 else '':<{LABEL}}"
+        indent = " " * (LABEL + hang)
+        lines += textwrap.wrap(head + entry, WIDTH, subsequent_indent=indent, drop_whitespace=True) or [head]
+    return lines
+
+
+def factor_text(value: float | None) -> str:
+    """A factor of safety with four decimals, six columns wide below 10."""
+    return "  none" if value is None else f"{value:.4f}" if value < 1e4 else f"{value:.4g}"
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """A count with its word.
+
+    >>> counted(1, "block"), counted(3, "block"), counted(2, "mass", "masses")
+    ('1 block', '3 blocks', '2 masses')
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def is_number(value: float | None) -> bool:
+    """Whether a factor is one: neither infinite, where nothing drives, nor 0, where nothing holds."""
+    return value is not None and 0.0 < value < math.inf

@@ -1,0 +1,86 @@
+"""What results and outcomes of studies have in common: each shows itself, in a terminal, a notebook, a data frame."""
+
+from abc import abstractmethod
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet, Table
+
+
+class Shown:
+    """Has a sheet, and shows it: `print(r)` writes it, a notebook draws it, `r.to_frame()` gives its first table."""
+
+    __slots__ = ()
+
+    @property
+    @abstractmethod
+    def sheet(self) -> "Sheet":
+        """What it says of itself: sections of entries and tables."""
+
+    @property
+    @abstractmethod
+    def line(self) -> str:
+        """The same on one line."""
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """What it says of itself as JSON values."""
+
+    def __str__(self) -> str:
+        return str(self.sheet)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.line}>"
+
+    def _repr_html_(self) -> str:
+        # drawing is floors above; it is asked for by name, and only here
+        text: str = import_module("slopekit.views.notebook").html_of(self)
+        return text
+
+    def tables(self) -> dict[str, "Table[Any]"]:
+        """Its tables by name: those that are written to files, and those of the sheet that have keys."""
+        from slopekit.core.sheet import Table
+
+        sheet = self.sheet
+        found = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
+        for section in sheet.sections:
+            for entry in section.entries:
+                if isinstance(entry, Table) and any(column.key for column in entry.columns):
+                    found.setdefault(section.label.lower().replace(" ", "_"), entry)
+        return found
+
+    def to_frames(self) -> dict[str, Any]:
+        """Its tables as data frames by name (needs pandas).
+
+        Raises
+        ------
+        DesignError
+            E374 where pandas is not installed.
+        """
+        try:
+            pandas = import_module("pandas")
+        except ImportError:
+            from slopekit.errors import DesignError, Fault
+
+            message = "data frames need pandas, which is not installed"
+            raise DesignError([Fault("E374", message, "", "pip install pandas")]) from None
+        return {
+            name: pandas.DataFrame(table.records(), columns=[column.key for column in table.columns if column.key])
+            for name, table in self.tables().items()
+        }
+
+    def to_frame(self) -> Any:
+        """The first of its tables as a data frame (needs pandas).
+
+        Raises
+        ------
+        DesignError
+            E374 where pandas is not installed, E375 where it has no table.
+        """
+        frames = self.to_frames()
+        if not frames:
+            from slopekit.errors import DesignError, Fault
+
+            raise DesignError([Fault("E375", f"{type(self).__name__} has no table", "", "to_dict() has all of it.")])
+        return next(iter(frames.values()))

@@ -1,0 +1,294 @@
+"""The sheet of a sweep: a curve as a table, a grid as a matrix; both with all their points, or as many as fit."""
+
+import math
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from operator import attrgetter, itemgetter
+from typing import Any, TypeAlias
+
+from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
+from slopekit.orientation import number
+from slopekit.studies.keys import Key, in_words
+from slopekit.studies.points import Point
+from slopekit.studies.solutions import Method, point_record
+from slopekit.studies.solve import factor_at
+from slopekit.studies.sweep.run import Critical, Sweep
+from slopekit.studies.words import METHODS, cell, check_word, head, status_words
+
+_COLUMNS: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
+_MOST_ROWS = 100
+_CELL = 9
+_BRIEF = {"slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv"}
+_GOES = {"rises": "rises with it", "falls": "falls with it", "stays": "does not depend on it", "turns": "turns around"}
+
+
+def sheet_of(swept: Sweep) -> Sheet:
+    """The sheet of a sweep."""
+    keys = [
+        f"{in_words(key)}; {key.shown(min(values), 6)} to {key.shown(max(values), 6)}, {counted(len(values), 'value')}"
+        for key, values in zip(swept.keys, swept.values, strict=True)
+    ]
+    one = len(swept.keys) == 1
+    return Sheet(head(swept.design, "sweep"), (
+        *(Section("KEY", [text]) for text in keys),
+        Section("CURVE", [_curve(swept)]) if one else Section("GRID", _grid(swept), hang=0),
+        Section("SHAPE", _shape(swept)),
+        Section("PASSES", _critical(swept)),
+        Section("STATUS", _changes(swept)),
+        Section("COUNTED", [_counted(swept)]),
+        Section("REASONS", _reasons(swept)),
+        Section("TIME", [f"{swept.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in swept.warnings]),
+    ), {"sweep.csv": _every_point(swept)})  # fmt: skip
+
+
+def line_of(swept: Sweep) -> str:
+    """Points, factors between which they lie, disagreements and notices on one line."""
+    parts = [counted(len(swept.points), "point")]
+    for method in swept.asked:
+        factors = [f for p in swept.points if (f := factor_at(p, method)) is not None and is_number(f)]
+        span = f"{factor_text(min(factors)).strip()} to {factor_text(max(factors)).strip()}" if factors else "none"
+        parts.append(f"{METHODS[method]} {span}")
+    if len(swept.asked) > 1:
+        parts.append(f"{swept.disagree} disagree" if swept.disagree else "agree")
+    return "  ".join(parts + [notice.code for notice in swept.warnings])
+
+
+def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
+    """Every point on a line of its own."""
+    columns: list[Column[dict[str, Any]]] = [
+        Column(key.path, itemgetter(key.path), f"{key.path}{_unit(key)}", key.unit) for key in swept.keys
+    ]
+    columns += [Column(name, itemgetter(name), name) for name in point_record(Point(None))]
+    paths = [key.path for key in swept.keys]
+    rows = [
+        dict(zip(paths, place, strict=True)) | point_record(point)
+        for place, point in zip(swept.places, swept.points, strict=True)
+    ]
+    return Table(columns, rows)
+
+
+# -- a curve ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _PointOfCurve:
+    """A point of a curve: its value, its status, and whether that has changed since the point before."""
+
+    value: float
+    point: Point
+    status: str
+    changed: bool
+
+
+def _curve(swept: Sweep) -> Table[_PointOfCurve]:
+    key, (_, points) = swept.keys[0], next(iter(swept.lines()))
+    statuses = [swept.status(point) for _, point in points]
+    kept = _thinned(statuses)
+    rows = [
+        _PointOfCurve(*points[k], statuses[k], n > 0 and statuses[k] != statuses[kept[n - 1]])
+        for n, k in enumerate(kept)
+    ]
+    title = key.path if len(key.path) <= 22 else "…" + key.path[-21:]
+    columns: list[Column[_PointOfCurve]] = [
+        Column(title, attrgetter("value"), key.path, key.unit,
+               lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
+        Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
+        Column("status", _status, "status", width=-17),
+        *(Column(_COLUMNS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
+    ]  # fmt: skip
+    if len(swept.asked) > 1:
+        columns.append(Column("   check", lambda row: "   " + check_word(row.point), "check", width=-1))
+    left = len(points) - len(kept)
+    rest = f"… {left} more points are left out here: see the JSON or the CSV" if left else ""
+    return Table(columns, rows, rest=rest)
+
+
+def _status(row: _PointOfCurve) -> str:
+    """The status, or why there is no block."""
+    if row.point.factors is not None:
+        return row.status
+    return textwrap.shorten(f"{row.point.code} {row.point.message}", WIDTH - LABEL - 23, placeholder=" …")
+
+
+def _by(method: Method) -> Callable[[_PointOfCurve], float | str | None]:
+    """The factor by a method, `none` where the block has none, nothing where there is no block."""
+
+    def factor(row: _PointOfCurve) -> float | str | None:
+        value = factor_at(row.point, method)
+        return None if row.point.factors is None else value if is_number(value) else "none"
+
+    return factor
+
+
+def _factor_text(factor: float | str | None) -> str:
+    return factor_text(factor).strip() if isinstance(factor, float) else factor or ""
+
+
+def _thinned(statuses: Sequence[str]) -> list[int]:
+    """All the points, or so many of them evenly, and those on both sides of a change of status."""
+    if len(statuses) <= _MOST_ROWS:
+        return list(range(len(statuses)))
+    every = math.ceil(len(statuses) / _MOST_ROWS * 2)
+    kept = {k for k in range(len(statuses)) if k % every == 0} | {0, len(statuses) - 1}
+    changed = [k for k in range(1, len(statuses)) if statuses[k] != statuses[k - 1]][: _MOST_ROWS // 4]
+    return sorted(kept | {j for k in changed for j in (k - 1, k)})
+
+
+# -- a grid -----------------------------------------------------------------------------------------------------------
+
+
+def _grid(swept: Sweep) -> list[Entry]:
+    """Factors by the method that counts; columns are the first key, rows the second."""
+    first, second = swept.keys
+    method = swept.asked[0]
+    lines = list(swept.lines())
+    across = [value for value, _ in lines[0][1]]
+    rows = sorted(lines, key=lambda line: line[0] or 0.0)
+    many = (WIDTH - LABEL - 14) // _CELL
+    entries: list[Entry] = [f"{METHODS[method]}; across {first.path}{_unit(first)}, down {second.path}{_unit(second)}"]
+    for begin in range(0, len(across), many):
+        columns: list[Column[_Line]] = [Column("", itemgetter(0), show=_rounded, width=12)]
+        for k in range(begin, min(begin + many, len(across))):
+            columns.append(_across(swept, method, k, across[k]))
+        entries.append(Table(columns, rows))
+    if any(point.factors is not None and point.factors.moments_govern for point in swept.points):
+        entries.append("* moments govern")
+    if swept.disagree:
+        entries.append("! the methods disagree, or no convergence")
+    return entries
+
+
+#: Of a grid: the value of the second key, and the points by the first.
+_Line: TypeAlias = tuple[float | None, list[tuple[float, Point]]]
+
+
+def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]:
+    """The points of a grid at one value of the first key."""
+
+    def cell_of(line: _Line) -> float | str:
+        factor, status = factor_at(line[1][k][1], method), swept.status(line[1][k][1])
+        return factor if factor is not None and is_number(factor) else _BRIEF.get(status, status)[: _CELL - 2]
+
+    def marked(line: _Line) -> str:
+        found, point = cell_of(line), line[1][k][1]
+        governed = point.factors is not None and point.factors.moments_govern
+        text = cell(found) if isinstance(found, float) else found
+        return f"{text:>{_CELL - 1}}{'!' if point.is_in_doubt else '*' if governed else ' '}"
+
+    return Column(_rounded(value), cell_of, width=_CELL, text=marked)
+
+
+def _rounded(value: float | None) -> str:
+    return number(round(value or 0.0, 6))
+
+
+def _unit(key: Key) -> str:
+    return f" ({key.unit})" if key.unit else ""
+
+
+# -- what it comes to -------------------------------------------------------------------------------------------------
+
+
+def _shape(swept: Sweep) -> list[str]:
+    entries, said = list[str](), dict[str, list[str]]()
+    with_first = "" if len(swept.keys) == 1 else f" along {swept.keys[0].path}"
+    for method in swept.asked:
+        shape = swept.shape(method)
+        found = [
+            (factor, place) for place, point in zip(swept.places, swept.points, strict=True)
+            if (factor := factor_at(point, method)) is not None and is_number(factor)
+        ]  # fmt: skip
+        if not shape or not found:
+            entries.append(f"{METHODS[method]}: no curve")
+            continue
+        least, most = (f"{cell(factor)} at {_place(swept, at)}" for factor, at in (min(found), max(found)))
+        said.setdefault(f"{_GOES[shape]}{with_first}; least {least}, greatest {most}", []).append(METHODS[method])
+    return [*entries, *(f"{' and '.join(methods)}: {text}" for text, methods in said.items())]
+
+
+def _place(swept: Sweep, place: tuple[float, ...]) -> str:
+    return ", ".join(key.shown(value, 6) for key, value in zip(swept.keys, place, strict=True))
+
+
+def _critical(swept: Sweep) -> list[str]:
+    if len(swept.keys) > 1:
+        return _passes_of_a_grid(swept)
+    found = swept.critical
+    entries = []
+    for level, what in swept.levels:
+        own = [one for one in found if one.level == level]
+        if not own:
+            entries.append(f"{what}: not passed between neighbouring points")
+        entries += list(_together(swept, what, own))
+    if any(one.at is not None and one.how != "at a point" for one in found):
+        entries.append(f"interpolated values are rough: slopekit solve finds {swept.keys[0].path} to every digit")
+    return entries
+
+
+def _together(swept: Sweep, what: str, found: Sequence[Critical]) -> Iterator[str]:
+    """Each place once, with the methods that pass the level there alike."""
+    said: dict[str, list[str]] = {}
+    for one in found:
+        said.setdefault(_passed(swept, one), []).append(METHODS[one.method])
+    for text, methods in said.items():
+        yield f"{what}: {text}, by {' and '.join(methods)}"
+
+
+def _passed(swept: Sweep, one: Critical) -> str:
+    key = swept.keys[0]
+    a, b = (key.shown(end, 6) for end in one.between)
+    if one.at is None:
+        return f"between {a} and {b}, {one.how}"
+    how = one.how if one.how == "at a point" else f"{one.how} between {a} and {b}"
+    return f"{key.shown(one.at, 5)}, {how}"
+
+
+def _passes_of_a_grid(swept: Sweep) -> list[str]:
+    """The first key at which each level is passed, for each value of the second."""
+    first, second = swept.keys
+    method = swept.asked[0]
+    entries = []
+    for level, what in swept.levels:
+        own = [one for one in swept.critical if one.level == level and one.method == method]
+        own.sort(key=lambda one: one.line or 0.0)
+        ats = [f"{second.shown(one.line or 0.0, 6)}: {_briefly(first, one)}" for one in own]
+        entries.append(f"{what}, {first.path} interpolated: {'; '.join(ats) if ats else 'passed nowhere'}")
+    return entries
+
+
+def _briefly(key: Key, one: Critical) -> str:
+    if one.at is not None:
+        return key.shown(one.at, 5) + (" (status changes)" if one.how == "across a change of status" else "")
+    return f"between {key.shown(one.between[0], 5)} and {key.shown(one.between[1], 5)}"
+
+
+def _changes(swept: Sweep) -> list[str]:
+    changes = swept.changes
+    if not changes or len(swept.keys) > 1:
+        return [f"{counted(len(changes), 'change')} of status between neighbours: see the JSON"] if changes else []
+    key, kind = swept.keys[0], swept.design.kind
+    entries = []
+    for change in changes[:12]:
+        a, b = (key.shown(end, 6) for end in change.between)
+        one, other = (status_words(kind, status) for status in change.statuses)
+        entries.append(f"between {a} and {b}: {one} -> {other}")
+    if len(changes) > 12:
+        entries.append(f"… {len(changes) - 12} more changes, see the JSON")
+    return entries
+
+
+def _counted(swept: Sweep) -> str:
+    parts = ", ".join(f"{status_words(swept.design.kind, name)} {count}" for name, count in swept.counts.items())
+    end = f"; {swept.disagree} disagree or did not converge" if len(swept.asked) > 1 or swept.disagree else ""
+    return f"{counted(len(swept.points), 'point')}: {parts}{end}"
+
+
+def _reasons(swept: Sweep) -> list[str]:
+    """The first message of each code, for points without a block."""
+    found: dict[str, str] = {}
+    for place, point in zip(swept.places, swept.points, strict=True):
+        if point.factors is None:
+            found.setdefault(point.code, f"{point.code} at {_place(swept, place)}: {point.message}")
+    return list(found.values())

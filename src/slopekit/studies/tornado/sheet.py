@@ -1,0 +1,122 @@
+"""The sheet of a tornado: its bars as a table, the one that does most first."""
+
+import math
+from collections.abc import Callable
+
+from slopekit.core.sheet import Column, Section, Sheet, Table, counted, is_number
+from slopekit.studies.points import Point
+from slopekit.studies.solutions import Method
+from slopekit.studies.solve import factor_at
+from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar, status_of
+from slopekit.studies.words import METHODS, cell, check_word, head, status_words
+
+_MOST_LISTED = 12
+
+
+def sheet_of(study: Tornado) -> Sheet:
+    """The sheet of a tornado."""
+    end = f"; {study.disagree} disagree or did not converge" if len(study.asked) > 1 or study.disagree else ""
+    moved = [bar for bar in study.bars if bar.swings[study.asked[0]]]
+    return Sheet(head(study.design, "tornado"), (
+        Section("RULE", [RULE]),
+        Section("NOW", [_now(study)]),
+        Section("BARS", [_bars(study, moved) if moved else "no number changes the factor of safety"]),
+        Section("NOTHING", _without_effect(study)),
+        Section("STATUS", _statuses(study)),
+        Section("LEFT OUT", _left_out(study)),
+        Section("COUNTED", [f"{counted(len(study.points), 'point')}{end}"]),
+        Section("TIME", [f"{study.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in study.warnings]),
+    ))  # fmt: skip
+
+
+def line_of(study: Tornado) -> str:
+    """The three that do most on one line."""
+    first = study.asked[0]
+    most = [f"{bar.key.path} {_swing(bar.swings[first])}" for bar in study.bars[:3]]
+    agree = [] if len(study.asked) < 2 else [f"{study.disagree} disagree" if study.disagree else "agree"]
+    return "  ".join([*most, *agree, *(notice.code for notice in study.warnings)])
+
+
+def _now(study: Tornado) -> str:
+    factors = study.base.factors
+    if factors is None:
+        return f"no block: {study.base.code} {study.base.message}"
+    shown = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
+    return "   ".join([status_words(study.design.kind, status_of(study.base, study.asked[0])), *shown,
+                       check_word(study.base)]).rstrip()  # fmt: skip
+
+
+def _bars(study: Tornado, moved: list[TornadoBar]) -> Table[TornadoBar]:
+    main, *others = study.asked
+    columns: list[Column[TornadoBar]] = [
+        Column("key", lambda bar: bar.key.path, "key", show=_short, width=-29),
+        Column("from", lambda bar: bar.key.reduced(bar.low), "low", width=11, text=lambda bar: _number(bar, bar.low)),
+        Column("to", lambda bar: bar.key.reduced(bar.high), "high", width=11, text=lambda bar: _number(bar, bar.high)),
+        Column("", lambda bar: _end(bar.at_low, main), "fos_low", show=_end_text, width=8),
+        Column("FoS there", lambda bar: _end(bar.at_high, main), "fos_high", show=_end_text, width=9),
+        Column("swing", _swing_by(main), "swing", show=_swing, width=9),
+        *(Column(METHODS[method], _swing_by(method), f"swing_{method}", show=_swing, width=13) for method in others),
+    ]
+    return Table(columns, moved)
+
+
+def _short(path: str) -> str:
+    return path if len(path) <= 28 else "…" + path[-27:]
+
+
+def _swing_by(method: Method) -> Callable[[TornadoBar], float]:
+    return lambda bar: bar.swings[method]
+
+
+def _number(bar: TornadoBar, value: float) -> str:
+    unit = bar.key.unit.replace("kN/m³", "").replace("kg/m³", "")
+    text = f"{bar.key.reduced(value):.5g}"
+    return f"{text}°" if unit == "°" else f"{text} {unit}".strip()
+
+
+def _end(point: Point, method: Method) -> float | str:
+    """The factor at an end, or the status of why there is none."""
+    factor = factor_at(point, method)
+    return factor if factor is not None and is_number(factor) else status_of(point, method)[:8]
+
+
+def _end_text(end: float | str) -> str:
+    return cell(end) if isinstance(end, float) else end
+
+
+def _swing(swing: float) -> str:
+    return "∞" if math.isinf(swing) else f"{swing:.4f}" if swing < 1e3 else f"{swing:.4g}"
+
+
+def _without_effect(study: Tornado) -> list[str]:
+    first = study.asked[0]
+    names = [bar.key.path for bar in study.bars if not bar.swings[first]]
+    return [f"changes nothing: {', '.join(names)}"] if names else []
+
+
+def _statuses(study: Tornado) -> list[str]:
+    """Ends at which the block moves otherwise than it does now, or forms none."""
+    method, kind = study.asked[0], study.design.kind
+    now = status_of(study.base, method)
+    entries = []
+    for bar in study.bars:
+        for value, point in ((bar.low, bar.at_low), (bar.high, bar.at_high)):
+            status = status_of(point, method)
+            wrong = point.factors is not None and point.factors.agree is False
+            if status != now or wrong:
+                said = status_words(kind, status) if point.factors is not None else f"{status} {point.message}"
+                check = f" ({check_word(point)})" if check_word(point) not in ("", "agree") else ""
+                entries.append(f"{bar.key.path} = {bar.key.shown(value, 6)}: {said}{check}")
+    return entries
+
+
+def _left_out(study: Tornado) -> list[str]:
+    by_reason: dict[str, list[str]] = {}
+    for path, why in study.left_out:
+        by_reason.setdefault(why, []).append(path)
+    entries = []
+    for why, paths in by_reason.items():
+        more = f", … ({len(paths)} in all)" if len(paths) > _MOST_LISTED else ""
+        entries.append(f"{why}: {', '.join(paths[:_MOST_LISTED])}{more}")
+    return entries

@@ -1,0 +1,40 @@
+"""Words and columns that the sheets of studies share."""
+
+from slopekit._version import __version__
+from slopekit.core.sheet import factor_text, is_number
+from slopekit.design.common import Design
+from slopekit.kinds import status_text
+from slopekit.result import STATUSES
+from slopekit.studies.points import Point
+from slopekit.studies.solutions import Method
+
+METHODS: dict[Method, str] = {"pre_ie": "limit, PRE-IE", "closed_form": "closed form"}
+
+
+def head(design: Design, study: str) -> str:
+    """The first line: version, study, kind, hash, title."""
+    title = f"   {design.title}" if design.title else ""
+    return f"slopekit {__version__}   {study}   {design.kind}   sha {design.input_hash()[:6]}{title}"
+
+
+def status_words(kind: str, status: str) -> str:
+    """A status as a sentence, a code as it is."""
+    return status_text(kind, status) if status in STATUSES else status
+
+
+def cell(factor: float | None) -> str:
+    """A factor in a table; the status says why there is none."""
+    return factor_text(factor).strip() if is_number(factor) else "none"
+
+
+def check_word(point: Point) -> str:
+    """What the methods make of each other at a point."""
+    factors = point.factors
+    if factors is None:
+        return ""
+    if factors.status == "not_converged":
+        return "no convergence"
+    word = {True: "agree", False: "DISAGREE", None: ""}[factors.agree]
+    extra = ["moments govern"] if factors.moments_govern else []
+    extra += [] if factors.settled else ["not settled"]
+    return ", ".join([*([word] if word else []), *extra])
