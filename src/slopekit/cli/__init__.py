@@ -2,7 +2,7 @@
 
 import os
 import sys
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from typer.core import TyperGroup
@@ -24,7 +24,7 @@ class _Commands(TyperGroup):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
-        self.commands = dict.fromkeys(COMMANDS) | dict(self.commands)
+        self.commands = cast(dict[str, Any], dict.fromkeys(COMMANDS)) | dict(self.commands)
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names, in order."""
