@@ -163,7 +163,7 @@ def _document(text: str) -> Any:
 
 def _without_sheet(document: dict[str, Any]) -> dict[str, Any]:
     """The JSON of a study without its sheet, which is compared as text."""
-    return {key: value for key, value in document.items() if key != "sheet" or "study" not in document}
+    return {key: value for key, value in document.items() if key not in ("sheet", "line") or "study" not in document}
 
 
 @contextmanager

@@ -386,18 +386,20 @@ def plot(
 
 
 def report(
-    result: "Result | str | os.PathLike[str] | Mapping[str, Any]",
+    results: Any,
     path: "str | os.PathLike[str]" = "report.html",
     *,
     pictures: bool = True,
+    project: "Mapping[str, str] | None" = None,
 ) -> "Path":
-    """Write the report of a result: one page of HTML that needs no network (extra: report).
+    """Write a page of HTML that needs no network, of a result, a study, or several of them (extra: report).
 
     Parameters
     ----------
-    result : a result, the path of a result.json or of its folder, or its JSON as a dict
+    results : what `sk.run`, `sk.sweep`, ... return, their `to_dict()`, the path of their JSON or folder; or a list
     path : of the page, or the folder for report.html
     pictures : draw the still pictures as well (extra: plot); those that cannot be drawn are named in the page
+    project : name, client, number, author, checker, revision, date for the head of the page
 
     Returns
     -------
@@ -406,24 +408,29 @@ def report(
     Raises
     ------
     DesignError
-        E140 without the extra, E147 to E149, E340, E341, E371 and E372 for what is no result, E129 where the page
-        cannot be written.
+        E140 without the extra, E147 to E149, E340, E341, E371 and E372 for what is no result, E376 for the project,
+        E129 where the page cannot be written.
     """
-    from slopekit.result import Result
-    from slopekit.views.plots import read_document
     from slopekit.views.report import write_report
-    from slopekit.views.sheet import document_of
 
     target = Path(path)
     target = target / "report.html" if target.is_dir() else target
-    if isinstance(result, Result):
-        document: Mapping[str, Any] = document_of(result)
-    elif isinstance(result, Mapping):
-        document = result
-    elif callable(own := getattr(result, "to_dict", None)):  # a study: refused by what it is
-        document = own()
-    else:
-        source = Path(result)
-        document = read_document(source / "result.json" if source.is_dir() else source)
-    write_report(document, target, with_pictures=pictures)
+    several = list(results) if isinstance(results, list | tuple) else [results]
+    write_report([_document(one) for one in several], target, with_pictures=pictures, project=project)
     return target
+
+
+def _document(source: Any) -> "Mapping[str, Any]":
+    """The JSON of anything that has one."""
+    from slopekit.result import Result
+    from slopekit.views.plots import document_file, read_document
+    from slopekit.views.sheet import document_of
+
+    if isinstance(source, Result):
+        return document_of(source)
+    if isinstance(source, Mapping):
+        return source
+    if callable(own := getattr(source, "to_dict", None)):
+        found: Mapping[str, Any] = own()
+        return found
+    return read_document(document_file(Path(source)))

@@ -403,6 +403,7 @@ class Result:
             "slopekit": __version__,
             "kind": self.kind,
             "title": self.design.title,
+            **({"project": project} if (project := self.design.project.given()) else {}),
             "input_sha256": self.design.input_hash(),
             "status": self.status,
             "status_text": self.status_text,

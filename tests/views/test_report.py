@@ -270,12 +270,61 @@ def test_damage_never_gives_a_traceback(name, junk, monkeypatch) -> None:
     assert {"E372"} <= codes <= {"E371", "E372"}
 
 
-def test_studies_are_refused_by_name() -> None:
-    for study, said in (({"slopekit": "0.1.0", "study": "sweep"}, "a study \\(sweep\\)"),
+def test_what_has_neither_result_nor_sheet_is_refused_by_name() -> None:
+    for study, said in (({"slopekit": "0.1.0", "study": "sweep"}, "a study \\(sweep\\) without its sheet"),
                         ({"slopekit": "0.1.0", "kind": "wedge"}, "another document")):  # fmt: skip
         with pytest.raises(DesignError, match=said) as caught:
             report_of(study)
         assert caught.value.codes == ("E371",)
+    whole = swept()
+    for key in ("study", "line", "warnings"):
+        with pytest.raises(DesignError) as caught:
+            report_of({name: value for name, value in whole.items() if name != key}, with_pictures=False)
+        assert caught.value.codes == ("E372",)
+
+
+@cache
+def swept() -> dict:
+    """The JSON of a sweep."""
+    return json.loads(json.dumps(sk.sweep(sk.load(path_of("wedge")), {"slope.face.dip": [60, 70]}).to_dict()))
+
+
+def test_a_study_has_a_page_with_the_numbers_of_its_sheet() -> None:
+    found = swept()
+    seen = words(report_of(found, with_pictures=False).html)
+    assert re.sub(r" +", " ", found["line"]) in seen
+    (table,) = found["sheet"]["CURVE"]
+    for row in table["shown"]:
+        assert " ".join(cell for cell in row if cell) in seen
+    assert [row[3] for row in table["rows"]] == [point["limit"] for point in found["points"]]
+
+
+def test_several_documents_have_contents_and_one_view_and_say_whose_they_are() -> None:
+    first = document("wet") | {"project": {"name": "Route 7", "client": "A & Co"}}
+    text = report_of([first, swept(), document("wedge")], with_pictures=False, project={"client": "B & Co"}).html
+    tags = Tags()
+    tags.feed(text)
+    assert tags.open == []
+    assert len(tags.ids) == len(set(tags.ids))
+    assert [one for one in tags.references if one.startswith("#")] == ["#part-1", "#part-2", "#part-3"]
+    assert text.count('id="view-data"') == 1
+    seen = words(text)
+    assert "Route 7" in seen
+    assert "client B & Co" in seen
+    assert "A & Co" not in seen
+    with pytest.raises(DesignError) as caught:
+        report_of(first, project={"cleint": "C"})
+    assert caught.value.codes == ("E376",)
+
+
+def test_the_factor_at_the_top_is_never_more_than_it_is_and_harmless_notices_raise_no_badge() -> None:
+    found = document("wedge") | {"warnings": [{"code": "W305", "message": "moved"}]}
+    found["fos"] = found["fos"] | {"limit": 1.49996}
+    text = report_of(found, with_pictures=False).html
+    assert '<div class="fos">1.49<small>factor of safety 1.5000' in text
+    assert "1 notice" not in text
+    found["warnings"].append({"code": "W317", "message": "not settled"})
+    assert "1 notice" in report_of(found, with_pictures=False).html
 
 
 def test_without_jinja_the_extra_is_named(monkeypatch) -> None:
@@ -289,7 +338,7 @@ def test_without_the_extra_plot_the_page_names_what_is_missing(monkeypatch) -> N
     def refuse(found, what):
         raise DesignError([sk.Fault("E140", "drawing needs the extra plot (pyvista)")])
 
-    monkeypatch.setattr(room, "_drawn", refuse)
+    monkeypatch.setattr(room, "picture_of", refuse)
     pictures, missing = still_pictures(document("wedge"))
     assert pictures == []
     assert missing == ["scene, stereonet, tractions, mechanism: E140 drawing needs the extra plot (pyvista)"]

@@ -119,39 +119,61 @@ def _lines(one: "Written") -> list[str]:
 
 
 def report(
-    result: Annotated[str, typer.Argument(help="result.json of run or wedge, or its folder.", metavar="RESULT")],
+    results: Annotated[
+        list[str],
+        typer.Argument(
+            help="JSON of results and studies, or their folders; several make one page with a list of contents.",
+            metavar="RESULT...",
+        ),
+    ],
     output: Annotated[str | None, typer.Option("-o", help="The page to write, .html [report.html beside it].")] = None,
+    project: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="For the head: name, client, number, author, checker, revision, date; repeat.", metavar="KEY=VALUE"
+        ),
+    ] = None,
     no_pictures: Annotated[
         bool, typer.Option("--no-pictures", help="Without still pictures: quicker, smaller; the view to turn stays.")
     ] = False,
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing on success.")] = False,
 ) -> None:
-    """One self-contained page of a result: the answer, its check, pictures, a view to turn (extra: report)."""
-    from slopekit.views.plots import read_document
+    """One self-contained page of results and studies: answers, checks, pictures, a view to turn (extra: report)."""
+    from slopekit.views.plots import document_file, read_document
     from slopekit.views.report import require_jinja, write_report
 
-    source = Path(result)
-    source = source / "result.json" if source.is_dir() else source
-    target = source.parent / "report.html" if output is None else Path(output)
+    sources = [document_file(Path(result)) for result in results]
+    target = sources[0].parent / "report.html" if output is None else Path(output)
     if target.is_dir():
         target = target / "report.html"
     if target.suffix.lower() not in (".html", ".htm"):
         raise DesignError([Fault("E373", f"the page {target} is not a .html file", str(target), "-o report.html")])
     require_jinja(target)
-    document = read_document(source)
+    said = _project(project or [])
+    documents = [read_document(source) for source in sources]
     folder_of(target.parent)
-    made = write_report(document, target, str(source), not no_pictures)
+    made = write_report(documents, target, [str(source) for source in sources], not no_pictures, said)
     size = target.stat().st_size
     if as_json:
-        said = {
+        told = {
             "slopekit": __version__, "report": str(target), "bytes": size, "pictures": list(made.pictures),
             "missing": list(made.missing), "warnings": [n.to_dict() for n in made.notices],
         }  # fmt: skip
-        typer.echo(json_text(said))
+        typer.echo(json_text(told))
     elif not quiet:
         typer.echo(f"wrote {target} ({size / 1e3:.0f} kB)")
         for one in made.missing:
             typer.echo(f"     not drawn: {one}")
         for notice in made.notices:
             typer.echo(f"     {notice}")
+
+
+def _project(texts: list[str]) -> dict[str, str]:
+    found = dict[str, str]()
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise DesignError([Fault("E376", f"{text} gives the project no value", text, "--project client=NAME")])
+        found[key.strip()] = value.strip()
+    return found

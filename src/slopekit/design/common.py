@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
@@ -20,6 +20,23 @@ if TYPE_CHECKING:
 Criterion = Literal["limit", "all-pairs"]
 #: Two coordinates of what scatters, by `Variable.coordinates`, and their rank correlation.
 Pair: TypeAlias = tuple[str, str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """Whose design it is, as pages show it: no number depends on it."""
+
+    name: str = text("name", default="", example="Route 7, km 12.4", left_out="not shown", doc="of the project")
+    client: str = text("client", default="", left_out="not shown", doc="for whom")
+    number: str = text("number", default="", left_out="not shown", doc="of the project")
+    author: str = text("author", default="", left_out="not shown", doc="who made it")
+    checker: str = text("checker", default="", left_out="not shown", doc="who checked it")
+    revision: str = text("revision", default="", left_out="not shown", doc="of the design")
+    date: str = text("date", default="", example="2026-11-22", left_out="not shown", doc="as it is written")
+
+    def given(self) -> dict[str, str]:
+        """What is known of it, by key."""
+        return {key: value for key, value in asdict(self).items() if value}
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +305,7 @@ def _slips_of_density(
 
 
 _OF_STUDIES = ("variables", "correlation", "source")
+_OF_PAGES = ("project",)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -338,6 +356,7 @@ class Design:
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
 
     title: str = text("title", default="", doc="text")
+    project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
     unit_weight_kn_m3: float = number(
         "rock.unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
         says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
@@ -421,7 +440,7 @@ class Design:
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())
-        for key in ("defaults", "assumed", "left_out", *_OF_STUDIES):
+        for key in ("defaults", "assumed", "left_out", *_OF_STUDIES, *_OF_PAGES):
             del document[key]
         return document
 
@@ -432,7 +451,7 @@ class Design:
         20. What a study draws depends on `variables` and `correlation` too.
         """
         exact = _plain(self._single(), exact=True) | {"kind": self.kind}
-        for key in _OF_STUDIES:
+        for key in (*_OF_STUDIES, *_OF_PAGES):
             del exact[key]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()

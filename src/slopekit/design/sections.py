@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from slopekit.design import words
-from slopekit.design.common import Design, HyperbolaParameters, Seismic, Stiffness, Strength, Water
+from slopekit.design.common import Design, HyperbolaParameters, Project, Seismic, Stiffness, Strength, Water
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Node, Place
 from slopekit.design.reader import Reader
@@ -40,8 +40,16 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     found["factors"] = read_factors(reader) if "factors" in own else ()
     return found | {
         "title": title.text if title is not None and title.text else "",
+        "project": read_project(reader),
         "stiffness": read_stiffness(reader),
     }
+
+
+def read_project(reader: Reader) -> Project:
+    """Whose design it is: texts, as they are written."""
+    node = reader.at("project")
+    texts = {key: below.text or "" for key, below in node.items()} if node is not None and node.is_mapping else {}
+    return Project(**{key: text for key, text in texts.items() if key in fields_of(Project)})
 
 
 def read_weight(reader: Reader, gravity: float | None) -> dict[str, Any]:

@@ -28,7 +28,7 @@ _ANGLES: Mapping[str, tuple[str, str]] = {
     "plane": ("dip", "dip_direction"), "face": ("dip", "dip_direction"), "upper": ("dip", "dip_direction"),
     "toward": ("trend", "plunge"),
 }  # fmt: skip
-_NO_NUMBERS = ("slopekit", "kind", "title", "acceptance")
+_NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
 _FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
 #: What users call some of them.

@@ -83,7 +83,7 @@ def study_head(study: str, design: Design) -> dict[str, Any]:
     """With what the JSON of every study of a design begins."""
     return {
         "slopekit": __version__, "study": study, "kind": design.kind, "title": design.title,
-        "input_sha256": design.input_hash(),
+        "input_sha256": design.input_hash(), **({"project": project} if (project := design.project.given()) else {}),
     }  # fmt: skip
 
 

@@ -54,6 +54,10 @@ class Outcome(Shown):
         """The pictures that are drawn of it, the first where one is asked for."""
         return ()
 
+    def words(self) -> dict[str, Any]:
+        """Its line and its sheet as JSON values: what every `to_dict` ends with, and pages are made of."""
+        return {"line": self.line, "sheet": self.sheet.to_dict()}
+
     def files(self) -> dict[str, str]:
         """Further files by name, beside its tables."""
         return {}

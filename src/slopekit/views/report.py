@@ -4,7 +4,7 @@ import base64
 import json
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
@@ -37,6 +37,17 @@ _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 250_000  # bytes; beyond that a PNG is smaller and as legible
 
 
+#: What a page says of a project, and in which words.
+PROJECT = {
+    "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",
+    "revision": "revision", "date": "date",
+}  # fmt: skip
+_TITLES = {
+    "sweep": "Sweep", "tornado": "What each number does", "prob": "Probability of failure", "solve": "Back-calculation",
+    "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints", "kinematic": "Kinematic tests",
+}  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class Report:
     """A page: its HTML, the words of its pictures, what it lacks and why, and what has to be said."""
@@ -54,55 +65,139 @@ def require_jinja(where: Path | str) -> None:
         raise DesignError([Fault("E140", "reports need the extra report (jinja2)", str(where), advice)])
 
 
-def report_of(document: Mapping[str, Any], name: str = "", with_pictures: bool = True) -> Report:
-    """The page of a document.
+def report_of(
+    documents: Mapping[str, Any] | Sequence[Mapping[str, Any]], names: Sequence[str] = (), with_pictures: bool = True,
+    project: Mapping[str, str] | None = None,
+) -> Report:  # fmt: skip
+    """The page of one document, or of several with a list of contents.
 
     Parameters
     ----------
-    document : the JSON of a result
-    name : what it is called, for messages
+    documents : JSON of results and studies; the view to turn is that of the first result
+    names : what they are called, for messages
     with_pictures : draw the still pictures as well; they take seconds and the extra `plot`
+    project : what the head says beside what the designs say: keys of `PROJECT`
 
     Raises
     ------
     DesignError
-        E140 without the extra, E371 not a result, E372 a result that is damaged.
+        E140 without the extra, E371 neither result nor study, E372 one that is damaged, E376 a key of the project.
     """
-    require_jinja(name)
-    _refuse_others(document, name)
-    sheet, notices = document.get("sheet"), []
+    several = [documents] if isinstance(documents, Mapping) else list(documents)
+    called = [*names, *[""] * (len(several) - len(names))]
+    require_jinja(called[0])
+    said = _project(several, project or {})
+    notices, missing, articles, data = list[Notice](), list[str](), list[dict[str, Any]](), ""
+    for k, (document, name) in enumerate(zip(several, called, strict=True), 1):
+        own: list[Notice] = []
+        context = _article(document, name, own)
+        if "fos" in document and "status" in document and not data:
+            data = _view(document, own)
+            context["with_view"] = bool(data)
+        found, left = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
+        context["notices"] += [(one.code, one.message) for one in own]
+        articles.append(context | {"pictures": found, "missing": left, "anchor": f"part-{k}"})
+        notices += own
+        missing += left
+    html = _rendered({
+        "title": said.get("name") if len(several) > 1 and said.get("name") else articles[0]["title"],
+        "project": [(PROJECT[key], said[key]) for key in PROJECT if key in said],
+        "articles": articles, "own_version": __version__, "view_data": data.replace("<", "\\u003c"),
+    })  # fmt: skip
+    drawn = tuple(picture.what for article in articles for picture in article["pictures"])
+    return Report(html, drawn, tuple(missing), tuple(notices))
+
+
+def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -> dict[str, str]:
+    """What the head says: what was given, else what the first design says that says anything."""
+    unknown = [key for key in given if key not in PROJECT]
+    if unknown:
+        advice = f"Known: {', '.join(PROJECT)}."
+        raise DesignError([Fault("E376", f"{key} is not a key of a project", "--project", advice) for key in unknown])
+    found: dict[str, str] = {}
+    for document in documents:
+        own = document.get("project")
+        if isinstance(own, Mapping):
+            found = {str(key): str(value) for key, value in own.items() if key in PROJECT} | found
+    return found | {key: value for key, value in given.items() if value}
+
+
+def _article(document: Mapping[str, Any], name: str, notices: list[Notice]) -> dict[str, Any]:
+    """What the page says of one document."""
+    is_result = "fos" in document and "status" in document and "study" not in document
+    if not is_result and not isinstance(document.get("sheet"), Mapping):
+        _refuse(document, name)
+    sheet = document.get("sheet")
     if not isinstance(sheet, Mapping):
         sheet = {}
         notices.append(
             Notice("W371", "the JSON holds no `sheet` (it comes from to_dict()): the slope in words is left out")
         )
     try:  # only what reads the document: faults of the program itself go through
-        context = _read(document, sheet)
+        if not is_result:
+            return _study(document, sheet)
+        found = _read(document, sheet)
     except _DAMAGED as error:
         said = f"lacks {error}" if isinstance(error, KeyError) else f"{type(error).__name__}: {error}"
-        message = f"the result cannot be read as one ({said})"
+        what = "result" if is_result else "study"
+        message = f"the {what} cannot be read as one ({said})"
         advice = "Was it changed, or written by another version? Make it again: slopekit run DESIGN -o DIR."
         raise DesignError([Fault("E372", message, name, advice)]) from error
-    data = ""
+    return found | {"verification": _verification(str(document["kind"]))}
+
+
+def _refuse(document: Mapping[str, Any], name: str) -> None:
+    study = document.get("study")
+    if isinstance(study, str):
+        message = f"this is a study ({study}) without its sheet: another version wrote it"
+        advice = f"Make it again: slopekit {study} ... -o DIR, then give DIR/{study}.json."
+    else:
+        message = "this is another document of slopekit, report takes results and studies"
+        advice = "Give result.json of run or wedge, or the JSON of a study: sweep.json, prob.json, ..."
+    raise DesignError([Fault("E371", message, name, advice)])
+
+
+def _view(document: Mapping[str, Any], notices: list[Notice]) -> str:
+    """The data of the view to turn."""
     try:
-        data = json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
+        return json.dumps(viewer_data(document), separators=(",", ":"), allow_nan=False)
     except DesignError as error:
         why = error.faults[0].message
         notices.append(Notice("W372", f"there is no view to turn, the scene cannot be read: {why}"))
-    found, missing = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
-    context["notices"] += [(one.code, one.message) for one in notices]
-    drawn = {"view_data": data.replace("<", "\\u003c"), "pictures": found, "missing": missing}
-    html = _rendered({**context, **drawn, "verification": _verification(str(document["kind"]))})
-    return Report(html, tuple(picture.what for picture in found), tuple(missing), tuple(notices))
+        return ""
 
 
-def _refuse_others(document: Mapping[str, Any], name: str) -> None:
-    if "fos" not in document or "status" not in document:
-        study = document.get("study")
-        what = f"a study ({study})" if isinstance(study, str) else "another document of slopekit"
-        message = f"this is {what}, report takes the result.json of run or wedge"
-        advice = "slopekit plot draws studies; their sheets stand beside their JSON."
-        raise DesignError([Fault("E371", message, name, advice)])
+def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page says of a study: its line, then its sheet as it stands in the JSON."""
+    for key in ("slopekit", "study", "line"):
+        if not isinstance(document[key], str):
+            raise TypeError(f"{key} is no text")
+    name = document["study"]
+    title = document.get("title") or _TITLES.get(name, name)
+    kind = str(document.get("kind") or "")
+    sections = [(label, list(_parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
+    return {
+        "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
+        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""), "line": document["line"],
+        "sections": sections, "notices": [(one["code"], one["message"]) for one in document["warnings"]],
+        "with_view": False,
+    }  # fmt: skip
+
+
+def _parts(entries: Any) -> Iterator[Table | str]:
+    """The entries of a section: texts, and tables as pages have them."""
+    for entry in entries:
+        if isinstance(entry, str):
+            yield entry
+            continue
+        heads = tuple(_head(column) for column in entry["columns"])
+        rows = tuple(tuple(str(cell) for cell in row) for row in entry["shown"])
+        yield Table("", heads, rows, entry["rest"])
+
+
+def _head(column: Mapping[str, Any]) -> str:
+    title, unit = str(column["title"]), str(column["unit"])
+    return f"{title} / {unit}" if unit and unit not in title else title
 
 
 def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
@@ -114,7 +209,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     whole = [one for one in (tables.motion_table(document),) if one is not None]
     return {
         "title": document["title"] or title, "kind": title, "version": document["slopekit"],
-        "own_version": __version__, "sha": document["input_sha256"],
+        "is_study": False, "sha": document["input_sha256"], "with_view": False,
         "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
         "rules": _entries(sheet, "ACCEPT") or [
             f"{one['rule']}: {'MET' if one['met'] else 'NOT MET'}" for one in document["rules"]
@@ -199,15 +294,20 @@ def _template() -> Any:
     return environment.get_template("report.html.j2")
 
 
-def write_report(document: Mapping[str, Any], path: Path, name: str = "", with_pictures: bool = True) -> Report:
-    """Make the page of a document and write it.
+def write_report(
+    documents: Sequence[Mapping[str, Any]], path: Path, names: Sequence[str] = (), with_pictures: bool = True,
+    project: Mapping[str, str] | None = None,
+) -> Report:  # fmt: skip
+    """Make the page of documents and write it.
 
     Raises
     ------
     DesignError
-        As `report_of`; E341 where it is none of slopekit's, E129 where the file cannot be written.
+        As `report_of`; E341 where one is none of slopekit's, E129 where the file cannot be written.
     """
-    made = report_of(checked_document(document, name or "the document"), name or str(path), with_pictures)
+    called = list(names) or ["the document"] * len(documents)
+    own = [checked_document(document, name) for document, name in zip(documents, called, strict=True)]
+    made = report_of(own, list(names) or [str(path)], with_pictures, project)
     with writing(path):
         path.write_text(made.html, encoding="utf-8")
     return made
@@ -239,7 +339,7 @@ def still_pictures(document: Mapping[str, Any]) -> tuple[list[Picture], list[str
     missing: dict[str, list[str]] = {}
     for what in names:
         try:
-            found.append(Picture(what, offered[what], _drawn(document, what)))
+            found.append(Picture(what, offered[what], picture_of(document, what)))
         except DesignError as error:
             fault = error.faults[0]
             missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
@@ -255,7 +355,14 @@ def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
     return [what for what in names if what not in left]
 
 
-def _drawn(document: Mapping[str, Any], what: str) -> str:
+def picture_of(document: Mapping[str, Any], what: str) -> str:
+    """A picture of a document as a data URI.
+
+    Raises
+    ------
+    DesignError
+        As `slopekit.views.plots.draw`.
+    """
     from slopekit.views.plots import draw
 
     with tempfile.TemporaryDirectory() as folder:

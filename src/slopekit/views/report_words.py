@@ -1,5 +1,6 @@
 """What a result means, in sentences: the answer, and the check of the two methods."""
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -11,6 +12,8 @@ from slopekit.views.report_inputs import Table
 
 FALLS = "none: held by no strength that was tried"
 UNSETTLED = "not settled"
+#: Notices that inform and ask for nothing: they raise no badge.
+HARMLESS = ("W305", "W311", "W319", "W321", "W323", "W327", "W336", "W337", "W343", "W344", "W367", "W368", "W377")
 _STAYS = "none"
 _MOST_ROWS = 40
 _SAME = 0.05  # percent
@@ -19,6 +22,15 @@ _SAME = 0.05  # percent
 def factor(value: Any) -> str:
     """A factor of safety, or none."""
     return factor_text(None if value is None else float(value)).strip()
+
+
+def rounded_down(value: Any) -> str:
+    """A factor of safety in two decimals, never more than it is.
+
+    >>> rounded_down(1.4996), rounded_down(1.5), rounded_down(None)
+    ('1.49', '1.50', 'none')
+    """
+    return factor(value) if value is None or value >= 1e4 else f"{math.floor(float(value) * 100.0 + 1e-9) / 100.0:.2f}"
 
 
 def happens(kind: str, status: str) -> str:
@@ -78,10 +90,11 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     badges = [_check_badge(document), judged[accepted]]
     if document["moments_govern"]:
         badges.append(("moments govern", "warn"))
-    if count := len(document["warnings"]):
+    if count := sum(one["code"] not in HARMLESS for one in document["warnings"]):
         badges.append((f"{count} notice{'s' if count > 1 else ''}", "warn"))
     return {
-        "status": " ".join(status) or document["status_text"], "factor": factor(value), "is_number": value is not None,
+        "status": " ".join(status) or document["status_text"], "factor": rounded_down(value), "exact": factor(value),
+        "is_number": value is not None,
         "what": f"{limit_of(document)}{_what_governs(document, fos)}", "badges": badges,
     }  # fmt: skip
 

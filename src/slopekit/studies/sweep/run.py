@@ -251,7 +251,7 @@ class Sweep(Outcome):
             "shape": {method: self.shape(method) or None for method in self.asked},
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
-            "sheet": self.sheet.to_dict(),
+            **self.words(),
         }  # fmt: skip
 
 

@@ -158,7 +158,7 @@ class Tornado(Outcome):
             "disagree": self.disagree,
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
-            "sheet": self.sheet.to_dict(),
+            **self.words(),
         }  # fmt: skip
 
 
