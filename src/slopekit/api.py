@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from slopekit.studies.ranges import Within
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
+    from slopekit.views.notebook import Drawing
 
 
 def wedge(
@@ -331,7 +332,7 @@ def plot(
     explode: float | None = None,
     magnify: float | None = None,
     step: int = 1,
-) -> Path | None: ...
+) -> "Drawing | None": ...
 
 
 def plot(
@@ -345,7 +346,7 @@ def plot(
     explode: float | None = None,
     magnify: float | None = None,
     step: int = 1,
-) -> Path | dict[str, str] | None:
+) -> "Drawing | dict[str, str] | None":
     """Draw a picture of a result or a study (extra: plot).
 
     Parameters
@@ -360,7 +361,8 @@ def plot(
 
     Returns
     -------
-    The path written, None where a window was shown; without `what` the pictures by their word, and what they show.
+    The path written, which shows itself in a notebook, None where a window was shown; without `what` the pictures by
+    their word, and what they show.
 
     Raises
     ------
@@ -368,6 +370,7 @@ def plot(
         E106, E340 to E347 for what cannot be drawn, E140 without the extra.
     """
     from slopekit.views import plots
+    from slopekit.views.notebook import Drawing
 
     folder, name = Path(), ""
     if isinstance(source, str | os.PathLike):
@@ -382,7 +385,7 @@ def plot(
     target = folder / f"{name}-{what}.png" if path is None else Path(path)
     options = plots.Options(show, "angle" if equal_angle else "area", test, explode, magnify, step)
     plots.draw(document, what, None if show else target, options, name)
-    return None if show else target
+    return None if show else Drawing(target)
 
 
 def report(

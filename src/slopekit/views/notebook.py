@@ -1,11 +1,36 @@
-"""What results and studies look like in a notebook: a picture, where the extra `plot` is there, and the sheet."""
+"""What results, studies and pictures look like in a notebook."""
 
+import os
+from base64 import b64encode
 from html import escape
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from slopekit.core.shown import Shown
 from slopekit.errors import DesignError
 from slopekit.views.report import picture_of
+
+if TYPE_CHECKING or os.name != "nt":  # not one expression: a class needs a base that is known
+    from pathlib import PosixPath as _Own
+else:
+    from pathlib import WindowsPath as _Own
+_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
+
+
+class Drawing(_Own):
+    """The file of a picture, a path like any other; in a notebook it shows what it holds."""
+
+    @property
+    def path(self) -> Path:
+        """Where it was written."""
+        return Path(self)
+
+    def _repr_html_(self) -> str:
+        kind = _TYPES.get(self.suffix.lower())
+        if kind is None:
+            return f"<code>{escape(str(self))}</code>"
+        data = b64encode(self.read_bytes()).decode()
+        return f'<img src="data:{kind};base64,{data}" alt="{escape(self.stem)}" style="max-width: 820px; width: 100%">'
 
 
 def html_of(shown: Shown) -> str:
