@@ -336,6 +336,8 @@ class Design:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+    #: Attributes that hold what stands at a key of another path.
+    INTO: ClassVar[Mapping[str, str]] = {}
 
     title: str = text("title", default="", doc="text")
     unit_weight_kn_m3: float = number(

@@ -1,6 +1,7 @@
 """Designs of one block beside the wedge: plane failure, the footing on a weak plane, curved slip surfaces."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -32,6 +33,7 @@ class PlaneDesign(Design):
     """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
+    INTO: ClassVar[Mapping[str, str]] = {"joints": "joint"}
     FILLS: ClassVar[bool] = True
 
     joint: Plane

@@ -77,6 +77,7 @@ class WedgeDesign(Design):
     REQUIRED: ClassVar[tuple[str, ...]] = ()
     FILLS: ClassVar[bool] = True
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+    INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", default=None, example="60/180")
