@@ -97,10 +97,8 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
 
 def _same(found: Any, read: Sequence[float | None]) -> bool:
     """Whether an argument, one for all or one for each, is what was read."""
-    if found is None or None in read:
-        return found is None and all(value is None for value in read)
-    each = np.array(read, dtype=np.float64)
-    return np.allclose(found, each, rtol=_EXACT, atol=_EXACT * float(np.abs(each).max()))
+    each, of_all = np.array(read, dtype=np.float64), np.array(found, dtype=np.float64)  # None is nan
+    return np.allclose(of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(), equal_nan=True)
 
 
 def _place(design: Design, path: str) -> list[str]:
