@@ -11,9 +11,9 @@ if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
     from slopekit.studies.combos import Combos
+    from slopekit.studies.keys import Within
     from slopekit.studies.kinematic import Kinematic
     from slopekit.studies.probability import Probability
-    from slopekit.studies.ranges import Within
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
     from slopekit.views.notebook import Drawing

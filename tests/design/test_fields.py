@@ -4,11 +4,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from slopekit.design.fields import every_field, field_at, structure_of
+from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.files import load
 from slopekit.design.registry import KINDS, record_of
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section
+from slopekit.design.templates import names, path_of
 from slopekit.errors import DesignError
+from slopekit.studies.keys import keys_of
 
 PLANE = {"dip": 45, "dip_direction": 115}
 LINE = {"trend": 10, "plunge": 5}
@@ -143,3 +145,24 @@ def test_every_number_that_may_scatter_is_a_field(kind) -> None:
     paths = set(_leaves(structure_of(record, record.REQUIRED), ""))
     assert len(paths) > 5
     assert {path for path in paths if field_at(record, path) is None} == set()
+
+
+@pytest.mark.parametrize("name", [*names(), *range(len(DESIGNS))])
+def test_every_number_of_a_design_has_words_of_its_own(name) -> None:
+    """Axes tell two numbers of one design apart, and show no path."""
+    if isinstance(name, int):
+        kind, values = DESIGNS[name]
+        design = load({"slopekit": 1, "kind": kind} | values)
+    else:
+        design = load(path_of(name))
+    found = {}
+    for key in keys_of(design):
+        found.setdefault(words_of(type(design), key.path), []).append(key.path)
+    assert len(found) > 5
+    twice = [paths for paths in found.values() if len(paths) > 1]
+    assert all(paths == ["loads.seismic", "loads.seismic.k"] for paths in twice), twice
+    for words, (path, *_) in found.items():
+        top, _, below = path.partition(".")
+        assert words != path
+        assert not words.startswith(f"{top}.")
+        assert "_" not in words or "_" in below.partition(".")[0]  # in a name of the user's

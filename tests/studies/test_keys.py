@@ -5,8 +5,7 @@ import pytest
 import slopekit as sk
 from slopekit.design.files import load, with_values
 from slopekit.design.templates import names, path_of
-from slopekit.studies.keys import key_of, keys_of, values_of
-from slopekit.studies.ranges import parse_values, parse_within
+from slopekit.studies.keys import key_of, keys_of, parse_values, parse_within, values_of
 from slopekit.studies.sweep import sweep
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}

@@ -151,14 +151,14 @@ def test_all_at_once_is_one_at_a_time(values, met) -> None:
     assert study.forming.share > study.all_samples.share
 
 
-def test_passive_bolts_and_products_go_one_at_a_time() -> None:
+def test_passive_bolts_and_directions_go_one_at_a_time() -> None:
     passive = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
     study = probability(load(passive), 60, target=1.6, confirm_count=10, near=0.0)
     assert study.evaluator == "closed form, sample by sample"
     assert study.confirmation.agree == 10
-    product = default_wedge() | {"rock": {"density": {"dist": "normal", "mean": 2600, "sd": 50},
-                                          "gravity": {"dist": "uniform", "min": 9.7, "max": 9.9}}}  # fmt: skip
-    assert probability(load(product), 60, confirm_count=0).evaluator == "closed form, sample by sample"
+    turning = {"force": 500, "toward": {"dist": "fisher", "mean": "180/10", "k": 200}}
+    study = probability(load(default_wedge() | {"loads": {"forces": [turning]}}), 60, confirm_count=0)
+    assert study.evaluator == "closed form, sample by sample"
 
 
 def test_pre_ie_confirms_at_random_and_near_the_target() -> None:

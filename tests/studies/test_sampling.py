@@ -18,9 +18,8 @@ from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
 from slopekit.orientation import Line, Plane, normals
 from slopekit.studies import sampling, sources
-from slopekit.studies.limits import checked_limits, shares_beyond
-from slopekit.studies.marginals import marginal, tails
-from slopekit.studies.sampling import METHODS, chunks, draw, planned, samples, variables_of
+from slopekit.studies.marginals import checked_limits, marginal, shares_beyond, tails
+from slopekit.studies.sampling import METHODS, chunks, draw, planned, samples
 from slopekit.studies.sources import fisher, folded_lines, folded_planes
 
 
@@ -510,7 +509,7 @@ DESIGN = {
 def test_samples_of_a_design_and_back() -> None:
     """What a sample sets is what the design then has, to the last digit."""
     design = sk.load(DESIGN)
-    drawn = samples(variables_of(design), design.correlation, 64, 3)
+    drawn = samples(design.variables, design.correlation, 64, 3)
     assert set(drawn.names) == {
         "slope.face.dip", "slope.face.dip_direction", "joints.J1.plane.dip", "joints.J1.plane.dip_direction",
         "strength.rough.c", "strength.clay.phi", "support.bolts.0.toward.trend", "support.bolts.0.toward.plunge",

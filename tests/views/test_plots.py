@@ -67,7 +67,10 @@ def test_a_curve_from_its_json() -> None:
     now = sk.load(WEDGE).inputs()["face"]
     assert now == "60/180"
     assert labelled(axes, "the design as it is").tolist() == [pytest.approx(expected[0])]
-    assert axes.get_title().endswith("factor of safety over slope.face.dip")
+    assert axes.get_title().endswith("factor of safety over dip of the face")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("dip of the face (°)", "factor of safety")
+    other = figure_of(draw_curve, document | {"kind": "of another program"}).axes[0]
+    assert other.get_xlabel() == "slope.face.dip (°)"
 
 
 def test_a_contour_and_a_tornado_from_their_json() -> None:
@@ -75,7 +78,8 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
                           methods="closed-form"))  # fmt: skip
     axes = figure_of(draw_contour, grid).axes[0]
     assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
-    assert axes.get_title().endswith("factor of safety over slope.face.dip and water.fill")
+    assert axes.get_title().endswith("factor of safety over dip of the face and part of full water")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("dip of the face (°)", "part of full water")
     frame = axes.get_window_extent()
     shown = [text for text in axes.texts if text.get_visible()]
     assert all(frame.x0 <= (box := text.get_window_extent()).x0 and box.x1 <= frame.x1 for text in shown)
@@ -85,7 +89,7 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
     widths = [bar.get_width() for bar in axes.patches[:2]]
     assert widths == pytest.approx([first[end]["closed_form"] - base for end in ("at_low", "at_high")], rel=1e-12)
     assert [text.get_text() for text in axes.texts[:2]] == first["shown"]
-    assert axes.get_yticklabels()[0].get_text() == first["key"]
+    assert (first["key"], axes.get_yticklabels()[0].get_text()) == ("strength.joints.phi", "friction angle of joints")
 
 
 def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:

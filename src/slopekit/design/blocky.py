@@ -124,7 +124,9 @@ class BlocksDesign(AssemblyDesign):
         "interfaces", default=(), left_out="the only strength", doc="a strength by `default`, and of pairs `A/B`",
         forms=(Named(Leaf(example="joint"), pairs=True, example="{default: joint, B1/B2: smooth}"),),
     )  # fmt: skip
-    water: Water = _water(Field("pressures", "pressure", 0.0, many="pairs", example="{B1/B2: 5 kPa}"))
+    water: Water = _water(
+        Field("pressures", "pressure", 0.0, many="pairs", axis="water pressure", example="{B1/B2: 5 kPa}")
+    )
     pressures_kpa: tuple[tuple[str, str, float], ...] = ()
     contact_tolerance_m: float | None = number(
         "contact_tolerance",
@@ -189,7 +191,10 @@ class ToppleDesign(AssemblyDesign):
     rows: int = count("columns.rows", 1, MOST_BLOCKS, default=1, doc="of columns side by side along the strike")
     base: str
     sides: str
-    water: Water = _water(Field("pressures.base", "pressure", 0.0), Field("pressures.sides", "pressure", 0.0))
+    water: Water = _water(
+        Field("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
+        Field("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
+    )
     pressures_kpa: Point2 = (0.0, 0.0)
 
     @property
@@ -274,8 +279,8 @@ class BenchDesign(AssemblyDesign):
     max_blocks : more are refused; min_volume_m3 : smaller ones are joined to the neighbour they share most with
     """
 
-    face: Plane = orientation("slope.face", example="70/180")
-    upper: Plane = orientation("slope.upper", default=None, example="60/180", left_out="level")
+    face: Plane = orientation("slope.face", axis="the face", example="70/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")
     height_m: float = number("slope.height", "length", above=0.0, code="E116", example="15 m")
     length_m: float = number(
         "slope.length",
@@ -298,7 +303,9 @@ class BenchDesign(AssemblyDesign):
     sets: tuple[JointSetInput, ...] = group(
         "sets", JointSetInput, many="names", at_least=1, example="{S1: {plane: 45/170, spacing: 2 m}}"
     )
-    water: Water = _water(Field("pressures", "pressure", 0.0, many="names", example="{S1: 5 kPa}"))
+    water: Water = _water(
+        Field("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
+    )
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(
         "cut.min_volume", "volume", default=0.0, least=0.0, code="E138", says="a volume is never negative",

@@ -55,6 +55,7 @@ class Water:
         most=1.0,
         example="50 %",
         left_out="dry",
+        axis="part of full water",
         doc="part of full; one of mode, fill, pressures (E198)",
     )
     pressures_kpa: tuple[float, ...] = number(
@@ -88,7 +89,8 @@ class Seismic:
     )
     trend_deg: float | None = number(
         "toward", "angle", default=None, least=0.0, most=360.0, turns=True, code="E122", scatters=False,
-        label="trend of seismic", left_out="the way of the slope", doc="trend it acts toward",
+        label="trend of seismic", axis="trend of the seismic load",
+        left_out="the way of the slope", doc="trend it acts toward",
     )  # fmt: skip
 
 
@@ -102,10 +104,11 @@ class Force:
     ALSO: ClassVar[tuple[Field, ...]] = (Field("toward", "line", example="000/10", doc="trend/plunge"),)
 
     components_kn: tuple[float, float, float] = number(
-        "force", "force", code="E123", coordinates=1, forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
+        "force", "force", code="E123", coordinates=1, axis="size", forms=(ListOf(Leaf(), 3, 3, example="[0, -3, 6]"),),
         doc="size, or its components",
     )  # fmt: skip
-    at_m: tuple[float, float, float] | None = point("at", default=None, left_out="the centroid", doc="where it acts")
+    at_m: tuple[float, float, float] | None = point("at", default=None, axis="place", left_out="the centroid",
+                                                           doc="where it acts")  # fmt: skip
     block: str | None = text("block", default=None, example="B1", left_out="the one it lies in, or the only one",
                              doc="the block it acts on")  # fmt: skip
 
@@ -118,7 +121,7 @@ class Bolt:
     reduction factor, and it pulls only if the block moves against it.
     """
 
-    force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt")
+    force_kn: float = number("force", "force", above=0.0, code="E124", label="force of the bolt", axis="force")
     toward: Line = orientation("toward", "line", example="000/10", doc="direction of its force on the block")
     acts: Literal["active", "passive"] = text("acts", default="active", doc="active or passive")
     head_m: tuple[float, float, float] | None = point(
@@ -131,6 +134,7 @@ class Bolt:
         above=0.0,
         code="E124",
         label="length of the bolt",
+        axis="length",
         left_out="not known",
         doc="needs a head (E124)",
     )
@@ -201,18 +205,21 @@ class Strength:
         says="cohesion is never negative",
         example="50 kPa",
         may_lack=True,
+        axis="cohesion",
         doc="cohesion",
     )
     friction_angle_deg: float = number(
         "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="20", may_lack=True,
+        axis="friction angle",
         says="a friction angle lies from 0 to below 90",
         doc="broken numbers below 1.57 are taken for radians (E113) unless written with `deg`",
     )  # fmt: skip
     dilation_deg: float = number("dilation", "angle", default=0.0, least=0.0, below=90.0, code="E117",
-                                 says="it lies between 0 and the friction angle", doc="up to phi")  # fmt: skip
+                                 says="it lies between 0 and the friction angle", axis="dilation angle",
+                                 doc="up to phi")  # fmt: skip
     tension_kpa: float = number(
         "tension", "pressure", default=0.0, least=0.0, code="E114", says="a strength is never negative",
-        doc="tensile strength; not in the limit (W329)",
+        axis="tensile strength", doc="tensile strength; not in the limit (W329)",
     )  # fmt: skip
     law: "StrengthLaw | None" = None
 
@@ -354,12 +361,14 @@ class Design:
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
+    #: Attributes that hold what stands at a key of another path.
+    INTO: ClassVar[Mapping[str, str]] = {}
 
     title: str = text("title", default="", doc="text")
     project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
     unit_weight_kn_m3: float = number(
         "rock.unit_weight", "unit weight", default=None, least=5.0, most=400.0, code="E110", label="unit weight",
-        says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
+        axis="unit weight of the rock", says=_RANGE, advice="Rock weighs 20 to 30 kN/m³.", check=_slips_of_unit_weight,
         left_out="by the density", doc="or density (E112)",
     )  # fmt: skip
     density_kg_m3: float | None = number(
@@ -368,7 +377,7 @@ class Design:
         left_out="required (a footing: no weight; blocks: each its own)", doc="or unit_weight (E112)",
     )  # fmt: skip
     gravity_m_s2: float = number(
-        "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE,
+        "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE, axis="gravity",
         advice="9.81 m/s² is Earth's.",
     )  # fmt: skip
     water_unit_weight_kn_m3: float = number(

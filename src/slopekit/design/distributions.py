@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from typing import Literal, TypeAlias, cast
 
 from slopekit.design.nodes import Node
-from slopekit.design.structure import ANGLES, OrientationKind, is_distribution
+from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution
 from slopekit.design.words import line_of_words
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, Plane, number, parse_plane
@@ -118,8 +118,8 @@ class Variable:
         """The numbers that a sample has of it: one, or the two angles of an orientation as they are written."""
         if self.of is None:
             return (self.path,)
-        steep, direction = (f"{self.path}.{angle}" for angle in ANGLES[self.of])
-        return (steep, direction) if self.of == "plane" else (direction, steep)
+        first, second = (f"{self.path}.{angle}" for angle in WRITTEN[self.of])
+        return first, second
 
     @property
     def angles(self) -> tuple[str, str]:

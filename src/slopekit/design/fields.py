@@ -59,7 +59,8 @@ class Field:
     whole : whether it counts something, `is_odd` in odd numbers; words : that may stand for it (`middle`)
     is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it
     code, says, advice, check : of the fault where it is none of its values
-    example, label : as it is written; in words for axes and messages
+    example, label : as it is written; in words for messages
+    axis : in words for axes and reports, where that is another; of an orientation what it is one of
     doc, left_out : what it is, and what is taken where it is left out, for the key reference
     scatters : whether a distribution may stand there; role : for studies
     turns : whether beyond its limits it is the same plane or line, written otherwise
@@ -89,6 +90,7 @@ class Field:
     check: Check | None = None
     example: str = ""
     label: str = ""
+    axis: str = ""
     doc: str = ""
     left_out: str = ""
     scatters: bool = True
@@ -124,7 +126,7 @@ class Field:
 
     @property
     def in_words(self) -> str:
-        """What it is, for messages, axes and reports."""
+        """What it is, for messages."""
         return self.label or self.key
 
     @property
@@ -274,7 +276,9 @@ def fields_of(record: Any) -> Mapping[str, Field]:
 
 def _angle(above: Field, key: str) -> Field:
     low, high = {"dip": (0.0, 90.0), "plunge": (-90.0, 90.0)}.get(key, (0.0, 360.0))
-    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="")
+    of = f" of {above.axis}" if above.axis else ""
+    return replace(above, path=f"{above.path}.{key}", measures="angle", least=low, most=high, turns=True, label="",
+                   axis=f"{key.replace('_', ' ')}{of}")  # fmt: skip
 
 
 def every_field(record: Any, path: str = "") -> Iterator[Field]:
@@ -324,6 +328,51 @@ def field_at(record: Any, path: str) -> Field | None:
         if len(names) == len(parts) and all(name in ("*", part) for name, part in zip(names, parts, strict=True))
     ]  # fmt: skip
     return min(fitting, key=lambda pair: pair[0])[1] if fitting else None
+
+
+#: What an item is called, of lists that have no names.
+_LISTED = {"bolts": "bolt", "forces": "force"}
+_SHORT = 2  # spaces in what a number is, that "of" may follow
+#: What the numbers of a distribution are, in words.
+_OF_SCATTER = {"mean": "mean", "sd": "standard deviation of", "min": "least", "max": "largest", "mode": "mode of"}
+
+
+def words_of(record: Any, path: str) -> str:
+    """A number by its dotted path as axes and reports have it: what it is, and of what; the path where it is none.
+
+    >>> from slopekit.design.wedge import WedgeDesign
+    >>> words_of(WedgeDesign, "strength.weak.phi"), words_of(WedgeDesign, "slope.upper.dip")
+    ('friction angle of weak', 'dip of the upper slope')
+    >>> words_of(WedgeDesign, "support.bolts.0.force"), words_of(WedgeDesign, "slope.height.sd")
+    ('force of bolt 1', 'standard deviation of height of the slope')
+    """
+    path = path.replace(".mean.", ".")
+    above, _, last = path.rpartition(".")
+    found = field_at(record, path)
+    if found is None:
+        angle = next((angle for angle in ("dip", "plunge") if field_at(record, f"{above}.{angle}") is not None), "")
+        if last == "k" and angle:
+            return f"concentration of {words_of(record, f'{above}.{angle}').removeprefix(f'{angle} of ')}"
+        known = last in _OF_SCATTER and field_at(record, above) is not None
+        return f"{_OF_SCATTER[last]} {words_of(record, above)}" if known else path
+    names, numbers = found.path.split("."), list[int]()
+    parts = path.split(".", 1 if names[0] == "correlation" else -1)
+    while names[-1] == "*" and parts[-1].isdigit():  # of a list of numbers, of a point
+        numbers.insert(0, int(parts.pop()) + 1)
+        names.pop()
+    what = next(name for name in reversed(names) if name != "*").replace("_", " ")
+    said = found.axis or found.label.format(k=str(numbers[:1])[1:-1]).replace("_", " ") or what
+    first = names.index("*") if "*" in names else 0
+    if first:
+        own, item = parts[first], _LISTED.get(parts[first - 1])
+        own = f"{item} {int(own) + 1}" if item and own.isdigit() else own
+        said += f"{', ' if ' of ' in said or said.count(' ') > _SHORT else ' of '}{own}"
+    elif len(parts) > 1 and not (found.axis or found.label) and (found.role == "quantity" or numbers):
+        said += f" of the {parts[-2].replace('_', ' ')}"
+    if not numbers or "{k}" in found.label:
+        return said
+    each = ("point", "coordinate") if found.role == "coordinate" else ("number", "number")
+    return said + "".join(f", {one} {k}" for one, k in zip(each[-len(numbers) :], numbers, strict=True))
 
 
 # -- the structure of a design file -----------------------------------------------------------------------------------
@@ -475,5 +524,5 @@ def more_than_nothing(
 
 __all__ = [
     "Field", "Role", "count", "every_field", "field_at", "fields_of", "group", "in_degrees", "more_than_nothing",
-    "number", "orientation", "point", "structure_of", "text",
+    "number", "orientation", "point", "structure_of", "text", "words_of",
 ]  # fmt: skip

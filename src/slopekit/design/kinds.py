@@ -1,6 +1,7 @@
 """Designs of one block beside the wedge: plane failure, the footing on a weak plane, curved slip surfaces."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -19,7 +20,8 @@ class VerticalCrack:
 
     depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m",
                                    left_out="by the distance")  # fmt: skip
-    distance_m: float | None = number("distance", "length", default=None, left_out="by the depth",
+    distance_m: float | None = number("distance", "length", default=None, axis="distance of the crack",
+                                      left_out="by the depth",
                                       doc="behind the crest; below 0 in the face; both where they agree")  # fmt: skip
     water_m: float | None = number(
         "water", "length", default=None, least=0.0, code="E119", label="water in the crack",
@@ -32,12 +34,13 @@ class PlaneDesign(Design):
     """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
+    INTO: ClassVar[Mapping[str, str]] = {"joints": "joint"}
     FILLS: ClassVar[bool] = True
 
     joint: Plane
     joint_name: str
-    face: Plane = orientation("slope.face", example="60/180")
-    upper: Plane = orientation("slope.upper", default=None, example="0/180", left_out="level")
+    face: Plane = orientation("slope.face", axis="the face", example="60/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="0/180", left_out="level")
     height_m: float = number("slope.height", "length", above=0.0, code="E116", example="12 m")
     strength: Strength
     crack: VerticalCrack | None = group("crack", VerticalCrack, default=None, left_out="no crack")
@@ -112,6 +115,7 @@ class Slip:
             0.0,
             above=True,
             code="E171",
+            axis="radius of the slip surface",
             left_out="required by sphere, cylinder",
             doc="of a sphere or a cylinder",
         ),

@@ -19,7 +19,7 @@ from slopekit.design.nodes import (
     printable,
     shown_of,
 )
-from slopekit.design.structure import ANGLES, OrientationKind, is_distribution, orientation_kind
+from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution, orientation_kind
 from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
 from slopekit.errors import DesignError, Fault
 
@@ -139,7 +139,7 @@ def _turned(node: Node, parts: list[str], new: Node | None, place: Place) -> Nod
     A line is trend/plunge. A number stays in the spelling of the file; a distribution makes it the two angles by name.
     """
     of = orientation_kind(node) or _of_mean(node)
-    order = ANGLES["line"][::-1] if of == "line" else ANGLES["plane"]  # as they are written
+    order = WRITTEN[of or "plane"]
     if of is None or new is None or parts not in ([order[0]], [order[1]]):
         return None
     if isinstance(node.value, str):

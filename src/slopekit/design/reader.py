@@ -301,10 +301,8 @@ class Reader:
             names[path] = path if variable.of is None else variable
             names |= {angle: angle for angle in variable.angles if angle}
         joints = self.at("joints") or self.at("sets")
-        only = self.only_strength()
-        for joint, below in joints.items() if joints is not None else ():
-            strength = below.get("strength")
-            name = strength.text if strength is not None else only
+        for joint, _ in joints.items() if joints is not None else ():
+            name = strength_of(self.root, joint)
             for field in every_field(Strength):
                 if (own := f"strength.{name}.{field.path}") in self.variables:
                     names[f"{joint}.{field.path}"] = own
@@ -312,11 +310,13 @@ class Reader:
             names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
         return names
 
-    def only_strength(self) -> str | None:
-        """The name of the strength where there is one alone."""
-        node = self.at("strength")
-        names = [name for name, _ in node.items()] if node is not None else []
-        return names[0] if len(names) == 1 else None
+
+def strength_of(root: Node, joint: str) -> str | None:
+    """The strength that a joint (a set; all of a joint list) names, or the only one there is."""
+    joints, strengths = root.get("joints") or root.get("sets"), root.get("strength")
+    own = None if joints is None else (joints.get(joint) or joints).get("strength")
+    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    return own.text if own is not None else names[0] if len(names) == 1 else None
 
 
 def _below(node: Node | None, path: str) -> Node | None:

@@ -37,6 +37,7 @@ def fields_of_law(law: Any) -> Mapping[str, Field]:
             said["key"], said["unit"], low, high, above="above" in said, below="below" in said,
             is_required=part.default is MISSING, default=None if part.default is MISSING else part.default,
             code=_CODES.get(said["unit"], "E127"), example=said["example"], doc=said["doc"], is_attribute=True,
+            axis=said["doc"].partition(",")[0].partition(";")[0],
         )  # fmt: skip
     return found
 

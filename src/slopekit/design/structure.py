@@ -13,6 +13,8 @@ Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf"
 OrientationKind = Literal["plane", "line"]
 #: The angles of a plane and of a line: the steep one, then the direction.
 ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
+#: The same in the order in which they are written with a slash.
+WRITTEN: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("trend", "plunge")}
 _ORIENTATIONS: Mapping[str, OrientationKind] = {"plane": "plane", "face": "plane", "upper": "plane", "toward": "line"}
 _SHOWN_KEYS = 12
 

@@ -56,12 +56,13 @@ class Crack:
             0.0,
             1.0,
             or_measures="pressure",
+            axis="water in the crack",
             left_out="as the joints",
             doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`",
         ),
     )
 
-    plane: Plane = orientation("plane", example="80/180")
+    plane: Plane = orientation("plane", axis="the crack", example="80/180")
     distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
                                 doc="from the crest along J1's trace")  # fmt: skip
 
@@ -77,10 +78,11 @@ class WedgeDesign(Design):
     REQUIRED: ClassVar[tuple[str, ...]] = ()
     FILLS: ClassVar[bool] = True
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+    INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
 
     joints: tuple[Plane, Plane]
-    face: Plane = orientation("slope.face", default=None, example="60/180")
-    upper: Plane = orientation("slope.upper", default=None, example="60/180")
+    face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180")
     height_m: float = number(
         "slope.height", "length", default=None, least=1e-6, most=1e7, code="E116", example="64.89 m",
         check=more_than_nothing, says="out of range ({least} to {most})",

@@ -133,10 +133,9 @@ class OnArrays(Generic[D]):
 
 def force_on(design: Design) -> Arguments:
     """The sum of the forces and the active bolts: east, north, up; None without any."""
-    pulls: list[Sequence[float]] = [force.components_kn for force in design.forces]
-    pulls += _bolts(design, "active")
+    pulls = [*(force.components_kn for force in design.forces), *_bolts(design, "active")]
     names = ("force_east", "force_north", "force_up")
-    return dict(zip(names, np.sum(pulls, axis=0).tolist(), strict=True)) if pulls else dict.fromkeys(names)
+    return dict(zip(names, map(sum, zip(*pulls, strict=True)), strict=True)) if pulls else dict.fromkeys(names)
 
 
 def passive_bolts(design: Design) -> list[list[float]]:
@@ -145,4 +144,5 @@ def passive_bolts(design: Design) -> list[list[float]]:
 
 
 def _bolts(design: Design, acts: str) -> list[list[float]]:
-    return [(bolt.force_kn * bolt.toward.vector()).tolist() for bolt in design.bolts if bolt.acts == acts]
+    bolts = (bolt for bolt in design.bolts if bolt.acts == acts)
+    return [[bolt.force_kn * part for part in bolt.toward.vector().tolist()] for bolt in bolts]

@@ -21,7 +21,7 @@ from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.estimates import Share, Summary, share_of, summary_of
-from slopekit.studies.limits import checked_limits
+from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
 from slopekit.studies.probability_records import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
 from slopekit.studies.running import ALONE, Advance, Crew, Journal, crew_in_words, run_all

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Floats
-from slopekit.design.common import Design, Pair
+from slopekit.design.common import Pair
 from slopekit.design.correlation import contradictions
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.nodes import as_text
@@ -117,19 +117,6 @@ class Plan:
             return sample // BLOCK
         size, larger = divmod(self.n, self.replicates)
         return sample // (size + 1) if sample < larger * (size + 1) else (sample - larger) // size
-
-
-def variables_of(design: Design) -> tuple[Variable, ...]:
-    """What scatters in a design, in the order of its reader.
-
-    >>> from slopekit.design.files import load
-    >>> face = {"dist": "fisher", "mean": "60/180", "k": 500}
-    >>> joints = {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}
-    >>> wedge = load({"slopekit": 1, "kind": "wedge", "slope": {"face": face, "height": 30}, "joints": joints})
-    >>> [variable.path for variable in variables_of(wedge)]
-    ['slope.face']
-    """
-    return design.variables
 
 
 def planned(

@@ -1,59 +1,66 @@
-"""The closed forms of a design over arrays of samples: which of their arguments follow which column of the samples.
+"""The closed form of a design over arrays of samples: each key that scatters goes where its field says.
 
-The arguments are found by reading the design at some samples: each has to be the same at all of them, or a straight
-line in one column. Where one is neither (a force whose direction scatters, a density times a gravity that both
-scatter), there is no such evaluator, and the samples are read one by one.
+The arguments are asked of a design that has arrays in place of those numbers. At some samples the design is read as
+well: where it has another argument (a column of a joint list stands for the strength), or where a key is not one number
+of it (the direction of a force), there is no such evaluator, and the samples are read one by one.
 """
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.design.common import Design
+from slopekit.design.common import Design, Strength
+from slopekit.design.fields import field_at, fields_of
 from slopekit.design.files import with_values
+from slopekit.design.reader import strength_of
 from slopekit.errors import DesignError
 from slopekit.kinds import kind_of
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays
+from slopekit.orientation import Plane
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
 _EXACT = 1e-12
-_PROBES, _FEWEST = 24, 6
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """An argument that follows one column of the samples: constant + slope x."""
-
-    column: int
-    constant: float
-    slope: float
-
-    def at(self, values: Floats) -> Floats:
-        """The argument at samples (n, k)."""
-        x: Floats = values[:, self.column]
-        return x if (self.constant, self.slope) == (0.0, 1.0) else self.constant + self.slope * x
+_PROBES = 8
 
 
 @dataclass(frozen=True, slots=True)
 class Vectorised:
-    """A closed form over samples (n, k): arguments that are the same for all, and those that follow a column."""
+    """A closed form over samples (n, k), whose columns are numbers of a design by their keys."""
 
     on_arrays: OnArrays[Any]
-    fixed: Arguments
-    lines: Mapping[str, Line]
+    design: Design
+    keys: Sequence[str]
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample."""
-        arguments = self.fixed | {name: line.at(values) for name, line in self.lines.items()}
-        found = self.on_arrays.closed_forms(arguments, ())
+        found = self.on_arrays.closed_forms(self.arguments(values), ())
         if len(found.factor) == len(values):
             return found
         # nothing that scatters is an argument: all samples are alike
         return ClosedForms(found.names, np.repeat(found.outcome, len(values)), np.repeat(found.factor, len(values)))
+
+    def arguments(self, values: Floats) -> Arguments:
+        """The arguments of all samples: (n,) of those that scatter."""
+        design, strengths, joints = self.design, self.on_arrays.strengths(self.design), self.design.wet_interfaces
+        assert design.source is not None
+        used = [strength_of(design.source.root, joint) for joint in joints[: len(strengths)]]
+        straight = {field.path for field in fields_of(Strength).values() if field.is_attribute}
+        for path, column in zip(self.keys, values.T, strict=True):
+            top, *below = path.split(".")
+            if top != "strength":
+                design = _put(design, _place(design, path), column, joints)
+            elif below[1] in straight:  # no closed form knows the stiffness
+                strengths = [
+                    _put(strength, below[1:], column, ()) if name == below[0] else strength
+                    for name, strength in zip(used, strengths, strict=True)
+                ]
+        if design.density_kg_m3 is not None:
+            design = replace(design, unit_weight_kn_m3=design.density_kg_m3 * design.gravity_m_s2 / 1e3)
+        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(strengths)
 
 
 def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorised | None:
@@ -70,49 +77,65 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     if any(strength.law for strength in kind.strengths(design)):
         # strength is curved: the closed form is asked again and again then, sample by sample
         return None
+    keys = [key for variable in design.variables for key in variable.columns]
+    sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.coordinates]
+    made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys)  # what sizes are multiplied by
     rows, read = [], []
-    for row in _probes(values):
+    for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):
         try:
-            changed = with_values(design, values_at(row))
+            read.append(on_arrays.arguments(with_values(design, values_at(row))))
         except DesignError:
             continue  # a sample that no design can have
         rows.append(row)
-        read.append(on_arrays.arguments(changed))
-    if len(rows) < min(_FEWEST, len(values)):
+    try:
+        found = made.arguments(values[rows]) if rows else {}
+    except ValueError:
         return None
-    fixed: Arguments = {}
-    lines: dict[str, Line] = {}
-    for name, first in read[0].items():
-        found = [arguments[name] for arguments in read]
-        if all(value == first for value in found):
-            fixed[name] = first
-            continue
-        line = None if None in found else _line(values[rows], np.array(found, dtype=np.float64))
-        if line is None:
-            return None
-        lines[name] = line
-    return Vectorised(on_arrays, fixed, lines)
+    same = (_same(found[name], [arguments[name] for arguments in read]) for name in found)
+    return made if rows and all(same) else None
 
 
-def _probes(values: Floats) -> Iterable[int]:
-    """Samples to look at: the first ones, and the extremes of each column, where a line would first show its bend."""
-    extremes = [*values.argmin(axis=0).tolist(), *values.argmax(axis=0).tolist()]
-    return dict.fromkeys([*range(min(_PROBES, len(values))), *extremes])
+def _same(found: Any, read: Sequence[float | None]) -> bool:
+    """Whether an argument, one for all or one for each, is what was read."""
+    each, of_all = np.array(read, dtype=np.float64), np.array(found, dtype=np.float64)  # None is nan
+    return np.allclose(of_all, each, rtol=_EXACT, atol=_EXACT * np.nan_to_num(np.abs(each)).max(), equal_nan=True)
 
 
-def _line(values: Floats, found: Floats) -> Line | None:
-    """The column (m, k) that an argument (m,) follows, exactly or in a straight line."""
-    for column, x in enumerate(values.T):
-        if np.array_equal(x, found):
-            return Line(column, 0.0, 1.0)
-    for column, x in enumerate(values.T):
-        low, high = int(x.argmin()), int(x.argmax())
-        if x[low] == x[high]:
-            continue
-        slope = float((found[high] - found[low]) / (x[high] - x[low]))
-        constant = float(found[low] - slope * x[low])
-        if abs(constant) <= _EXACT * float(np.abs(found).max()):
-            constant, slope = 0.0, float(found[high] / x[high]) if x[high] else slope
-        if np.allclose(constant + slope * x, found, rtol=_EXACT, atol=_EXACT * float(np.abs(found).max())):
-            return Line(column, constant, slope)
-    return None
+def _place(design: Design, path: str) -> list[str]:
+    """The path of a number by the attributes of a design, where that is another than its key's."""
+    above = next((key for key in design.INTO if f"{path}.".startswith(f"{key}.")), "")
+    return f"{design.INTO[above]}{path.removeprefix(above)}".split(".") if above else path.split(".")
+
+
+def _put(record: Any, parts: Sequence[str], values: Floats, names: Sequence[str]) -> Any:
+    """A record with values in place of the number at a path below it.
+
+    Parameters
+    ----------
+    names : of interfaces, in the order of whatever has one value for each
+
+    Raises
+    ------
+    ValueError
+        Where there is no such number.
+    """
+    new: dict[str, Any] = {}
+    if isinstance(record, Plane):
+        new[f"{parts[-1]}_deg"] = values
+        return replace(record, **new)
+    if isinstance(record, tuple):
+        if not parts:
+            return tuple(values * part for part in record)  # the size of a force
+        k = names.index(parts[0]) if parts[0] in names else int(parts[0])
+        return (*record[:k], _put(record[k], parts[1:], values, names), *record[k + 1 :])
+    if record is None or isinstance(record, float):
+        return values
+    declared = fields_of(type(record))
+    paths = {name: [name] for name in record.__dataclass_fields__}
+    paths |= {name: field.path.split(".") for name, field in declared.items() if field.is_attribute}
+    fitting = [name for name, path in paths.items() if parts and list(parts[: len(path)]) == path]
+    if not parts:  # a number that stands for a group: its first
+        fitting = [name for name, field in declared.items() if field.is_number][:1]
+    name = max(fitting, key=lambda one: len(paths[one]))
+    new[name] = _put(getattr(record, name), parts[len(paths[name]) :], values, names)
+    return replace(record, **new)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from slopekit.design.fields import words_of
+from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.points import Point
 from slopekit.studies.solutions import Method, point_from_record
 from slopekit.studies.solve import factor_at
@@ -132,9 +134,9 @@ def draw_curve(figure: Any, document: Document) -> None:
     own = _at(key["now"], drawn[swept.asked[0]])
     if own is not None:
         axes.plot([key["now"]], [own], **_NOW)
-    axes.set_xlabel(_name(key))
+    axes.set_xlabel(_name(document, key))
     axes.set_ylabel("factor of safety")
-    _finish(figure, axes, swept.document, f"factor of safety over {short(key['key'])}")
+    _finish(figure, axes, swept.document, f"factor of safety over {_words(document, key)}")
 
 
 def draw_contour(figure: Any, document: Document) -> None:
@@ -184,11 +186,11 @@ def draw_contour(figure: Any, document: Document) -> None:
         and _inside(second["now"], down)
     ):
         axes.plot([first["now"]], [second["now"]], **_NOW)
-    axes.set_xlabel(_name(first))
-    axes.set_ylabel(_name(second))
+    axes.set_xlabel(_name(document, first))
+    axes.set_ylabel(_name(document, second))
     axes.set_xlim(min(across), max(across))
     axes.set_ylim(min(down), max(down))
-    what = f"factor of safety over {short(first['key'], 40)} and {short(second['key'], 40)}"
+    what = f"factor of safety over {_words(document, first, 40)} and {_words(document, second, 40)}"
     _finish(figure, axes, swept.document, what, margins=False)
     hide_cut(figure, axes, labels)
 
@@ -197,7 +199,7 @@ def draw_contour(figure: Any, document: Document) -> None:
 class _Bar:
     """A number and what its two ends do."""
 
-    key: str
+    words: str
     shown: Sequence[str]
     ends: Sequence[Point]
     swings: Document
@@ -214,7 +216,12 @@ def draw_tornado(figure: Any, document: Document) -> None:
     method = asked[0]
     base = factor_at(own, method)
     every = [
-        _Bar(bar["key"], _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")], bar["swing"])
+        _Bar(
+            _words(document, bar, 40),
+            _shown(bar),
+            [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+            bar["swing"],
+        )
         for bar in document["bars"]
     ]
     moving = [bar for bar in every if bar.swing(method)]
@@ -239,13 +246,13 @@ def draw_tornado(figure: Any, document: Document) -> None:
     axes.plot([], [], color=_HIGH, linewidth=8, label="at the upper end")
     axes.axvline(base, color=DARK, linewidth=1.2)
     axes.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0) if low - room < 1.0 < high + room else None
-    axes.set_yticks(range(len(bars)), [short(bar.key, 40) for bar in bars])
+    axes.set_yticks(range(len(bars)), [bar.words for bar in bars])
     axes.set_ylim(len(bars) - 0.4, -0.6)
     axes.set_xlim(low - 0.22 * room, high + 0.22 * room)
     left = len(moving) - len(bars)
     more = f"; {left} smaller ones left out" if left > 0 else ""
     said = f"factor of safety ({METHODS[method]}); upright line: {cell(base)} now{more}"
-    axes.set_xlabel(f"{said}\n{document['rule']}", fontsize=8.5)
+    axes.set_xlabel(f"{said}\n{document['rule']}", fontsize=8.5, loc="right")  # under the names, too
     _finish(figure, axes, document, "what each number does to the factor of safety", margins=False)
 
 
@@ -272,8 +279,14 @@ def _finish(figure: Any, axes: Any, document: Document, what: str, margins: bool
         figure.legend(fontsize=8.5, loc="outside lower center", ncols=4, frameon=False)
 
 
-def _name(key: Document) -> str:
-    name = short(key["key"])
+def _words(document: Document, key: Document, most: int = 60) -> str:
+    """What a key is, `friction angle of weak`; the key itself of a kind that is not known here."""
+    kind = str(document.get("kind"))
+    return short(words_of(record_of(kind), key["key"]) if kind in KINDS else key["key"], most)
+
+
+def _name(document: Document, key: Document) -> str:
+    name = _words(document, key)
     return f"{name} ({key['unit']})" if key["unit"] else name
 
 

@@ -21,7 +21,7 @@ from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.orientation import number
-from slopekit.studies.keys import Key, key_of, values_of
+from slopekit.studies.keys import MOST, Key, key_of, parse_values, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
 from slopekit.studies.protocol import (
     DESK,
@@ -35,7 +35,6 @@ from slopekit.studies.protocol import (
     number_of,
     study,
 )
-from slopekit.studies.ranges import MOST, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
