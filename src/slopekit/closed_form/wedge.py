@@ -21,8 +21,8 @@ from slopekit.closed_form.wedge_sliding import (
     SLIDES_UP,
     STATUSES,
     STILL,
-    Bed,
     Bolt,
+    JointPair,
     Vector,
     cross,
     dot,
@@ -416,7 +416,7 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
     strength = np.empty((2, 2, weight.size))
     for joint, number in ((J1, 1), (J2, 2)):
         strength[0, joint], strength[1, joint] = columns[f"cohesion{number}_kpa"], columns[f"friction{number}_deg"]
-    bed = Bed(
+    bed = JointPair(
         joints, line, between, 1.0 - between * between, strength[0] * shape.areas[:2], np.tan(strength[1] * _RADIAN),
         size,
     )  # fmt: skip

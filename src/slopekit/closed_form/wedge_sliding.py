@@ -41,7 +41,7 @@ class Slide(NamedTuple):
     movement: Vector
 
 
-class Bed(NamedTuple):
+class JointPair(NamedTuple):
     """The two joints (2, m): normals into the wedge, the line of intersection, n₁·n₂ and 1 - (n₁·n₂)², strength."""
 
     inward: Vector
@@ -52,13 +52,13 @@ class Bed(NamedTuple):
     tangents: Floats
     size: Floats
 
-    def of(self, one: int) -> "Bed":
+    def of(self, one: int) -> "JointPair":
         """One wedge's, (2, 1): for any number of loads."""
 
         def part(values: Any) -> Any:
             return tuple(map(part, values)) if isinstance(values, tuple) else values[..., one : one + 1]
 
-        return Bed(*map(part, self))
+        return JointPair(*map(part, self))
 
     def slide(self, load: Vector) -> Slide:
         """Mode of sliding from the resultant: off both, along one, along both joints."""
@@ -102,7 +102,7 @@ class Bed(NamedTuple):
 # -- passive bolts ------------------------------------------------------------------------------------
 
 
-def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
+def with_bolts(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
 
     def at(reduction: Floats) -> Slide:
@@ -118,7 +118,7 @@ def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[
     return factor, at(np.array([reduction]))
 
 
-def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
+def _pulled(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
     """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
     pulls = np.zeros((len(bolts), reduction.size))
     settled = np.zeros(reduction.size, dtype=np.bool_)
@@ -141,7 +141,7 @@ def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: F
     return under(pulls)
 
 
-def _best_pull(bed: Bed, load: Vector, bolt: Bolt, most: Floats) -> Floats:
+def _best_pull(bed: JointPair, load: Vector, bolt: Bolt, most: Floats) -> Floats:
     """The pull between 0 and `most` (r,) with which one bolt leaves the least movement.
 
     The movement along a bolt, R·b, rises with its pull p, in a straight line in each mode. Where it draws the bolt out

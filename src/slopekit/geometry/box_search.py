@@ -91,7 +91,7 @@ class _Sweep:
         return np.minimum(first, second), np.maximum(first, second)
 
 
-class _Grid:
+class _BoxGrid:
     """Boxes of one size in cells of that size, and the boxes that are not larger looked up there."""
 
     def __init__(self, own: Ints, others: Ints, lowest: Floats, highest: Floats, size: float) -> None:
@@ -144,7 +144,7 @@ class _Grid:
         return key
 
 
-def _grids(lowest: Floats, highest: Floats) -> list[_Grid]:
+def _grids(lowest: Floats, highest: Floats) -> list[_BoxGrid]:
     extent = (highest - lowest).max(axis=1)
     domain = float((highest.max(axis=0) - lowest.min(axis=0)).max())
     extent = np.maximum(extent, max(float(np.median(extent)), domain * _FINEST, 1e-300))
@@ -153,5 +153,5 @@ def _grids(lowest: Floats, highest: Floats) -> list[_Grid]:
     grids = []
     for step in np.unique(level):
         size = float(extent.min()) * 2.0 ** float(step) * (1.0 + 1e-5)
-        grids.append(_Grid(np.flatnonzero(level == step), np.flatnonzero(level < step), lowest, highest, size))
+        grids.append(_BoxGrid(np.flatnonzero(level == step), np.flatnonzero(level < step), lowest, highest, size))
     return grids

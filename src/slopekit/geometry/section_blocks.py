@@ -295,7 +295,7 @@ def section_assembly(
 
 
 @dataclass(frozen=True, slots=True)
-class _Facing:
+class _FacingEdges:
     """Pairs of edges that run opposite ways beside each other.
 
     Attributes
@@ -345,7 +345,7 @@ class _Edges:
             meets |= self._distance(edge, point) <= distance
         return np.unique(self.block[a[meets]])
 
-    def facing(self, first: Ints, second: Ints) -> _Facing:
+    def facing(self, first: Ints, second: Ints) -> _FacingEdges:
         """What pairs of edges share that run opposite ways."""
         opposite = (self.direction[first] * self.direction[second]).sum(axis=1) < _OPPOSITE
         first, second = first[opposite], second[opposite]
@@ -370,7 +370,7 @@ class _Edges:
         apart = off_plus - off_minus
         middle = (off_plus + off_minus) / 2.0
         ends = base[:, None] + places[:, :, None] * mean[:, None] + middle[:, :, None] * normal[:, None]
-        return _Facing(
+        return _FacingEdges(
             self.block[plus], self.block[minus], ends, normal, places[:, 1] - places[:, 0], apart.min(axis=1),
             apart.max(axis=1),
         )  # fmt: skip
@@ -408,7 +408,7 @@ def _in_space(points: Floats) -> Floats:
     return np.stack([points[..., 0], np.zeros(points.shape[:-1]), points[..., 1]], axis=-1)
 
 
-def _patches(faced: _Facing, touches: Bools, origin: Floats, thickness: float) -> Patches:
+def _patches(faced: _FacingEdges, touches: Bools, origin: Floats, thickness: float) -> Patches:
     order = np.flatnonzero(touches)
     order = order[np.lexsort((faced.plus[order], faced.minus[order]))]
     corners = _in_space(faced.ends[order] + origin)
@@ -420,7 +420,7 @@ def _patches(faced: _Facing, touches: Bools, origin: Floats, thickness: float) -
     )  # fmt: skip
 
 
-def _filled(faced: _Facing, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
+def _filled(faced: _FacingEdges, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
     """Whether the middle of a gap lies in a third block: what fills a thin joint is no gap."""
     middle = faced.ends[near].mean(axis=1)
     filled = np.zeros(len(middle), dtype=bool)

@@ -17,7 +17,7 @@ _BENT = 1e-6  # sine of an angle that two sides of a face turn by
 
 
 @dataclass(frozen=True, slots=True)
-class Solids:
+class ClosedMeshes:
     """Closed meshes of blocks, their triangles anticlockwise seen from outside.
 
     Attributes
@@ -57,7 +57,7 @@ class Pieces:
 
 def clean_solids(
     meshes: Sequence[tuple[Floats, Ints]], tolerance: float | None, names: Sequence[str]
-) -> tuple[Solids, float]:
+) -> tuple[ClosedMeshes, float]:
     """The meshes with equal vertices merged, every triangle turned outward, and the tolerance.
 
     Parameters
@@ -103,13 +103,13 @@ def clean_solids(
     moment = np.stack([np.bincount(block, m, minlength=count) for m in (part[:, None] * (a + b + c)).T / 4.0], axis=1)
     inside_out = volumes < 0.0
     triangles = np.where(inside_out[block][:, None], triangles[:, ::-1], triangles)
-    return Solids(
+    return ClosedMeshes(
         origin, vertices, triangles, block, vertex_block, np.abs(volumes), moment / volumes[:, None] + apex,
         np.flatnonzero(inside_out), shells,
     ), tolerance  # fmt: skip
 
 
-def convex_faces(solids: Solids, tolerance: float) -> Pieces:
+def convex_faces(solids: ClosedMeshes, tolerance: float) -> Pieces:
     """Flat faces: triangles in one plane put together where they make a convex polygon, the others by themselves."""
     vertices, triangles = solids.vertices, solids.triangles
     a, b, c = (vertices[triangles[:, k]] for k in range(3))

@@ -15,7 +15,7 @@ from slopekit.geometry.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.fit import Gaps, Overlaps
 from slopekit.geometry.patches import Assembly, Patches
-from slopekit.geometry.solid_faces import Pieces, Solids, clean_solids, convex_faces
+from slopekit.geometry.solid_faces import ClosedMeshes, Pieces, clean_solids, convex_faces
 
 _OPPOSITE = -0.99  # cosine between faces that can lie on each other; how far apart they are decides
 _NEAR = 0.01  # of the mean block size: what is nearer than this and does not touch is reported
@@ -102,7 +102,7 @@ def mesh_assembly(
 
 
 @dataclass(frozen=True, slots=True)
-class _Facing:
+class _FacingFaces:
     """Pairs of faces that look at each other: what they share, in the plane halfway between them.
 
     Attributes
@@ -125,7 +125,7 @@ class _Facing:
     most: Floats
 
 
-def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Facing:
+def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _FacingFaces:
     first, second = box_pairs(pieces.corners.min(axis=1) - reach / 2.0, pieces.corners.max(axis=1) + reach / 2.0)
     wanted = pieces.block[first] != pieces.block[second]
     first, second = first[wanted], second[wanted]
@@ -145,14 +145,14 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
     def all_of(name: str) -> Floats:
         return np.concatenate([getattr(part, name) for part in parts])
 
-    return _Facing(
+    return _FacingFaces(
         np.concatenate([part.plus for part in parts]), np.concatenate([part.minus for part in parts]),
         all_of("normals"), np.concatenate(corners), np.concatenate([part.counts for part in parts]), all_of("areas"),
         all_of("centroids"), all_of("width"), all_of("least"), all_of("most"),
     )  # fmt: skip
 
 
-def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _Facing:
+def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _FacingFaces:
     normal = pieces.normals[minus] - pieces.normals[plus]
     normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
     base = pieces.corners[minus, 0]
@@ -188,13 +188,13 @@ def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: fl
     middle = np.einsum("nij,nj->ni", axes, centres)[:, None]
     centroids = middle + ((height(plus, middle) + height(minus, middle)) / 2.0)[:, :, None] * normal[:, None]
     points = points + ((above + below) / 2.0)[:, :, None] * normal[:, None] + base[:, None]
-    return _Facing(
+    return _FacingFaces(
         pieces.block[plus], pieces.block[minus], normal, points, counts, areas, centroids[:, 0] + base, width,
         np.where(there, apart, np.inf).min(axis=1), np.where(there, apart, -np.inf).max(axis=1),
     )  # fmt: skip
 
 
-def _patches(faced: _Facing, touches: Bools, origin: Floats) -> Patches:
+def _patches(faced: _FacingFaces, touches: Bools, origin: Floats) -> Patches:
     counts = faced.counts[touches]
     corners = faced.corners[touches][np.arange(faced.corners.shape[1]) < counts[:, None]]
     return Patches(
@@ -204,7 +204,7 @@ def _patches(faced: _Facing, touches: Bools, origin: Floats) -> Patches:
     )  # fmt: skip
 
 
-def _overlaps(solids: Solids, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Overlaps, Ints]:
+def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Overlaps, Ints]:
     """Volumes that pairs of blocks share, and the pairs for which there is none to be had."""
     count = len(fixed)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -236,7 +236,7 @@ def _overlaps(solids: Solids, pieces: Pieces, fixed: Bools, tolerance: float) ->
     return Overlaps(table[:, :2].astype(np.int64), frozen(table[:, 2]), frozen(table[:, 3])), failed
 
 
-def _supports(solids: Solids, pieces: Pieces, tolerance: float) -> Ints:
+def _supports(solids: ClosedMeshes, pieces: Pieces, tolerance: float) -> Ints:
     """Faces that have all of their block behind them, in the order of the blocks."""
     vertices, sizes = _block_rows(solids.vertex_block, len(solids.volumes))
     cost = np.bincount(pieces.block, minlength=len(sizes)) * sizes
@@ -249,7 +249,7 @@ def _supports(solids: Solids, pieces: Pieces, tolerance: float) -> Ints:
     return np.asarray(order[np.bincount(row, out > tolerance, minlength=len(order)) == 0], dtype=np.int64)
 
 
-def _behind(solids: Solids, pieces: Pieces, supports: Ints, own: Ints, other: Ints, tolerance: float) -> Bools:
+def _behind(solids: ClosedMeshes, pieces: Pieces, supports: Ints, own: Ints, other: Ints, tolerance: float) -> Bools:
     """Whether block `other` lies wholly in front of some face behind which all of block `own` lies."""
     apart = np.zeros(len(own), dtype=bool)
     faces, face_counts = _block_rows(pieces.block[supports], len(solids.volumes))
@@ -270,7 +270,7 @@ def _block_rows(block: Ints, count: int) -> tuple[Ints, Ints]:
     return np.cumsum(sizes) - sizes, sizes
 
 
-def _manifold(solids: Solids, block: int) -> Manifold | None:
+def _manifold(solids: ClosedMeshes, block: int) -> Manifold | None:
     own = slice(*np.searchsorted(solids.block, [block, block + 1]).tolist())
     used, corners = np.unique(solids.triangles[own], return_inverse=True)
     mesh = Mesh64(np.ascontiguousarray(solids.vertices[used]), corners.reshape(-1, 3).astype(np.uint64))

@@ -8,8 +8,8 @@ import numpy as np
 from slopekit.closed_form.footing import footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
-from slopekit.geometry.section import J1, Section, footing_section, line_pairs
-from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
+from slopekit.geometry.section import J1, PlaneSection, footing_section, line_pairs
+from slopekit.kinds.one_block import LoadedBlock, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
@@ -21,7 +21,7 @@ from slopekit.result import Result, Words
 NAME = "weak plane"
 
 
-def cut(design: FootingDesign) -> Cut:
+def cut(design: FootingDesign) -> LoadedBlock:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
@@ -30,7 +30,7 @@ def cut(design: FootingDesign) -> Cut:
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
     left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
-    return Cut(
+    return LoadedBlock(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
     )  # fmt: skip
@@ -49,7 +49,7 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     return on_one_plane(found.factor, found.status, design.strength)
 
 
-def _block(design: FootingDesign) -> tuple[Section, float]:
+def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
     """The block and the place of the load on it, m from the face."""
     section = footing_section(design.dip_deg, design.length_m)
     width = -float(section.bottom[0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from slopekit.kinds.one_block import Cut
+from slopekit.kinds.one_block import LoadedBlock
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.onlooker import say
@@ -115,8 +115,8 @@ def timed(work: Callable[[], Any]) -> tuple[Any, float]:
 
 
 def ladder_of_block(
-    design: D, analyse: Callable[[D], Result], cut: Callable[[D], Cut],
-    finer: Callable[[D, Result, Cut], Iterator[Rung]], closed_form: Callable[[D], ClosedForm] | None = None,
+    design: D, analyse: Callable[[D], Result], cut: Callable[[D], LoadedBlock],
+    finer: Callable[[D, Result, LoadedBlock], Iterator[Rung]], closed_form: Callable[[D], ClosedForm] | None = None,
 ) -> Ladder:  # fmt: skip
     """The ladder of a design of one block; times are those of the solvers alone.
 
@@ -160,7 +160,7 @@ def _passes(model: Model) -> Iterator[Rung]:
                    seconds)  # fmt: skip
 
 
-def meshes(_: object, result: Result, made: Cut) -> Iterator[Rung]:
+def meshes(_: object, result: Result, made: LoadedBlock) -> Iterator[Rung]:
     """Flat joints with their parts split further and further."""
     for level in range(made.refine, max(_MOST_REFINED, result.model.refined + 1) + 1):
         setting = f"parts split {often(level)}"
@@ -176,7 +176,7 @@ def limit_rung(scene: Scene, analyse: Callable[[Model], LimitAnalysis], setting:
     return Rung("mesh", setting, len(scene.pairs), level, factor, seconds)
 
 
-def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
+def _others(result: Result, made: LoadedBlock) -> tuple[float | None, ...]:
     model = made.scene_at(max(made.refine, result.model.refined)).model
     found = []
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):

@@ -22,7 +22,7 @@ from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
+from slopekit.preie.polygon_bed import PointForces, PolygonBed, bed_of
 from slopekit.result import ContactOpening
 
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
@@ -58,7 +58,7 @@ class CohesionRules:
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class CohesionLimit:
     """The limit by the headline's rule and the node pairs that carry it.
 
     `change`: what the last refinement did to it, or what finer triangles would do; None where that is not known.
@@ -124,7 +124,7 @@ def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     return analysis if one and other and abs(other / one - 1.0) < MOMENTS else found
 
 
-def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
+def judge(scene: Scene, analysis: LimitAnalysis, before: CohesionLimit | None = None) -> CohesionLimit:
     """The limit by the three rules.
 
     Parameters
@@ -165,12 +165,12 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
     )  # fmt: skip
     without_path = without_path and govern and rule == "bond_gone"
     found_limit = LimitAnalysis(governing, alone, judged, govern, govern, without_path)
-    return Judged(own, found_limit, change, rules, found, gone, motion)
+    return CohesionLimit(own, found_limit, change, rules, found, gone, motion)
 
 
 def with_finer_motion(
-    judged: Judged, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
-) -> Judged:
+    judged: CohesionLimit, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+) -> CohesionLimit:
     """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
     if judged.motion.passes > most_passes or len(judged.motion.bond) == len(scene.pairs):
         return judged
@@ -217,7 +217,7 @@ def _opens_bonds(limit: Limit, model: Model) -> Bools:
 
 
 def _on_its_pairs(
-    scene: Scene, bed: Bed, found: CrackedBase, forces: PointForces, factor: float, motion: Limit
+    scene: Scene, bed: PolygonBed, found: CrackedBase, forces: PointForces, factor: float, motion: Limit
 ) -> tuple[Scene, Limit]:
     """The points of the bed as node pairs, with a model of their own, and the limit on them."""
     assert scene.bedding is not None
@@ -246,7 +246,7 @@ def _on_its_pairs(
     return Scene(pairs, own, bedding), limit
 
 
-def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
+def _evidence(bed: PolygonBed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
     forces, out = found.forces, dict[int, ContactOpening]()
     if forces is None or found.opening is None:
         return out

@@ -116,7 +116,7 @@ class Solved:
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class LoadedBlock:
     """A block, cut and loaded, in local axes: what its limit, its result and its support are made from.
 
     Attributes
@@ -152,7 +152,7 @@ class Cut:
 
 
 def kind_of_one_block(
-    name: str, words: Words, cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
+    name: str, words: Words, cut: Callable[[D], LoadedBlock], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
@@ -243,7 +243,7 @@ def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
         yield "c +10 %", replace(strength, cohesion_kpa=strength.cohesion_kpa * 1.1)
 
 
-def solve(design: Design, made: Cut, clock: Clock) -> Solved:
+def solve(design: Design, made: LoadedBlock, clock: Clock) -> Solved:
     """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
     found = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
     scene, analysis = found.scene, found.analysis
@@ -409,7 +409,7 @@ def _mesh_change(coarse: LimitAnalysis, fine: LimitAnalysis) -> tuple[float | No
 
 
 def result(
-    words: Words, design: Design, made: Cut, solved: Solved, status: str, closed: ClosedForm, forces: Forces,
+    words: Words, design: Design, made: LoadedBlock, solved: Solved, status: str, closed: ClosedForm, forces: Forces,
     clock: Clock, *, governs: tuple[tuple[str, float | None, str], ...] = (),
     methods: Mapping[str, float | None] | None = None, extra: Sequence[Notice] = (),
 ) -> Result:  # fmt: skip
@@ -561,7 +561,7 @@ def turns_over(limit: Limit, model: Model) -> str:
     return "whatever the strength" if freely and not len(model.bolt_capacity) else "and no strength is called on"
 
 
-def forces_of(made: Cut, solved: Solved, water: Mapping[str, float], driven: bool = True) -> Forces:
+def forces_of(made: LoadedBlock, solved: Solved, water: Mapping[str, float], driven: bool = True) -> Forces:
     """Weight, normal force on each joint at the limit, water, and if `driven` what drives along the movement."""
     normal: dict[str, float | None] = {}
     for interface in made.interfaces:

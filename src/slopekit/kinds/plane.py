@@ -13,9 +13,9 @@ from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
+from slopekit.geometry.section import CRACK, FACE, J1, PlaneSection, line_pairs, plane_section
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
+from slopekit.kinds.one_block import DILATES, LoadedBlock, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
@@ -29,7 +29,7 @@ _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES
 _OUT = 1e-9
 
 
-def cut(design: PlaneDesign) -> Cut:
+def cut(design: PlaneDesign) -> LoadedBlock:
     """Cut the section and load it.
 
     Raises
@@ -47,7 +47,7 @@ def cut(design: PlaneDesign) -> Cut:
     left_out += (
         ["tensile strength at the limit (it is lost where a joint opens)"] if design.strength.tension_kpa else []
     )
-    return Cut(
+    return LoadedBlock(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}), FACE, design.refine, axes=axes,
@@ -66,7 +66,7 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
     return plane.dip_deg if same else -plane.dip_deg
 
 
-def section_of(design: PlaneDesign) -> Section:
+def section_of(design: PlaneDesign) -> PlaneSection:
     """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
@@ -94,7 +94,7 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
+def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
     water, depth = design.water, section.crack_depth
     along = section.bottom / section.length
@@ -138,7 +138,7 @@ def _seismic(design: PlaneDesign) -> float:
     return design.seismic.coefficient * math.cos(turned)
 
 
-def _loads(design: PlaneDesign, section: Section) -> Loads:
+def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     active, passive = bolt_forces(
         design, origin,

@@ -21,7 +21,7 @@ from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, 
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
 from slopekit.kinds.one_block import (
     Clock,
-    Cut,
+    LoadedBlock,
     Solved,
     block_status,
     forces_of,
@@ -97,7 +97,7 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     return result(WORDS, design, made, solved, status, closed, forces, clock, methods=methods, extra=notes)
 
 
-def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: Scene) -> Cut:
+def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene: Scene) -> LoadedBlock:
     mass = cut.mass
     left_out = ["bedrock (no unknowns)", "ground surface (free)", "deformation of the mass"]
     if design.slip.shape == "cylinder":
@@ -112,7 +112,7 @@ def _made(design: SurfaceDesign, cut: _Mass, loads: Loads, slip: Slippage, scene
             frozen(mass.vertices + cut.origin), mass.triangles, mass.on == SLIP,
         )  # fmt: skip
 
-    return Cut(
+    return LoadedBlock(
         _block(mass), loads, lambda _: scene, [Interface(SLIP, NAME, design.strength)], geometry, left_out,
         most_refined=0, limit=curved_limit_analysis, origin=cut.origin,
     )  # fmt: skip
@@ -135,7 +135,7 @@ def _factors(design: SurfaceDesign) -> Factors:
     )  # fmt: skip
 
 
-def cut(design: SurfaceDesign) -> Cut:
+def cut(design: SurfaceDesign) -> LoadedBlock:
     """Cut the mass, turn the normals so that it can slip, and load it. Raises GeometryError as `analyse_surface`."""
     mass = _cut(design)
     loads = _loads(design, mass)
@@ -430,7 +430,7 @@ def _meshed(
         yield level, times * geometry.edge_m, made.scene_at(0), meshed.edge_m
 
 
-def _meshes(design: SurfaceDesign, result: Result, _: Cut) -> "Iterator[Rung]":
+def _meshes(design: SurfaceDesign, result: Result, _: LoadedBlock) -> "Iterator[Rung]":
     """Edges four times as long as the design's, to half as long; a mesh file is what it is."""
     from slopekit.kinds.ladders import limit_rung
 

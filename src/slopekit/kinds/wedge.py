@@ -17,7 +17,7 @@ from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
-from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
+from slopekit.kinds.one_block import DILATES, LoadedBlock, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import changed_laws
@@ -42,7 +42,7 @@ _NEARLY_PARALLEL_DEG = 5.0
 _FAR_M = 1e4  # coordinates beyond this are a map's
 
 
-def cut(design: WedgeDesign) -> Cut:
+def cut(design: WedgeDesign) -> LoadedBlock:
     """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
     rock = _rock_mass(design)
     block = cut_wedge(rock)
@@ -51,7 +51,7 @@ def cut(design: WedgeDesign) -> Cut:
     strengths = strengths_of(design)
     strength = joint_strength(strengths)
     bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
-    return Cut(
+    return LoadedBlock(
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
         lambda: _geometry(design, rock, block), _left_out(design, block),

@@ -24,7 +24,7 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.patterns import ContactPattern
-from slopekit.preie.stiffness import Stiffness
+from slopekit.preie.stiffness import SparseStiffness
 from slopekit.strength.mohr_coulomb import line
 
 #: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
@@ -41,7 +41,7 @@ _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node 
 
 
 @dataclass(slots=True)
-class Forces:
+class BedForces:
     """What the joints carry at a displacement.
 
     Attributes
@@ -71,7 +71,7 @@ class Forces:
         """Whether an unbalanced force is as small as it should be."""
         return off <= max(part * self.largest, self.rounding)
 
-    def same_modes(self, other: "Forces") -> bool:
+    def same_modes(self, other: "BedForces") -> bool:
         """Whether the same pairs touch and the same joints slip."""
         return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
 
@@ -141,7 +141,7 @@ class Bed:
         self.friction = model.tan_friction
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
-        self.stiffness = Stiffness(model)
+        self.stiffness = SparseStiffness(model)
         self.contacts = len(model.plus)
         self._pattern = ContactPattern(model)
         self._pressing = self.area[:, None] * model.normal_rows
@@ -187,7 +187,9 @@ class Bed:
 
     # -- the law ------------------------------------------------------------------------------------------------------
 
-    def forces(self, at: Floats, parameter: float, frozen: Floats | None = None, modes: Forces | None = None) -> Forces:
+    def forces(
+        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: BedForces | None = None
+    ) -> BedForces:
         """Forces at the displacement (N,).
 
         Parameters
@@ -228,13 +230,13 @@ class Bed:
         if modes is not None:
             friction = np.where(slips[:, None], friction, -elastic)
         unbalanced = self.columns @ np.concatenate([normal, friction.ravel()]) + load
-        return Forces(
+        return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
             _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
         )  # fmt: skip
 
-    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> Forces:
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
         friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
         touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
@@ -243,7 +245,7 @@ class Bed:
             self._law, np.ascontiguousarray(at), reduction, load, frozen,
             normal, friction, strength, touching, slips, direction, slip, unbalanced,
         )  # fmt: skip
-        return Forces(
+        return BedForces(
             normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
             _ROUNDING * (pressed + longest),
         )  # fmt: skip
@@ -254,7 +256,7 @@ class Bed:
 
     def _dilated(
         self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats,
-        modes: Forces | None, cohesion: Floats,
+        modes: BedForces | None, cohesion: Floats,
     ) -> tuple[Floats, Bools, Floats]:  # fmt: skip
         """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
         dilation, of_pair = self._dilation(reduction), self.group_of_pair
@@ -282,7 +284,7 @@ class Bed:
         return sums
 
     def tangent(
-        self, there: Forces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
+        self, there: BedForces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
     ) -> Floats:
         """Stiffness (k, u, u) of the contacts at some forces.
 
@@ -339,7 +341,7 @@ class Bed:
         coupled = self._by_contact(dragged[:, :, None] * (follows[:, None] * pressing)[:, None, :])
         return self._local(touching, -tangent) + coupled
 
-    def by_parameter(self, there: Forces, parameter: float) -> Floats:
+    def by_parameter(self, there: BedForces, parameter: float) -> Floats:
         """How the unbalanced force changes with the parameter, (N,)."""
         if self.drive.ramp is not None:
             return self.drive.ramp
@@ -380,7 +382,7 @@ class Bed:
             opening = opening - (self._dilation(reduction) * size)[self.group_of_pair]
         return opening, slip
 
-    def turned(self, modes: Forces, velocity: Floats) -> Forces:
+    def turned(self, modes: BedForces, velocity: Floats) -> BedForces:
         """The modes with the directions of slip of a motion (N,), where it slips."""
         _, slip = self.motion(velocity, 1.0)
         size = np.sqrt((slip * slip).sum(axis=1))
@@ -425,7 +427,7 @@ class Bed:
         other.dilates = True
         return other
 
-    def polished(self, at: Floats, parameter: float) -> tuple[Floats, Forces]:
+    def polished(self, at: Floats, parameter: float) -> tuple[Floats, BedForces]:
         """A state at rest nearer to balance, so that slivers are too, and its forces."""
         there = self.forces(at, parameter)
         for _ in range(_POLISHES):
@@ -439,7 +441,7 @@ class Bed:
             at, there = trial, seen
         return at, there
 
-    def onward(self, step: "Step") -> Floats | None:
+    def onward(self, step: "NewtonStep") -> Floats | None:
         """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
         try:
             solver = self.factored(self.tangent(step.forces, step.parameter))
@@ -455,7 +457,7 @@ class Bed:
 
     def off(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
-    ) -> tuple[Forces, Floats]:
+    ) -> tuple[BedForces, Floats]:
         there = self.forces(at, parameter, frozen)
         if not viscosity:
             return there, there.unbalanced
@@ -463,7 +465,7 @@ class Bed:
 
     def newton(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
-    ) -> "Step":
+    ) -> "NewtonStep":
         working = self.working
         there, off = self.off(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
@@ -474,7 +476,7 @@ class Bed:
 
         for taken in range(_TRIES + 1):
             if there.balanced(size) and self._each_balanced(off) and worked(at, 1e-9):
-                return Step(at, parameter, there, True, taken)
+                return NewtonStep(at, parameter, there, True, taken)
             if taken == _TRIES or not np.isfinite(size):
                 break
             try:
@@ -493,7 +495,7 @@ class Bed:
             if not np.isfinite(way).all():
                 break
             length = 1.0 if abs(change) <= 0.5 * abs(parameter) else 0.5 * abs(parameter) / abs(change)
-            nearest: tuple[float, Floats, float, Forces, Floats] | None = None
+            nearest: tuple[float, Floats, float, BedForces, Floats] | None = None
             while True:
                 trial, tried = at + length * way, parameter + length * change
                 seen, left = self.off(trial, before, tried, viscosity)
@@ -512,15 +514,15 @@ class Bed:
                 break
             best = min(best, size)
         good = there.balanced(size, _SETTLED_ENOUGH) and self._each_balanced(off) and worked(at, 1e-6)
-        return Step(at, parameter, there, good, _TRIES)
+        return NewtonStep(at, parameter, there, good, _TRIES)
 
 
 @dataclass(slots=True)
-class Step:
+class NewtonStep:
     """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
 
     at: Floats
     parameter: float
-    forces: Forces
+    forces: BedForces
     settled: bool
     taken: int

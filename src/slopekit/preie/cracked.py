@@ -20,7 +20,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.linear import split_space
-from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
+from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
 
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
 _FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done
@@ -72,7 +72,7 @@ class CrackedBase:
     points: int = 0
 
 
-def cracked_base(bed: Bed, guess: float) -> CrackedBase:
+def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
     """Follow the block on its elastic bed from a strength that holds it to the least that does.
 
     Parameters
@@ -86,7 +86,7 @@ def cracked_base(bed: Bed, guess: float) -> CrackedBase:
     return found
 
 
-def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
+def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
     """The same, on triangles that are split in four `split` times."""
     path = _Path(bed, split)
     begun = path.start(_STRONG / guess)
@@ -96,7 +96,7 @@ def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
 
 
 @dataclass(frozen=True, slots=True)
-class _Point:
+class _PathPoint:
     """A point of the path: u, ln λ, and the unit tangent of the two."""
 
     u: Floats
@@ -107,9 +107,9 @@ class _Point:
 class _Path:
     """The elastic path of one bed."""
 
-    def __init__(self, bed: Bed, split: int) -> None:
+    def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed, self.split = bed, split
-        self.springs = Springs(bed, split)
+        self.springs = BedSprings(bed, split)
         self.points = self.work = 0
 
     def forces(
@@ -196,7 +196,7 @@ class _Path:
             return None
         return np.asarray(tangent / math.sqrt(float(tangent @ tangent)), dtype=np.float64)
 
-    def _step(self, point: _Point, length: float) -> tuple[_Point, int] | None:
+    def _step(self, point: _PathPoint, length: float) -> tuple[_PathPoint, int] | None:
         """The point of the path that lies `length` along the tangent, in parts of the displacement so far."""
         scale = math.sqrt(float(point.u @ point.u))
         count = len(point.u)
@@ -216,7 +216,7 @@ class _Path:
                 # the next step is measured in this point's own displacement
                 renewed = np.append(tangent[:count] * scale, tangent[count])
                 renewed[:count] /= math.sqrt(float(u @ u))
-                return _Point(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
+                return _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
             if used > 4 and size > last:
                 return None
             last = size
@@ -273,14 +273,14 @@ class _Path:
         running = self._running(best, _SAME if is_fold else _NEAR)
         return running or self._at_rest(best, not is_fold)
 
-    def _begin(self, u: Floats, reduction: float) -> _Point | None:
+    def _begin(self, u: Floats, reduction: float) -> _PathPoint | None:
         """A state of rest as a point of the path that goes on toward less strength."""
         at = self.forces(u, u, reduction, False)
         down = np.append(np.zeros(len(u)), -1.0)
         tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
-        return None if tangent is None else _Point(u, math.log(reduction), tangent)
+        return None if tangent is None else _PathPoint(u, math.log(reduction), tangent)
 
-    def _march(self, point: _Point, least: float = _LEAST_PART) -> _Point | None:
+    def _march(self, point: _PathPoint, least: float = _LEAST_PART) -> _PathPoint | None:
         """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
         part = _MARCH
         while part > least:
@@ -292,7 +292,7 @@ class _Path:
             part /= 5.0
         return None
 
-    def _least(self, point: _Point, length: float) -> _Point:
+    def _least(self, point: _PathPoint, length: float) -> _PathPoint:
         """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
         low, high, best = 0.0, length, point
         at_low, at_high = float(point.tangent[-1]), 1.0
@@ -317,7 +317,7 @@ class _Path:
 
     # -- the running state --------------------------------------------------------------------------------
 
-    def _running(self, point: _Point, near: float) -> CrackedBase | None:
+    def _running(self, point: _PathPoint, near: float) -> CrackedBase | None:
         """The state that the path settles to, by Newton's method; None where there is none as near as that in λ."""
         motion = _motion(point)
         closed = []
@@ -366,7 +366,7 @@ class _Path:
             change / reduction, size, self.points,
         )  # fmt: skip
 
-    def _at_rest(self, point: _Point, creeps: bool) -> CrackedBase:
+    def _at_rest(self, point: _PathPoint, creeps: bool) -> CrackedBase:
         """A limit at a point of the path."""
         u, reduction = point.u, math.exp(point.log_reduction)
         scale, count = math.sqrt(float(u @ u)), len(u)
@@ -382,16 +382,16 @@ class _Path:
             float(np.abs(at.out).max()), self.points,
         )  # fmt: skip
 
-    def _change(self, forces: Callable[[Springs], Unbalanced], matrix: Floats) -> float:
+    def _change(self, forces: Callable[[BedSprings], Unbalanced], matrix: Floats) -> float:
         """What the last unknown moves by when triangles are split once more, to first order."""
-        finer = forces(Springs(self.bed, self.split + 1)).out
+        finer = forces(BedSprings(self.bed, self.split + 1)).out
         try:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
 
 
-def _motion(point: _Point) -> Floats:
+def _motion(point: _PathPoint) -> Floats:
     """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
     motion = point.tangent[:-1]
     size = math.sqrt(float(motion @ motion))

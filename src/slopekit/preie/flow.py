@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.errors import SolverError
-from slopekit.preie.bed import Bed, Forces, Step
+from slopekit.preie.bed import Bed, BedForces, NewtonStep
 
 EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
@@ -29,7 +29,7 @@ class Flow:
     """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended."""
 
     at: Floats
-    forces: Forces
+    forces: BedForces
     ended: str  # rest, runs, slow, lost
     before: Floats
     viscosity: float
@@ -71,7 +71,7 @@ def relaxed(
 
 def stepped(
     bed: Bed, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None
-) -> Step:
+) -> NewtonStep:
     """Balance of the forces and of viscous flow away from `before`.
 
     Newton downhill; where that stalls a few blocks by themselves, full steps, which may climb, and, without `work`,
@@ -93,7 +93,7 @@ def stepped(
     return _by_passes(bed, before, parameter, viscosity)
 
 
-def _eliminated(bed: Bed, found: Step, before: Floats, viscosity: float) -> Step:
+def _eliminated(bed: Bed, found: NewtonStep, before: Floats, viscosity: float) -> NewtonStep:
     """Newton's method on all blocks, with those out of balance settled first while all others are held.
 
     By turns those alone, and with their neighbours.
@@ -132,7 +132,7 @@ def _eliminated(bed: Bed, found: Step, before: Floats, viscosity: float) -> Step
     return found
 
 
-def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> Step:
+def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> NewtonStep:
     """Friction frozen: a convex energy, Newton with a line search along its slope; then Newton on everything."""
     at = before
     reduction, _ = bed.drive.at(parameter)
@@ -147,7 +147,7 @@ def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> 
             try:
                 way = bed.factored(bed.tangent(there, parameter, viscosity, coupled=False), True)(off)
             except SolverError:
-                return Step(at, parameter, there, False, 0)
+                return NewtonStep(at, parameter, there, False, 0)
             slope, low, high, length = float(off @ way), 0.0, None, 1.0
             for _ in range(25):
                 _, left = bed.off(at + length * way, before, parameter, viscosity, allowed)
@@ -164,4 +164,4 @@ def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> 
         found = bed.newton(at, before, parameter, viscosity, None, downhill=True)
         if found.settled:
             return found
-    return Step(at, parameter, bed.forces(at, parameter), False, 0)
+    return NewtonStep(at, parameter, bed.forces(at, parameter), False, 0)

@@ -13,7 +13,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
-from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, WARM, CheapestMechanism, cheapest_mechanism
 from slopekit.preie.model import Model
 from slopekit.strength.mohr_coulomb import line
 
@@ -177,7 +177,7 @@ def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
     )  # fmt: skip
 
 
-def _carried(found: Mechanism) -> tuple[Floats, Floats]:
+def _carried(found: CheapestMechanism) -> tuple[Floats, Floats]:
     """Friction and bolt pulls of a pass: those of its program balance the load times its load factor."""
     return found.friction_force / found.load_factor, found.bolt_pull / found.load_factor
 

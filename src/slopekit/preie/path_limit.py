@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.bed import Bed, BedForces
 
 RUNS = 30.0  # work in parts of the elastic: the blocks run
 LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
@@ -74,7 +74,7 @@ class PathLimit:
 
 def result_of(
     bed: Bed, outcome: PathOutcome, parameter: float | None, peak: tuple[float, float] | None, at: Floats,
-    motion: Floats, forces: Forces,
+    motion: Floats, forces: BedForces,
 ) -> PathLimit:  # fmt: skip
     fastest = max(float(np.abs(motion).max(initial=0.0)), 1e-300)
     return PathLimit(
@@ -107,8 +107,8 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
 
 
 def _of_modes(
-    bed: Bed, modes: Forces, w: Floats, v: Floats, parameter: float
-) -> tuple[Floats, float, Forces, Floats, bool] | None:
+    bed: Bed, modes: BedForces, w: Floats, v: Floats, parameter: float
+) -> tuple[Floats, float, BedForces, Floats, bool] | None:
     """Displacement w, parameter, forces and motion of the modes, and whether the motion has them; None: inadmissible"""
     across = bed.viscous(v)
     along = float(across @ v)
@@ -148,7 +148,7 @@ def _of_modes(
     return (w, parameter, here, v, True) if agrees else None
 
 
-def _bordered(bed: Bed, here: Forces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
+def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
     """A solver of the modes' stiffness with the parameter as one more unknown and `across` as one more equation."""
     size = bed.size
     matrix = np.zeros((size + 1, size + 1))
@@ -167,7 +167,7 @@ def _bordered(bed: Bed, here: Forces, parameter: float, across: Floats) -> Calla
     return solve
 
 
-def _moves(bed: Bed, modes: Forces, motion: Floats, parameter: float, part: float) -> bool:
+def _moves(bed: Bed, modes: BedForces, motion: Floats, parameter: float, part: float) -> bool:
     """Whether a motion opens, slips and holds what the modes say, up to a part of its fastest."""
     opening, slip = bed.motion(motion, parameter)
     forward = (slip * modes.direction).sum(axis=1)

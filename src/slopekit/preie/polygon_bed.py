@@ -28,7 +28,7 @@ _DRAWN = 1e-7  # motion along a bolt above this part of the whole draws it out
 
 
 @dataclass(frozen=True, slots=True)
-class Bed:
+class PolygonBed:
     """Flat contacts of one block in the scaled units of its model.
 
     Attributes
@@ -83,10 +83,10 @@ class PointForces:
     pulls: Floats
 
 
-class Springs:
+class BedSprings:
     """The springs of a bed, their shear summed over triangles that are split in four `split` times."""
 
-    def __init__(self, bed: Bed, split: int) -> None:
+    def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
         self.templates = {2: _line_template(split), 3: _triangle_template(split)}
@@ -224,7 +224,7 @@ class Springs:
         return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * weights).ravel()
 
 
-def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Bed:
+def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
     """The contacts of one block on bedrock as an elastic bed.
 
     Parameters
@@ -257,7 +257,7 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Be
         from slopekit.preie.strength_lines import averaged  # a contact of curved strength: one line all over it
 
         model = averaged(model)
-    return Bed(
+    return PolygonBed(
         tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
         model.bolt_rows, model.bolt_capacity, columns,
     )  # fmt: skip

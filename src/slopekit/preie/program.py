@@ -25,10 +25,10 @@ from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
-from slopekit.preie.iterates import Iterate, Step
+from slopekit.preie.iterates import Iterate, IterateStep
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.springs import Coupling, Springs
-from slopekit.preie.stiffness import Stiffness
+from slopekit.preie.stiffness import SparseStiffness
 from slopekit.strength.mohr_coulomb import line
 
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
@@ -93,7 +93,7 @@ class BlockProgram:
 
     def __init__(self, model: AssemblyModel, ratio: float = 1.0) -> None:
         self.model = model
-        self.solver = Stiffness(model)
+        self.solver = SparseStiffness(model)
         self.of_pair = model.group_of_pair
         self.give = 1.0 / model.control_area
         self.group_give = 1.0 / (ratio * model.by_group(model.control_area))
@@ -299,7 +299,7 @@ class _Newton:
         ])  # fmt: skip
         return cls(program, at, off, scale, springs, solver, row, columns, system)
 
-    def step(self, recentre: bool) -> Step:
+    def step(self, recentre: bool) -> IterateStep:
         """Mehrotra's step: what a step to the end would do tells how far to aim and what to correct."""
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
@@ -317,7 +317,7 @@ class _Newton:
             barrier - at.shed * at.shed_slack - trust * ahead.shed * ahead.shed_slack,
         )  # fmt: skip
 
-    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> Step:
+    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> IterateStep:
         """The step towards given products of the normal forces (m,), the cones (g, 1 + t) and the shed load."""
         program, at, off, springs = self.program, self.start, self.off, self.springs
         model, coupling, load = program.model, off.coupling, program.load
@@ -344,6 +344,6 @@ class _Newton:
         moved -= (coupling.dual * slip[:, 0] + coupling.opening_work * factor)[program.of_pair]
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
         gap = np.where(opened, moved, (to_normal - at.gap * normal) / at.normal)
-        return Step(
+        return IterateStep(
             normal, friction, factor, shed, strength, velocity, gap, slip, (to_shed - at.shed_slack * shed) / at.shed
         )

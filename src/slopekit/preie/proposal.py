@@ -6,7 +6,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.onlooker import say
-from slopekit.preie.bed import Bed, Step
+from slopekit.preie.bed import Bed, NewtonStep
 from slopekit.preie.flow import stepped
 from slopekit.preie.path_limit import FARTHEST, LEAST, STEADY, PathLimit, PathOutcome, result_of
 from slopekit.preie.program import BlockProgram, Strengths
@@ -29,7 +29,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = program.carried(model.cohesion * bond)
-    last: Step | None = None
+    last: NewtonStep | None = None
     for part in _FAR_DOWN:
         program.elastic = part
         found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
@@ -50,7 +50,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     return None
 
 
-def _climbed(bed: Bed, step: Step) -> PathLimit | None:
+def _climbed(bed: Bed, step: NewtonStep) -> PathLimit | None:
     """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far."""
     working = bed.working
     grows, fails, gained, far = 3.0, 0, bed.elastic_work, float(np.abs(bed.elastic_displacement).max())

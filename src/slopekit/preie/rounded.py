@@ -40,11 +40,11 @@ _BISECTED = 60
 _TURN = 1.5  # the most a correction may go along the curve
 _TINY = 1e-300
 
-_Solver = Callable[["_Off"], "_Point"]
+_Solver = Callable[["_Off"], "_CurvePoint"]
 
 
 @dataclass(frozen=True, slots=True)
-class _Point:
+class _CurvePoint:
     """A point of the curve, or a change of one: v (N,), N, gaps (m,), T (g, t), |z| (g,), z (g, t), λ."""
 
     velocity: Floats
@@ -55,13 +55,13 @@ class _Point:
     slip: Floats
     reduction: float
 
-    def plus(self, change: "_Point", part: float = 1.0) -> "_Point":
+    def plus(self, change: "_CurvePoint", part: float = 1.0) -> "_CurvePoint":
         """The point after a part of a change."""
-        return _Point(*(getattr(self, of.name) + part * getattr(change, of.name) for of in fields(self)))
+        return _CurvePoint(*(getattr(self, of.name) + part * getattr(change, of.name) for of in fields(self)))
 
-    def times(self, part: float) -> "_Point":
+    def times(self, part: float) -> "_CurvePoint":
         """A part of a change."""
-        return _Point(*(part * getattr(self, of.name) for of in fields(self)))
+        return _CurvePoint(*(part * getattr(self, of.name) for of in fields(self)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,9 +167,9 @@ class RoundedPath:
         return sharp
 
     def _along(
-        self, at: _Point, work: float, rounding: float, grows: bool, ends: Callable[[float, float], bool], most: int,
-        passed: list[tuple[float, Floats]],
-    ) -> tuple[_Point, float, float] | None:  # fmt: skip
+        self, at: _CurvePoint, work: float, rounding: float, grows: bool, ends: Callable[[float, float], bool],
+        most: int, passed: list[tuple[float, Floats]],
+    ) -> tuple[_CurvePoint, float, float] | None:  # fmt: skip
         """From a point on the curve until `ends` (W in parts of the elastic, κ): W grows, or κ falls, by steps.
 
         Steps go along the tangent, corrections square to it.
@@ -204,8 +204,14 @@ class RoundedPath:
         return None
 
     def _stepped(
-        self, start: _Point, way: _Point, along: float, length: float, before: tuple[float, float], grows: bool
-    ) -> tuple[_Point, float, int, _Solver] | None:
+        self,
+        start: _CurvePoint,
+        way: _CurvePoint,
+        along: float,
+        length: float,
+        before: tuple[float, float],
+        grows: bool,
+    ) -> tuple[_CurvePoint, float, int, _Solver] | None:
         """A point so far along, how far W or κ went, corrections, and the solver there; None where it is not found."""
         moved = along * length
         by_work, by_rounding = (1.0, 0.0) if grows else (0.0, -1.0)
@@ -237,7 +243,7 @@ class RoundedPath:
         """In parts of each block's own load."""
         return float((np.abs(off.balance) / self._own).max())
 
-    def _inner(self, one: _Point, other: _Point, at: _Point) -> float:
+    def _inner(self, one: _CurvePoint, other: _CurvePoint, at: _CurvePoint) -> float:
         """Product of two changes, forces, velocities and λ in parts of what they are."""
         forces = float(at.normal @ at.normal) + float((at.friction * at.friction).sum())
         changed = float(one.normal @ other.normal) + float((one.friction * other.friction).sum())
@@ -263,7 +269,7 @@ class RoundedPath:
         forces: Floats = self.bed.columns @ np.concatenate([normal, friction.ravel()])
         return forces
 
-    def _from_displacement(self, displacement: Floats, reduction: float) -> _Point:
+    def _from_displacement(self, displacement: Floats, reduction: float) -> _CurvePoint:
         """What the rounded law says at a displacement."""
         slow, product = math.exp(-self._work), self._product(self._work, self._rounding)
         opening, slip = self._motion(displacement * slow)
@@ -282,12 +288,12 @@ class RoundedPath:
             low, high = np.where(less, middle, low), np.where(less, high, middle)
         room = np.maximum((allowed - low) * (allowed + low), _TINY)
         friction = -slip * (low / np.maximum(size, _TINY))[:, None]
-        return _Point(
+        return _CurvePoint(
             displacement * slow, normal, gap, friction, product * allowed / room, -product * friction / room[:, None],
             reduction,
         )  # fmt: skip
 
-    def _on_curve(self, at: _Point, off: _Off, product: float) -> bool:
+    def _on_curve(self, at: _CurvePoint, off: _Off, product: float) -> bool:
         """Whether what is off does not matter."""
         allowed = at.reduction * self._strength(at.normal)
         across = np.sqrt(along_rows(off.across, off.across)) / (product + _ALIGNED * allowed * at.size)
@@ -295,7 +301,7 @@ class RoundedPath:
         products = max(float(np.abs(off.pressing).max()), float(np.abs(off.sliding).max()), joints)
         return products < _CENTRED * product and float(across.max()) < _CENTRED and self._unbalanced(off) < _BALANCED
 
-    def _tangent(self, at: _Point, solve: _Solver, work: float, rounding: float, grows: bool) -> _Point:
+    def _tangent(self, at: _CurvePoint, solve: _Solver, work: float, rounding: float, grows: bool) -> _CurvePoint:
         """How a point of the curve changes with log W, or with -log κ."""
         product = self._product(work, rounding)
         slow = -math.exp(-work) if grows else 0.0
@@ -304,7 +310,7 @@ class RoundedPath:
             np.full(len(at.normal), product), np.full(len(at.size), product), np.zeros_like(at.slip), 0.0,
         ))  # fmt: skip
 
-    def _linear(self, at: _Point, work: float, product: float) -> tuple[_Off, _Solver]:
+    def _linear(self, at: _CurvePoint, work: float, product: float) -> tuple[_Off, _Solver]:
         """What is off at a point, and a solver of the linearised equations.
 
         Raises
@@ -348,7 +354,7 @@ class RoundedPath:
         gained = float(bed.working @ by_reduction)
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
 
-        def solve(off: _Off) -> _Point:
+        def solve(off: _Off) -> _CurvePoint:
             pressed = springs * (-off.pressing / at.normal - off.opening)
             size, dragged = of_cones(
                 -off.sliding - along_rows(at.friction, off.shear), -off.across - allowed[:, None] * off.shear
@@ -363,14 +369,14 @@ class RoundedPath:
             friction = dragged + np.matmul(tangent, slips[:, :, None])[:, :, 0] + by_strength * stronger[:, None]
             # each is a large number there, and rounding does not matter
             gap = np.where(opened, off.opening + opens + give * normal, (-off.pressing - at.gap * normal) / at.normal)
-            return _Point(
+            return _CurvePoint(
                 velocity, normal, gap, friction, size + along_rows(by_slip, slips) + size_by_strength * stronger,
                 off.shear + slips + shear_give[:, None] * friction, reduction,
             )  # fmt: skip
 
         return off, solve
 
-    def _moved(self, at: _Point, change: _Point, product: float) -> _Point:
+    def _moved(self, at: _CurvePoint, change: _CurvePoint, product: float) -> _CurvePoint:
         """A point after a step, every force, gap and slip kept where it may be, one by one."""
         reduction = max(at.reduction + change.reduction, _KEPT * at.reduction)
         normal = np.maximum(at.normal + change.normal, _KEPT * at.normal)
@@ -378,7 +384,7 @@ class RoundedPath:
         allowed = reduction * self._strength(normal)
         if self.bed.tangents == 1:
             friction, size, slip = self._in_section(at, change, allowed)
-            return _Point(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
+            return _CurvePoint(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
         # a slip may shrink to a part of itself, not turn round
         back, square = along_rows(at.slip, change.slip), along_rows(at.slip, at.slip)
         part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, _TINY), 1.0)
@@ -394,12 +400,12 @@ class RoundedPath:
         )
         friction = friction * (cut / np.maximum(carried, _TINY))[:, None]
         least = np.sqrt(size * size + (_ROOM * product) ** 2 / np.maximum(allowed * allowed - cut * cut, _TINY))
-        return _Point(
+        return _CurvePoint(
             at.velocity + change.velocity, normal, gap, friction, np.maximum(at.size + part * change.size, least),
             slip, reduction,
         )  # fmt: skip
 
-    def _in_section(self, at: _Point, change: _Point, allowed: Floats) -> tuple[Floats, Floats, Floats]:
+    def _in_section(self, at: _CurvePoint, change: _CurvePoint, allowed: Floats) -> tuple[Floats, Floats, Floats]:
         """Friction (g, 1), size (g,) and slip (g, 1) after a step in a section, where a slip may turn round.
 
         The cone's product is two there, (λ r + T)(|z| + z) = κ = (λ r - T)(|z| - z): every factor is kept.

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, Forces, Step
+from slopekit.preie.bed import Bed, BedForces, NewtonStep
 from slopekit.preie.flow import relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, FARTHEST, LEAST, STEADY, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.rests import JUST, at_their_limit, rests_before
@@ -72,7 +72,7 @@ def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
     return result_of(bed, PathOutcome.SETTLED, limit, None, sharp.displacement, sharp.displacement - before, _on(sharp))
 
 
-def _far(bed: Bed, step: Step) -> PathLimit | None:
+def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
     """From a state of the sharp joints to so much work that λ stays; None where Newton's method does not get there.
 
     λ goes like the limit plus a part of 1 / work, as long as the same joints touch.
@@ -189,7 +189,7 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
     return rounding <= _SURE or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
 
 
-def _on(curve: RoundedPath) -> Forces:
+def _on(curve: RoundedPath) -> BedForces:
     """The forces of a path of nearly sharp joints where it is."""
     bed, (normal, friction) = curve.bed, curve.forces
     unbalanced = bed.columns @ np.concatenate([normal, friction.ravel()]) + bed.drive.load

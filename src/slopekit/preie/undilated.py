@@ -16,7 +16,7 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.flow import Flow, relaxed
 
 _CONVEX, _HALVINGS, _FLAT = 60, 12, 0.5  # Newton steps of joints that dilate, trials of a length, part of the slope
@@ -46,7 +46,7 @@ def rest_without_dilation(bed: Bed, parameter: float) -> Flow | None:
     return _settled(bed, at, parameter)
 
 
-def _out(bed: Bed, there: Forces) -> Floats:
+def _out(bed: Bed, there: BedForces) -> Floats:
     """What is out of balance, (n,), in parts of what may be."""
     worst: Floats = np.abs(there.unbalanced / bed.unbalanced_at_most).reshape(-1, bed.model.unknowns).max(axis=1)
     return worst
@@ -121,7 +121,7 @@ class _Easing:
         part: Floats = np.minimum(1e-6 * out, most)
         return part
 
-    def step(self, bed: Bed, at: Floats, there: Forces, parameter: float) -> Floats | None:
+    def step(self, bed: Bed, at: Floats, there: BedForces, parameter: float) -> Floats | None:
         """A step on from a displacement (N,)."""
         out = _out(bed, there)
         share, count = self.share(out), float((out > 1.0).sum())
