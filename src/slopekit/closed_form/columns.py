@@ -239,14 +239,14 @@ def global_equilibrium(
 
     best: AllEquilibrium | None = None
     for strength, turn in _STARTS:
-        found, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
-        if error > _BALANCED or not found[0] > 0.0 or abs(found[1]) > math.pi / 2:
+        root, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
+        if error > _BALANCED or not root[0] > 0.0 or abs(root[1]) > math.pi / 2:
             continue
-        tension = normal @ found[2:] * weight < columns.pore_pressure * area
+        tension = normal @ root[2:] * weight < columns.pore_pressure * area
         share = float(area[tension].sum() / area.sum())
         if best is None or share < best.tension_share:
-            l0, l1, l2, l3 = (float(part) for part in found[2:])
-            best = AllEquilibrium(1.0 / float(found[0]), math.degrees(found[1]), (l0, l1, l2, l3), share, error)
+            l0, l1, l2, l3 = (float(part) for part in root[2:])
+            best = AllEquilibrium(1.0 / float(root[0]), math.degrees(root[1]), (l0, l1, l2, l3), share, error)
         if best.tension_share == 0.0:
             break
     return best

@@ -302,13 +302,13 @@ def _with_bolts(bed: _Bed, load: Sequence[float], given: Sequence[Vector]) -> tu
     def at(reduction: Floats) -> _Slide:
         return bed.slide(_pulled(load, bolts, reduction, bed.size))
 
-    def judged(reduction: Floats) -> tuple[Bools, Bools]:
-        found = at(reduction)
-        lost = (found.outcome == _LIFTED) | (found.outcome == _FALLS)
-        return (found.outcome == _STILL) | (~lost & (reduction * found.resisting >= found.driving)), lost
+    def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
+        slide = at(reduction)
+        lost = (slide.outcome == _LIFTED) | (slide.outcome == _FALLS)
+        return (slide.outcome == _STILL) | (~lost & (reduction * slide.resisting >= slide.driving)), lost
 
     touches = bed.slide((np.array([load[0]]), np.array([load[1]]))).normal[0] > 0.0
-    factor, reduction = loss_with_bolts(judged, bool(touches))
+    factor, reduction = loss_with_bolts(holds_at, bool(touches))
     return factor, at(np.array([reduction]))
 
 

@@ -108,13 +108,13 @@ def with_bolts(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt]) -> 
     def at(reduction: Floats) -> Slide:
         return bed.slide(_pulled(bed, load, bolts, reduction))
 
-    def judged(reduction: Floats) -> tuple[Bools, Bools]:
-        found = at(reduction)
-        lost = (found.outcome == LIFTED) | (found.outcome == FALLS)
-        return (found.outcome == STILL) | (~lost & (reduction * found.resisting >= found.driving)), lost
+    def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
+        slide = at(reduction)
+        lost = (slide.outcome == LIFTED) | (slide.outcome == FALLS)
+        return (slide.outcome == STILL) | (~lost & (reduction * slide.resisting >= slide.driving)), lost
 
     east, north, up = (np.array([part]) for part in load)
-    factor, reduction = loss_with_bolts(judged, bed.slide((east, north, up)).outcome[0] not in (LIFTED, FALLS))
+    factor, reduction = loss_with_bolts(holds_at, bed.slide((east, north, up)).outcome[0] not in (LIFTED, FALLS))
     return factor, at(np.array([reduction]))
 
 

@@ -83,11 +83,11 @@ class _Sweep:
         self.candidates = int(self.counts.sum())
 
     def pairs(self, lowest: Floats, highest: Floats) -> tuple[Ints, Ints]:
-        found = []
+        found_pairs = []
         for part in chunks(self.counts):
             row, other = ragged(self.after[part], self.counts[part])
-            found.append(_overlapping(lowest, highest, self.order[part][row], self.order[other], row)[:2])
-        first, second = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+            found_pairs.append(_overlapping(lowest, highest, self.order[part][row], self.order[other], row)[:2])
+        first, second = (np.concatenate([pair[k] for pair in found_pairs]) for k in range(2))
         return np.minimum(first, second), np.maximum(first, second)
 
 
@@ -122,15 +122,15 @@ class _BoxGrid:
         self.candidates = int(self.counts.sum())
 
     def pairs(self, lowest: Floats, highest: Floats) -> tuple[Ints, Ints]:
-        found = []
+        found_pairs = []
         for part in chunks(self.counts):
             row, other = ragged(self.first[part], self.counts[part])
             a, b = self.box[part][row], self.owned[other]
             a, b, row = _overlapping(lowest, highest, a, b, row)
             # two boxes may share several cells: they are a pair in the one where their overlap begins
             here = self._key(self._cell(np.maximum(lowest[a], lowest[b]))) == self.key[part][row]
-            found.append((a[here], b[here]))
-        first, second = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+            found_pairs.append((a[here], b[here]))
+        first, second = (np.concatenate([pair[k] for pair in found_pairs]) for k in range(2))
         return first, second
 
     def _cell(self, points: Floats) -> Ints:

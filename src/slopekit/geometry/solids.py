@@ -220,7 +220,7 @@ def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: flo
         apart = _behind(solids, pieces, supports, pair[here], pair[there], tolerance)
         first, second = first[~apart], second[~apart]
     bodies = {int(k): _manifold(solids, int(k)) for k in np.unique(np.concatenate([first, second]))}
-    found, unchecked = [], []
+    overlapping, unchecked = [], []
     for a, b in sorted(zip(first.tolist(), second.tolist(), strict=True)):
         one, two = bodies[a], bodies[b]
         if one is None or two is None:
@@ -230,8 +230,8 @@ def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: flo
         volume, surface = float(shared.volume()), float(shared.surface_area())
         depth = volume / (surface / 2.0) if surface > 0.0 else 0.0
         if depth > tolerance / 2.0:
-            found.append((a, b, volume, depth))
-    table = np.array(found, dtype=np.float64).reshape(-1, 4)
+            overlapping.append((a, b, volume, depth))
+    table = np.array(overlapping, dtype=np.float64).reshape(-1, 4)
     failed: Ints = np.array(unchecked, dtype=np.int64).reshape(-1, 2)
     return Overlaps(table[:, :2].astype(np.int64), frozen(table[:, 2]), frozen(table[:, 3])), failed
 

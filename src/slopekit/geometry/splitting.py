@@ -12,9 +12,9 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
-from slopekit.geometry.combs import Comb, Soup, ascending, combs_of_planes, cut_with_combs
 from slopekit.geometry.joint_sets import SetPlanes
 from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.plane_stacks import PlaneStack, Soup, ascending, cut_with_stacks, stacks_of_planes
 
 _CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
 _ENOUGH = 50  # times max_blocks: stop counting
@@ -28,13 +28,13 @@ _BALANCE = 1e-6  # what volumes and areas may be off before the cut is refused
 
 
 def refuse_too_many(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], max_blocks: int
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], max_blocks: int
 ) -> None:
     """Refuse planes that cut many more blocks than allowed.
 
     Parameters
     ----------
-    normals (p, 3), offsets (p,) : of the planes; combs : those that do not meet within the body
+    normals (p, 3), offsets (p,) : of the planes; stacks : those that do not meet within the body
     faces : normals (k, 3) and offsets (k,) of the body, `normal · x <= offset`
 
     Raises
@@ -42,9 +42,9 @@ def refuse_too_many(
     GeometryError
         E220 more blocks than `max_blocks`.
     """
-    if math.prod(len(comb.planes) + 1 for comb in combs) <= max_blocks:
+    if math.prod(len(stack.planes) + 1 for stack in stacks) <= max_blocks:
         return
-    count = count_cells(normals, offsets, faces, combs, _ENOUGH * max_blocks)
+    count = count_cells(normals, offsets, faces, stacks, _ENOUGH * max_blocks)
     if count > _CLEARLY * max_blocks:
         raise too_many(count, max_blocks, "more than " if count > _ENOUGH * max_blocks else "about ")
 
@@ -58,19 +58,19 @@ def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
 
 
 def count_cells(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], enough: int = 2**62
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], enough: int = 2**62
 ) -> int:
     """Cells of a convex body cut by planes: 1 + planes + lines + points in which they meet within the body.
 
     Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
     Counting stops when there are more than `enough`.
     """
-    order = np.concatenate([*(comb.planes for comb in combs), np.zeros(0, dtype=np.int64)]).astype(np.int64)
-    comb = np.repeat(np.arange(len(combs)), [len(part.planes) for part in combs])
+    order = np.concatenate([*(stack.planes for stack in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    stack = np.repeat(np.arange(len(stacks)), [len(part.planes) for part in stacks])
     normals, offsets = normals[order], offsets[order]
     total = 1 + len(order)
     for i in range(len(order)):
-        rest = int(np.searchsorted(comb, comb[i], side="right"))  # planes of its own comb do not meet it
+        rest = int(np.searchsorted(stack, stack[i], side="right"))  # planes of its own stack do not meet it
         across = np.cross(normals[i], normals[rest:])
         squared = (across * across).sum(axis=1)
         meets = squared > _PARALLEL**2
@@ -85,7 +85,7 @@ def count_cells(
             rate = along @ normals[rest:].T
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = (offsets[rest:] - point @ normals[rest:].T) / rate
-            third = (np.abs(rate) > _PARALLEL) & (comb[rest:] > comb[j, None])
+            third = (np.abs(rate) > _PARALLEL) & (stack[rest:] > stack[j, None])
             total += int((third & (at > low[:, None] + _INSIDE) & (at < high[:, None] - _INSIDE)).sum())
         if total > enough:
             break
@@ -187,7 +187,7 @@ def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) ->
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class BenchCut:
     """A body cut into blocks, with the evidence that nothing is lost.
 
     Attributes
@@ -223,7 +223,7 @@ class Cut:
     min_volume: float
 
 
-def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> Cut:
+def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> BenchCut:
     """Cut a convex body into blocks along planes that all go through it.
 
     Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
@@ -250,11 +250,11 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     corners = (body.corners - middle) / half
     normals, offsets = ascending(planes.normals, (planes.offsets - planes.normals @ middle) / half, planes.joint)
     faces_at = (body.offsets - body.normals @ middle) / half
-    combs = combs_of_planes(normals, offsets, planes.joint, corners)
-    refuse_too_many(normals, offsets, (body.normals, faces_at), combs, max_blocks)
+    stacks = stacks_of_planes(normals, offsets, planes.joint, corners)
+    refuse_too_many(normals, offsets, (body.normals, faces_at), stacks, max_blocks)
 
-    whole, soup = cut_with_combs((body.normals, faces_at), normals, offsets, combs, corners)
-    cells = cells_of(soup, normals, offsets, combs)
+    whole, soup = cut_with_stacks((body.normals, faces_at), normals, offsets, stacks, corners)
+    cells = cells_of(soup, normals, offsets, stacks)
     faces = faces_of(soup, cells.of_triangle, normals)
     other = facing(cells, faces, len(offsets))
     body_volume = float(whole.volume())
@@ -288,7 +288,7 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
     assembly = _assembly(soup, cells, faces, other, joined, patches, where)
     left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
-    return Cut(
+    return BenchCut(
         assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
         away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
         int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,

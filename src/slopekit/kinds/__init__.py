@@ -85,7 +85,7 @@ def dilates(design: Design) -> bool:
 
 
 def cut(design: Design) -> Any:
-    """The blocks of a design, cut and loaded: `one_block.LoadedBlock` or `many_blocks_scene.AssemblyScene`."""
+    """The blocks of a design, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`."""
     return kind_of(design).cut(design)
 
 

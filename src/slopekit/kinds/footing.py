@@ -9,7 +9,7 @@ from slopekit.closed_form.footing import footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, PlaneSection, footing_section, line_pairs
-from slopekit.kinds.one_block import LoadedBlock, kind_of_one_block, on_one_plane, other_strengths
+from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
@@ -21,7 +21,7 @@ from slopekit.result import Result, Words
 NAME = "weak plane"
 
 
-def cut(design: FootingDesign) -> LoadedBlock:
+def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
@@ -30,7 +30,7 @@ def cut(design: FootingDesign) -> LoadedBlock:
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
     left_out += [] if design.unit_weight_kn_m3 else ["the weight of the rock"]
-    return LoadedBlock(
+    return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
     )  # fmt: skip
@@ -39,14 +39,14 @@ def cut(design: FootingDesign) -> LoadedBlock:
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
     weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    found, _ = on_secants(
+    strip, _ = on_secants(
         [design.strength],
         lambda lines: footing(
             design.load_kn, design.dip_deg, design.length_m, lines[0].cohesion_kpa, lines[0].friction_angle_deg, weight
         ),
-        lambda told: [told.normal_kn / design.length_m],
+        lambda answer: [answer.normal_kn / design.length_m],
     )
-    return on_one_plane(found.factor, found.status, design.strength)
+    return on_one_plane(strip.factor, strip.status, design.strength)
 
 
 def _block(design: FootingDesign) -> tuple[PlaneSection, float]:

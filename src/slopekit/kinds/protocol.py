@@ -68,8 +68,8 @@ class Kind(Generic[D]):
     slope : what was analysed, on the sheet: joints and faces, size, loads
     closed_form : on the same assumptions, in next to no time; None where there is none
     on_arrays : the same for many designs in one call, None where it takes them one by one
-    cut : the blocks, cut and loaded: `one_block.LoadedBlock` or `many_blocks_scene.AssemblyScene`
-    has_site : support can be looked for: the block is a `LoadedBlock` with a free face
+    cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
+    has_site : support can be looked for: the block is a `Cut` with a free face
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target, with the status; None
         where a kind has no such path
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number

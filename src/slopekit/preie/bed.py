@@ -455,7 +455,7 @@ class Bed:
         """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""
         return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
 
-    def off(
+    def unbalanced_parts(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
     ) -> tuple[BedForces, Floats]:
         there = self.forces(at, parameter, frozen)
@@ -467,7 +467,7 @@ class Bed:
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
     ) -> "NewtonStep":
         working = self.working
-        there, off = self.off(at, before, parameter, viscosity)
+        there, off = self.unbalanced_parts(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
         stalled = 0
 
@@ -498,7 +498,7 @@ class Bed:
             nearest: tuple[float, Floats, float, BedForces, Floats] | None = None
             while True:
                 trial, tried = at + length * way, parameter + length * change
-                seen, left = self.off(trial, before, tried, viscosity)
+                seen, left = self.unbalanced_parts(trial, before, tried, viscosity)
                 now = float(np.abs(left).max())
                 if nearest is None or now < nearest[0]:
                     nearest = now, trial, tried, seen, left

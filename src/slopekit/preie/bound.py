@@ -138,8 +138,8 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
         return none
     from slopekit.preie.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
 
-    found = bound_by_programs(one_block(model), 1.0 / limit)
-    if found is None or found.factor is None or not (1.0 - _LACKS) * limit < found.factor < _BEYOND * limit:
+    bound = bound_by_programs(one_block(model), 1.0 / limit)
+    if bound is None or bound.factor is None or not (1.0 - _LACKS) * limit < bound.factor < _BEYOND * limit:
         return none
-    normal = found.normal_force[: len(model.control_area)]
-    return replace(found, factor=max(found.factor, limit), normal_force=normal)
+    normal = bound.normal_force[: len(model.control_area)]
+    return replace(bound, factor=max(bound.factor, limit), normal_force=normal)

@@ -41,9 +41,9 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     say("static bound")
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
-        found = bound_by_programs(model)
-        if found is not None:
-            return found
+        exact_bound = bound_by_programs(model)
+        if exact_bound is not None:
+            return exact_bound
     program = BlockProgram(model)
     program.elastic *= _HARDLY
     at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
@@ -58,18 +58,18 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
         return exact if exact is not None and (exact.factor or 0.0) > (1.0 - _BALANCES) / at.load_factor else known
-    found = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
-    if found is not None:
-        return found
+    exact_bound = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
+    if exact_bound is not None:
+        return exact_bound
     summed = model.by_group(program.start.normal)
     dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
     lifted = _is_lifted(program.solve(dilating, program.start, _CLOSE, _STEPS))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 
-def _is_lifted(found: ProgramResult) -> bool:
+def _is_lifted(solution: ProgramResult) -> bool:
     """Whether no strength however high balances the loads."""
-    return found.at.shed > _SHED and found.unbalanced < _BALANCED
+    return solution.at.shed > _SHED and solution.unbalanced < _BALANCED
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------

@@ -80,10 +80,10 @@ def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
     guess : a factor of safety of about the right size; the path starts at a quarter of it or less
     """
     for split in range(_SPLIT, _MOST_SPLIT + 1):
-        found = cracked_limit(bed, guess, split)
-        if found.factor is None or found.change < _FINER:
+        base = cracked_limit(bed, guess, split)
+        if base.factor is None or base.change < _FINER:
             break
-    return found
+    return base
 
 
 def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
@@ -126,12 +126,12 @@ class _Path:
         most = reduction * _HARDEST
         while reduction < most:
             for guess in (bonded, stuck):
-                found = None if guess is None else self._rest(guess, reduction)
-                if found is not None:
-                    return found, reduction
-            found = self._flow(bonded, reduction)
-            if found is not None:
-                return found, reduction
+                rest = None if guess is None else self._rest(guess, reduction)
+                if rest is not None:
+                    return rest, reduction
+            rest = self._flow(bonded, reduction)
+            if rest is not None:
+                return rest, reduction
             reduction *= 4.0
         return None
 
@@ -168,14 +168,14 @@ class _Path:
         for _ in range(_MOST_FLOW):
             if self.work > _MOST_WORK:
                 return None
-            found = self._rest(u, reduction, slow=slow)
-            if found is None:
+            at_rest = self._rest(u, reduction, slow=slow)
+            if at_rest is None:
                 slow *= 4.0
                 if slow > _STIFFEST:
                     return None
                 continue
-            moved = found - u
-            u, slow = found, slow * 0.2
+            moved = at_rest - u
+            u, slow = at_rest, slow * 0.2
             rest = self._rest(u, reduction)
             if rest is not None:
                 return rest
@@ -243,8 +243,8 @@ class _Path:
             if self.work > _MOST_WORK:
                 is_fold = True
                 break
-            found = self._step(point, length)
-            if found is None:
+            stepped = self._step(point, length)
+            if stepped is None:
                 length /= 4.0
                 if length > _SHORTEST:
                     continue
@@ -254,7 +254,7 @@ class _Path:
                     break
                 after, length = onward, 0.01
             else:
-                after, used = found
+                after, used = stepped
                 if point.tangent[-1] < 0.0 < after.tangent[-1]:
                     fold = self._least(point, length)
                     if fold.log_reduction < best.log_reduction:
@@ -299,12 +299,12 @@ class _Path:
         side = 0
         for count in range(30):
             at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
-            found = self._step(point, at)
-            if found is None:
+            stepped = self._step(point, at)
+            if stepped is None:
                 break
-            turns = float(found[0].tangent[-1])
-            if found[0].log_reduction < best.log_reduction:
-                best = found[0]
+            turns = float(stepped[0].tangent[-1])
+            if stepped[0].log_reduction < best.log_reduction:
+                best = stepped[0]
             if turns > 0.0:
                 high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
                 side = 1

@@ -55,7 +55,7 @@ class StaticBound:
 
 
 @dataclass(frozen=True, slots=True)
-class Far:
+class DistanceAt:
     """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,)."""
 
     distance: float
@@ -137,7 +137,7 @@ class Distance:
         ]  # fmt: skip
         self.pairs = pairs
 
-    def at(self, reduction: float, tolerance: float = SOLVED) -> Far:
+    def at(self, reduction: float, tolerance: float = SOLVED) -> DistanceAt:
         """The distance at one λ."""
         import clarabel
 
@@ -150,13 +150,13 @@ class Distance:
         cost[-1] = 1.0
         self.matrix.data = self.of_still + reduction * self.of_grows
         right = self.right + reduction * self.right_grows
-        found = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
-        x, dual = np.array(found.x), np.array(found.z)
+        solution = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
+        x, dual = np.array(solution.x), np.array(solution.z)
         motion = self.parts * dual[: len(self.parts)]
         normal = np.maximum(x[: self.pairs], 0.0)
-        if not str(found.status).startswith(("Solved", "AlmostSolved")):
-            return Far(math.inf, 0.0, normal, motion)
-        return Far(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
+        if not str(solution.status).startswith(("Solved", "AlmostSolved")):
+            return DistanceAt(math.inf, 0.0, normal, motion)
+        return DistanceAt(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
@@ -170,7 +170,7 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     """
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
     reduction, tolerance, low, high = start, _ROUGH, 0.0, math.inf
-    best: Far | None = None
+    best: DistanceAt | None = None
     doubts = 0
     motion = np.zeros(model.load.size)
 

@@ -64,7 +64,7 @@ class Fronts:
             for i in range(len(counts))
         ]  # fmt: skip
         updates = others * others
-        taken = np.array([int(updates[kids].sum()) for kids in children])
+        taken = np.array([int(updates[below].sum()) for below in children])
         self.bytes = 8 * (self.size + int((np.cumsum(updates) - np.cumsum(taken) + taken).max()))
         p, q = own.astype(float), others.astype(float)
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
@@ -76,8 +76,8 @@ class Fronts:
         """The fronts as the compiled kernels take them."""
         u, ends = self.u, np.cumsum(counts)
         starts, place = ends - counts, np.zeros(len(self.later_keys), dtype=np.int64)
-        for parent, kids in enumerate(children):
-            for child in kids:
+        for parent, below in enumerate(children):
+            for child in below:
                 blocks, first = later[child], int(self.later_first[child])
                 beyond = counts[parent] + np.searchsorted(later[parent], blocks)
                 place[first : first + len(blocks)] = np.where(blocks < ends[parent], blocks - starts[parent], beyond)
@@ -86,7 +86,7 @@ class Fronts:
         return self._kernels.fronts(
             u, self.symmetric, int(ends[-1]) * u, self.size, work, self.starts, self.own, self.others,
             np.ascontiguousarray(self.offsets), update, *numbers,
-            np.array([child for kids in children for child in kids], dtype=np.int64), np.concatenate(later), place,
+            np.array([child for below in children for child in below], dtype=np.int64), np.concatenate(later), place,
         )  # fmt: skip
 
     def _factored_by_kernels(self, entries: Floats) -> Solver | None:
@@ -95,10 +95,10 @@ class Fronts:
             return None
 
         def solve(right: Floats) -> Floats:
-            found = right.T.copy()
-            for one in found if found.ndim == 2 else found[None]:
+            solution = right.T.copy()
+            for one in solution if solution.ndim == 2 else solution[None]:
                 kernels.solved(fronts, entries, pivots, one)
-            return found.T
+            return solution.T
 
         return solve
 
@@ -161,21 +161,21 @@ class Fronts:
             done.append((start, start + p, later, factor, swaps, below, beside))
 
         def solve(right: Floats) -> Floats:
-            found = right.copy()
+            solution = right.copy()
             unit = 0 if symmetric else 1
             for start, end, later, factor, swaps, below, _ in done:
-                own = found[start:end]
+                own = solution[start:end]
                 if swaps is not None:
                     own[:] = own[swaps]
                 blas.dtrsv(factor, own, lower=1, diag=unit, overwrite_x=1)
                 if len(later):
-                    found[later] -= below @ own
+                    solution[later] -= below @ own
             for start, end, later, factor, _, _, beside in reversed(done):
-                own = found[start:end]
+                own = solution[start:end]
                 if len(later):
-                    own -= found[later] @ beside
+                    own -= solution[later] @ beside
                 blas.dtrsv(factor, own, lower=1 - unit, trans=1 - unit, overwrite_x=1)
-            return found
+            return solution
 
         # dtrsv is 4 to 6 times as fast as dtrsm of two columns
         return lambda right: solve(right) if right.ndim == 1 else np.stack([solve(b) for b in right.T], axis=1)

@@ -6,7 +6,7 @@ Four steps, each only where the one before does not settle it:
 2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
    pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
 3. the slide of the forces alone with its moments balanced, by Newton's method, exact;
-4. passes: friction frozen at the normal forces of the last pass, the cheapest mechanism of a convex program, new
+4. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
    normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
    again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 
@@ -29,7 +29,7 @@ from slopekit.preie.limit_state import (
     settled_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
-from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, Stages, least_work_mechanism
 from slopekit.preie.model import Model
 from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
 from slopekit.strength.mohr_coulomb import line
@@ -184,15 +184,15 @@ def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
 
     Parameters
     ----------
-    stages : of the program, see `cheapest_mechanism`; fewer of them are a looser tolerance
+    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance
     """
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
     velocity, factor = model.load, 0.0
     for _ in range(passes):
         friction = line(model.cohesion, model.tan_friction, normal)
-        found = cheapest_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
-        velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
-        normal = found.normal_force / factor
+        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
+        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
+        normal = mechanism.normal_force / factor
     return factor
 
 
@@ -229,7 +229,7 @@ def _associated_curved_limit(model: Model) -> Limit | None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Push:
+class _Resultant:
     """The load split at one reduction λ: velocity (3,) with the driving force as its length, pushes, bolt pulls."""
 
     pull: Floats
@@ -257,7 +257,7 @@ def forces_only_limit(model: Model) -> Limit:
     share = held.control_area / np.bincount(which, held.control_area)[which]
     columns = np.concatenate([normals, held.bolt_rows]).T
 
-    def at(reduction: float) -> _Push:
+    def at(reduction: float) -> _Resultant:
         upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
         pushes, rest = bounded_least_squares(columns, -held.load, upper)
         pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
@@ -266,9 +266,9 @@ def forces_only_limit(model: Model) -> Limit:
         normal = pushes[which] * share
         strength = line(touching * held.cohesion, held.tan_friction, normal)
         slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
-        return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
+        return _Resultant(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
-    def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
+    def limit(outcome: Outcome, factor: float | None, push: _Resultant) -> Limit:
         bond = push.touching.astype(np.float64)
         velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
         friction = pulls = None
@@ -294,8 +294,8 @@ def forces_only_limit(model: Model) -> Limit:
 
 
 def _first_loss(
-    at: Callable[[float], _Push],
-    limit: Callable[[Outcome, float | None, _Push], Limit],
+    at: Callable[[float], _Resultant],
+    limit: Callable[[Outcome, float | None, _Resultant], Limit],
     capacity: float,
     bare: float,
 ) -> Limit:
@@ -304,7 +304,7 @@ def _first_loss(
     `bare` is λ without bolts, 0 where there is none; far above it the walk takes longer steps.
     """
 
-    def stands(push: _Push, reduction: float) -> bool:
+    def stands(push: _Resultant, reduction: float) -> bool:
         return push.driving < NO_FORCE or reduction * push.resisting >= push.driving
 
     low = high = _STRONGEST / capacity

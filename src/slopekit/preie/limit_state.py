@@ -106,13 +106,13 @@ def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
         tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
         along_slip = np.einsum("nt,ntu->nu", motion / size[:, None], model.rows[:, 1:, :])
         gap_rows = model.normal_rows - tan_dilation[:, None] * along_slip
-        found = limit_state(
+        next_state = limit_state(
             model, velocity, state.reduction, closed, hinged, np.ones(len(closed)), state.displacement, gap_rows
         )
-        if found is None or found.reduction <= 0.0:
+        if next_state is None or next_state.reduction <= 0.0:
             return None
-        moved = float(np.abs(found.velocity - velocity).max()) + abs(found.reduction / state.reduction - 1.0)
-        velocity, state = found.velocity, found
+        moved = float(np.abs(next_state.velocity - velocity).max()) + abs(next_state.reduction / state.reduction - 1.0)
+        velocity, state = next_state.velocity, next_state
         if moved < 1e-13:
             pulled = closed & (state.normal_force < 0.0)
             if not pulled.any():

@@ -36,7 +36,7 @@ _LONGEST = 30.0  # a step is at most this many times the velocity: flat directio
 
 
 @dataclass(frozen=True, slots=True)
-class CheapestMechanism:
+class LeastWorkMechanism:
     """A velocity (u,) with P·v = 1 and its load factor.
 
     `normal_force` (n,), `friction_force` (n, 2) and `bolt_pull` (b,) are those at that factor.
@@ -63,9 +63,9 @@ class _TrialVelocity:
     pull_slope: Floats
 
 
-def cheapest_mechanism(
+def least_work_mechanism(
     model: Model, friction: Floats, tan_dilation: Floats, start: Floats, stages: Stages = COLD
-) -> CheapestMechanism:
+) -> LeastWorkMechanism:
     """Solve the program of this module.
 
     Parameters
@@ -109,7 +109,7 @@ def cheapest_mechanism(
                 length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
             velocity, at = velocity + length * step, after
     friction_force = -at.strength[:, None] * at.direction
-    return CheapestMechanism(velocity, factor, at.normal_force, friction_force, at.pull)
+    return LeastWorkMechanism(velocity, factor, at.normal_force, friction_force, at.pull)
 
 
 def _evaluate(

@@ -42,14 +42,14 @@ def by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     limit = analysis.governing
     lost = np.isin(model.interface, model.interface[limit.bond == 0.0]) & (limit.outcome is Outcome.NO_STRENGTH)
     held = replace(model, cohesion=frozen(np.where(lost, 0.0, model.cohesion)))
-    found = path_limit(held, limit.factor)
-    if found is None or (found.factor is None and limit.factor is None):
+    path_end = path_limit(held, limit.factor)
+    if path_end is None or (path_end.factor is None and limit.factor is None):
         return analysis if limit.factor is None else replace(analysis, without_path=True)
-    if found.factor is None:
-        return LimitAnalysis(found, analysis.forces_only, found, True)
-    if limit.factor is not None and abs(found.factor / limit.factor - 1.0) < _SAME:
+    if path_end.factor is None:
+        return LimitAnalysis(path_end, analysis.forces_only, path_end, True)
+    if limit.factor is not None and abs(path_end.factor / limit.factor - 1.0) < _SAME:
         return analysis
-    return governed(model, analysis.forces_only, replace(found, bond=np.where(lost, 0.0, 1.0), passes=limit.passes))
+    return governed(model, analysis.forces_only, replace(path_end, bond=np.where(lost, 0.0, 1.0), passes=limit.passes))
 
 
 def path_limit(model: Model, guess: float | None) -> Limit | None:
@@ -64,21 +64,21 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
     known = guess or static_bound(whole).factor
     if not known:
         return None
-    found = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
+    path_end = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
     pairs, bond = len(model.control_area), np.ones(len(model.control_area))
-    velocity = unit(found.motion)
-    if found.outcome is PathOutcome.NO_REST:
+    velocity = unit(path_end.motion)
+    if path_end.outcome is PathOutcome.NO_REST:
         return Limit(Outcome.NO_REST, None, velocity, np.zeros(pairs), bond, 0, 0.0)
-    if not found.found or found.parameter is None:
+    if not path_end.found or path_end.parameter is None:
         return None
-    normal = np.maximum(found.normal[:pairs], 0.0)
-    state = settled_limit_state(model, velocity, found.parameter, normal, bond)
-    if state is not None and abs(state.reduction / found.parameter - 1.0) < _POLISHED:
+    normal = np.maximum(path_end.normal[:pairs], 0.0)
+    state = settled_limit_state(model, velocity, path_end.parameter, normal, bond)
+    if state is not None and abs(state.reduction / path_end.parameter - 1.0) < _POLISHED:
         return exact_limit(state, bond, 0)
-    change = 0.0 if found.outcome is PathOutcome.LIMIT else _STEADY
+    change = 0.0 if path_end.outcome is PathOutcome.LIMIT else _STEADY
     return Limit(
-        Outcome.SLIDES, 1.0 / found.parameter, velocity, normal, bond, 0, change, found.friction[:pairs],
-        found.friction[pairs:, 0],
+        Outcome.SLIDES, 1.0 / path_end.parameter, velocity, normal, bond, 0, change, path_end.friction[:pairs],
+        path_end.friction[pairs:, 0],
     )  # fmt: skip
 
 

@@ -75,7 +75,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=RUNS)
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is None and traces:
@@ -116,14 +116,14 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     if bed.drive.ramp is not None:
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
         flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
-        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, far=1e9)
+        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
     parameter = start
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
         if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
-        flow = relaxed(bed, none, parameter, 1.0, far=3e2)
+        flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":
             return parameter, flow
         parameter *= 2.0
@@ -132,25 +132,25 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
 
 def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
-    flow = relaxed(bed, at, parameter, 0.0, far=RUNS, patience=_PATIENCE)
+    flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
         working = bed.working
         if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return relaxed(bed, at, parameter, 0.3, far=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+            return relaxed(bed, at, parameter, 0.3, runs_at=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
     return flow
 
 
 def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=RUNS)
-    far = RUNS
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
+    runs_at = RUNS
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
         if found is not None or again == 2 or bed.tangents > 1:
             return found
-        far *= 20.0
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, far=far)
+        runs_at *= 20.0
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, runs_at=runs_at)
         if flow.ended != "runs":
             return _eased(bed, flow, parameter)
     return None

@@ -178,7 +178,7 @@ class BedSprings:
     def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
         """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
         bed, none = self.bed, np.zeros(0)
-        found: list[tuple[Floats, ...]] = []
+        by_contact: list[tuple[Floats, ...]] = []
         for k, rows in enumerate(self.rows):
             gaps = rows[:, 0] @ opening
             for open_part in (False, True):
@@ -193,11 +193,11 @@ class BedSprings:
                 cap = reduction * (line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal))
                 shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
-                found.append((
+                by_contact.append((
                     self._places(corners), area, np.full(len(area), k), normal * area,
                     -(shear / size)[:, None] * across, np.full(len(area), not open_part),
                 ))  # fmt: skip
-        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*found, strict=True))
+        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
         pulls = none
         if len(bed.bolt_capacity):
             drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
@@ -324,13 +324,13 @@ def _triangle_template(split: int) -> tuple[Floats, Floats]:
     for _ in range(split):
         cells = [finer for cell in cells for finer in _quarters(cell)]
     share = 1.0 / len(cells)
-    found: dict[tuple[float, ...], float] = {}
+    share_at: dict[tuple[float, ...], float] = {}
     for cell in cells:
         for point, weight in (*((corner, 1.0 / 12.0) for corner in cell), (cell.mean(axis=0), 3.0 / 4.0)):
             key = tuple(np.round(point, 12).tolist())
-            found[key] = found.get(key, 0.0) + weight * share
-    points = np.array(list(found))
-    return points / points.sum(axis=1)[:, None], np.array(list(found.values()))
+            share_at[key] = share_at.get(key, 0.0) + weight * share
+    points = np.array(list(share_at))
+    return points / points.sum(axis=1)[:, None], np.array(list(share_at.values()))
 
 
 def _quarters(cell: Floats) -> Iterator[Floats]:

@@ -32,11 +32,11 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     last: NewtonStep | None = None
     for part in _FAR_DOWN:
         program.elastic = part
-        found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
-        if found.at.shed > _SHED or found.at.load_factor < LEAST:
+        solution = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
+        if solution.at.shed > _SHED or solution.at.load_factor < LEAST:
             continue
-        at = found.at.velocity / part
-        step = stepped(bed, at, at, found.at.load_factor, 0.0, float(bed.working @ at))
+        at = solution.at.velocity / part
+        step = stepped(bed, at, at, solution.at.load_factor, 0.0, float(bed.working @ at))
         if not step.settled:
             continue
         limit = _climbed(bed, step)

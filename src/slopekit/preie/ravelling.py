@@ -194,10 +194,10 @@ def critical_load(
     lowest: tuple[float, Part] | None = None
     with threadpool_limits(1):
         for blocks in _components(scene, np.flatnonzero(there)):
-            found = _model(scene, there, blocks)
-            if found is None or not found[0].live.any():
+            model_patch = _model(scene, there, blocks)
+            if model_patch is None or not model_patch[0].live.any():
                 continue
-            model, patch = found
+            model, patch = model_patch
             path, limit = load_limit(model, model.live, reduction)
             if path.found and path.parameter is not None:
                 if lowest is None or path.parameter < lowest[0]:
@@ -213,11 +213,11 @@ def critical_load(
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     for blocks in _components(scene, among):
-        found = _model(scene, there, blocks)
-        if found is None:
+        model_patch = _model(scene, there, blocks)
+        if model_patch is None:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
-            model, patch = found
+            model, patch = model_patch
             large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
             groups = _Groups(scene, there, blocks, model, patch) if large else None
             yield Part(*component_limit(model, scene.ranged, groups), blocks, patch)
@@ -271,10 +271,10 @@ class _Groups:
         first = alone[np.argsort(bolted, kind="stable")][:1]
         group, work = self.group if len(self.group) else _with_neighbours(scene.assembly, first, blocks), 0
         for _ in range(_MOST_GROUPS):
-            found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
-            if found is None:
+            model_patch = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
+            if model_patch is None:
                 return None
-            small, own = found
+            small, own = model_patch
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
             own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
             limit = first_limit(small, own_bond)
@@ -369,9 +369,9 @@ def finer_model(
     """The model of a part once more, the triangles of all its contacts split in four so often."""
     free = np.ones(len(assembly), dtype=bool)
     refine = np.full(len(assembly.patches), level, dtype=np.int64)
-    found = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
-    assert found is not None  # the part has a model
-    return found[0]
+    model_patch = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
+    assert model_patch is not None  # the part has a model
+    return model_patch[0]
 
 
 def _chosen(patches: Patches, kept: Bools) -> Patches:
@@ -403,14 +403,14 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
-        found = _model(scene, there, part.blocks, refine)
-        if found is None or len(found[0].control_area) > _MOST_PAIRS:
+        model_patch = _model(scene, there, part.blocks, refine)
+        if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = component_limit(found[0], scene.ranged)
+        model, limit = component_limit(model_patch[0], scene.ranged)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)
-        part = replace(part, model=model, patch=found[1], limit=limit, refined=refine, mesh_change=change)
+        part = replace(part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change)
         if change < _MESH_CHANGE:
             break
     return part
@@ -481,5 +481,5 @@ def _moving(part: Part, size: Floats) -> tuple[Ints, Floats]:
         np.sqrt((moves[:, 3:] ** 2).sum(axis=1)) * size[part.model.moving],
     )
     fastest = max(float(speed.max()), 1e-300)
-    found = np.flatnonzero(speed > MOVES * fastest)
-    return part.model.moving[found], moves[found] / fastest
+    fast = np.flatnonzero(speed > MOVES * fastest)
+    return part.model.moving[fast], moves[fast] / fastest

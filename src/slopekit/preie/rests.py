@@ -33,7 +33,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
     at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
-    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, far=RUNS, patience=_TO_REST)
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
@@ -45,7 +45,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
             stride = math.sqrt(stride)
             continue
         else:
-            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=RUNS, patience=_TO_REST)
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
@@ -65,4 +65,4 @@ def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
     if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
         return True
     beyond = (1.0 - _BEYOND) * limit.parameter
-    return relaxed(bed, flow.at, beyond, THICK, far=RUNS, patience=_LET_GO).ended == "runs"
+    return relaxed(bed, flow.at, beyond, THICK, runs_at=RUNS, patience=_LET_GO).ended == "runs"

@@ -40,7 +40,7 @@ _BISECTED = 60
 _TURN = 1.5  # the most a correction may go along the curve
 _TINY = 1e-300
 
-_Solver = Callable[["_Off"], "_CurvePoint"]
+_Solver = Callable[["_Residual"], "_CurvePoint"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +65,8 @@ class _CurvePoint:
 
 
 @dataclass(frozen=True, slots=True)
-class _Off:
-    """What is off: balance (N,), normal (m,) and shear (g, t) joints, products (m,), (g,), (g, t), and the work."""
+class _Residual:
+    """Residuals: balance (N,), normal (m,) and shear (g, t) joints, products (m,), (g,), (g, t), and the work."""
 
     balance: Floats
     opening: Floats
@@ -133,24 +133,24 @@ class RoundedPath:
             for _ in range(_STARTS):
                 product = self._product(self._work, self._rounding)
                 try:
-                    off, solve = self._linear(self._at, self._work, product)
+                    residual, solve = self._linear(self._at, self._work, product)
                 except SolverError:
                     return False
-                if self._on_curve(self._at, off, product):
+                if self._on_curve(self._at, residual, product):
                     self.passed.append((self._at.reduction, displacement))
                     return True
-                self._at = self._moved(self._at, solve(off), product)
+                self._at = self._moved(self._at, solve(residual), product)
         return False
 
     def onto(self, work: float, most: int) -> bool:
         """On to a work, in parts of the elastic; False where `most` factorisations do not get there."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = self._along(
+            curve_point = self._along(
                 self._at, self._work, self._rounding, True, lambda there, _: there > work, most, self.passed
             )
-        if found is None:
+        if curve_point is None:
             return False
-        self._at, self._work, self._rounding = found
+        self._at, self._work, self._rounding = curve_point
         return True
 
     def sharpened(self, most: int, left: float = _SHARP) -> "RoundedPath | None":
@@ -158,11 +158,13 @@ class RoundedPath:
         get there.
         """
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = self._along(self._at, self._work, self._rounding, False, lambda _, there: there < left, most, [])
-        if found is None:
+            curve_point = self._along(
+                self._at, self._work, self._rounding, False, lambda _, there: there < left, most, []
+            )
+        if curve_point is None:
             return None
         sharp = copy.copy(self)
-        sharp._at, sharp._work, sharp._rounding = found
+        sharp._at, sharp._work, sharp._rounding = curve_point
         sharp.passed = [(sharp.reduction, sharp.displacement)]
         return sharp
 
@@ -185,15 +187,15 @@ class RoundedPath:
                 along_it = -along_it
             way, along = tangent.times(along_it), along_it
             while True:
-                found = self._stepped(at, way, along, length, (work, rounding), grows)
-                if found is not None or self.bed.factorisations > most:
+                stepped = self._stepped(at, way, along, length, (work, rounding), grows)
+                if stepped is not None or self.bed.factorisations > most:
                     break
                 length *= 0.4
                 if length < _SHORTEST:
                     return None
-            if found is None:
+            if stepped is None:
                 return None
-            at, moved, corrections, solve = found
+            at, moved, corrections, solve = stepped
             work, rounding = work + by_work * moved, rounding + by_rounding * moved
             if grows:
                 passed.append((at.reduction, at.velocity * math.exp(work)))
@@ -222,14 +224,14 @@ class RoundedPath:
             work, rounding = before[0] + by_work * moved, before[1] + by_rounding * moved
             product = self._product(work, rounding)
             try:
-                off, solve = self._linear(at, work, product)
+                residual, solve = self._linear(at, work, product)
             except SolverError:
                 return None
-            if self._on_curve(at, off, product):
+            if self._on_curve(at, residual, product):
                 return at, moved, corrections, solve
-            if not np.isfinite(off.balance).all():
+            if not np.isfinite(residual.balance).all():
                 return None
-            change, tangent = solve(off), self._tangent(at, solve, work, rounding, grows)
+            change, tangent = solve(residual), self._tangent(at, solve, work, rounding, grows)
             square = self._inner(way, tangent, start) + along
             turn = -self._inner(way, change, start) / square if square else math.inf
             if not abs(turn) < _TURN:
@@ -239,9 +241,9 @@ class RoundedPath:
             at = self._moved(at, change.plus(tangent, turn), product)
         return None
 
-    def _unbalanced(self, off: _Off) -> float:
+    def _unbalanced(self, residual: _Residual) -> float:
         """In parts of each block's own load."""
-        return float((np.abs(off.balance) / self._own).max())
+        return float((np.abs(residual.balance) / self._own).max())
 
     def _inner(self, one: _CurvePoint, other: _CurvePoint, at: _CurvePoint) -> float:
         """Product of two changes, forces, velocities and λ in parts of what they are."""
@@ -293,24 +295,28 @@ class RoundedPath:
             reduction,
         )  # fmt: skip
 
-    def _on_curve(self, at: _CurvePoint, off: _Off, product: float) -> bool:
+    def _on_curve(self, at: _CurvePoint, residual: _Residual, product: float) -> bool:
         """Whether what is off does not matter."""
         allowed = at.reduction * self._strength(at.normal)
-        across = np.sqrt(along_rows(off.across, off.across)) / (product + _ALIGNED * allowed * at.size)
-        joints = max(float(np.abs(off.opening * at.normal).max()), float(np.abs(off.shear * at.friction).max()))
-        products = max(float(np.abs(off.pressing).max()), float(np.abs(off.sliding).max()), joints)
-        return products < _CENTRED * product and float(across.max()) < _CENTRED and self._unbalanced(off) < _BALANCED
+        across = np.sqrt(along_rows(residual.across, residual.across)) / (product + _ALIGNED * allowed * at.size)
+        joints = max(
+            float(np.abs(residual.opening * at.normal).max()), float(np.abs(residual.shear * at.friction).max())
+        )
+        products = max(float(np.abs(residual.pressing).max()), float(np.abs(residual.sliding).max()), joints)
+        return (
+            products < _CENTRED * product and float(across.max()) < _CENTRED and self._unbalanced(residual) < _BALANCED
+        )
 
     def _tangent(self, at: _CurvePoint, solve: _Solver, work: float, rounding: float, grows: bool) -> _CurvePoint:
         """How a point of the curve changes with log W, or with -log κ."""
         product = self._product(work, rounding)
         slow = -math.exp(-work) if grows else 0.0
-        return solve(_Off(
+        return solve(_Residual(
             np.zeros_like(at.velocity), slow * self._give * at.normal, slow * self._shear_give[:, None] * at.friction,
             np.full(len(at.normal), product), np.full(len(at.size), product), np.zeros_like(at.slip), 0.0,
         ))  # fmt: skip
 
-    def _linear(self, at: _CurvePoint, work: float, product: float) -> tuple[_Off, _Solver]:
+    def _linear(self, at: _CurvePoint, work: float, product: float) -> tuple[_Residual, _Solver]:
         """What is off at a point, and a solver of the linearised equations.
 
         Raises
@@ -323,7 +329,7 @@ class RoundedPath:
         strength = self._strength(at.normal)
         allowed, follows = at.reduction * strength, at.reduction * bed.friction
         opening, slip = self._motion(at.velocity)
-        off = _Off(
+        residual = _Residual(
             self._on_blocks(at.normal, at.friction) + bed.drive.load,
             give * at.normal + opening - at.gap,
             shear_give[:, None] * at.friction + slip - at.slip,
@@ -354,27 +360,30 @@ class RoundedPath:
         gained = float(bed.working @ by_reduction)
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
 
-        def solve(off: _Off) -> _CurvePoint:
-            pressed = springs * (-off.pressing / at.normal - off.opening)
+        def solve(residual: _Residual) -> _CurvePoint:
+            pressed = springs * (-residual.pressing / at.normal - residual.opening)
             size, dragged = of_cones(
-                -off.sliding - along_rows(at.friction, off.shear), -off.across - allowed[:, None] * off.shear
+                -residual.sliding - along_rows(at.friction, residual.shear),
+                -residual.across - allowed[:, None] * residual.shear,
             )
             stronger = follows * np.bincount(bed.group_of_pair, pressed, bed.groups)
-            velocity = solver(off.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
-            reduction = (-off.work - float(bed.working @ velocity)) / gained
+            velocity = solver(residual.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
+            reduction = (-residual.work - float(bed.working @ velocity)) / gained
             velocity = velocity + reduction * by_reduction
             opens, slips = self._motion(velocity)
             normal = pressed - springs * opens
             stronger = follows * np.bincount(bed.group_of_pair, normal, bed.groups) + strength * reduction
             friction = dragged + np.matmul(tangent, slips[:, :, None])[:, :, 0] + by_strength * stronger[:, None]
             # each is a large number there, and rounding does not matter
-            gap = np.where(opened, off.opening + opens + give * normal, (-off.pressing - at.gap * normal) / at.normal)
+            gap = np.where(
+                opened, residual.opening + opens + give * normal, (-residual.pressing - at.gap * normal) / at.normal
+            )
             return _CurvePoint(
                 velocity, normal, gap, friction, size + along_rows(by_slip, slips) + size_by_strength * stronger,
-                off.shear + slips + shear_give[:, None] * friction, reduction,
+                residual.shear + slips + shear_give[:, None] * friction, reduction,
             )  # fmt: skip
 
-        return off, solve
+        return residual, solve
 
     def _moved(self, at: _CurvePoint, change: _CurvePoint, product: float) -> _CurvePoint:
         """A point after a step, every force, gap and slip kept where it may be, one by one."""

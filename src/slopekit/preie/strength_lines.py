@@ -152,10 +152,10 @@ def _rounds(
     rounds: list[tuple[float, AnyModel, Found]] = []
     best, fruitless = math.inf, 0
     while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS:
-        found = solve(model)
-        carries = forces(found)
+        limit = solve(model)
+        carries = forces(limit)
         if carries is None:
-            return model, found, 0.0
+            return model, limit, 0.0
         normal, factor, exact = carries
         new = drawn(model, normal)
         if isinstance(new, Model):
@@ -165,8 +165,8 @@ def _rounds(
         strength = float(line(bonds, new.tan_friction, carried).sum())
         off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, 1e-300)
         if off <= max(_STEADY, exact):
-            return model, found, off
-        rounds.append((factor, model, found))
+            return model, limit, off
+        rounds.append((factor, model, limit))
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
         if len(rounds) > _SWIFT:
             at = np.log(np.maximum(model.tan_friction, _FLAT))
@@ -205,8 +205,8 @@ def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAna
     analyse : the limit on lines as they are
     """
 
-    def forces(found: LimitAnalysis) -> tuple[Floats, float, float] | None:
-        limit = found.governing
+    def forces(analysis: LimitAnalysis) -> tuple[Floats, float, float] | None:
+        limit = analysis.governing
         if not limit.factor or limit.outcome is Outcome.NOT_CONVERGED:
             return None
         return limit.normal_force, limit.factor, limit.change

@@ -114,7 +114,7 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
         near = one + (other - one) * ((more - strength) / (more - less))
     if any(stepped(bed, at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
         return True
-    flow = relaxed(bed, near, strength, 0.0, far=FARTHEST, patience=_RESTS)
+    flow = relaxed(bed, near, strength, 0.0, runs_at=FARTHEST, patience=_RESTS)
     return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter)[0].ended == "rest"
 
 
@@ -182,7 +182,7 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
         else:
             low, sharp = middle, trial
     assert sharp is not None
-    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, far=FARTHEST, patience=_RESTS)
+    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, runs_at=FARTHEST, patience=_RESTS)
     near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
     if not near or flow.ended != "rest":
         return False
