@@ -270,7 +270,7 @@ def test_blocks_that_do_not_add_up_are_refused(monkeypatch) -> None:
 
     body = bench_body(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 9.0, 9.0, 9.0)
     planes = planes_of_sets([JointSet(np.eye(3)[2], spacing=3.0)], body, np.random.default_rng(0))
-    monkeypatch.setattr(splitting, "_OFF_PLANE", -1.0)
+    monkeypatch.setattr(splitting, "OFF_PLANE", -1.0)
     with pytest.raises(GeometryError) as error:
         cut_bench(body, planes)
     assert error.value.faults[0].code == "E224"

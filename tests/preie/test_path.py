@@ -11,9 +11,10 @@ from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, BedForces, Drive
+from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow

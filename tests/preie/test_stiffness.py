@@ -156,7 +156,7 @@ def test_too_large_for_memory(way, monkeypatch) -> None:
 def test_pivots_that_a_front_does_not_have_are_found_in_the_band(monkeypatch) -> None:
     """No growth allowed, as if rows of a front had next to nothing among its own unknowns."""
     monkeypatch.setattr(SparseStiffness, "_chosen", lambda self, symmetric: Fronts(self.model, symmetric))
-    monkeypatch.setattr(fronts, "_GROWTH", 0.0)
+    monkeypatch.setattr(fronts, "PIVOT_GROWTH", 0.0)
     model = model_of("wall")
     stiffness, right = stiffness_of(model, False, 4), np.random.default_rng(4).normal(size=model.load.size)
     found = SparseStiffness(model).factored(stiffness, 0.0, False)(right)

@@ -13,6 +13,7 @@ import numpy as np
 
 from slopekit.closed_form.given import Bools, Codes, Floats, Value
 from slopekit.closed_form.search import loss_with_bolts
+from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
 
 Vector = tuple[Value, Value, Value]
 Bolt = tuple[float, float, float]
@@ -25,10 +26,7 @@ SLIDES_ON_J1, SLIDES_UP, LIFTED, FALLS, STILL = (
     np.int8(STATUSES.index(name)) for name in ("slides_on_J1", "slides_up", "lifted", "falls", "no_driving_force")
 )
 J1, J2 = 0, 1
-_SMALL: Final = 1e-12  # parts of the load that count as nothing
-_SQUARE: Final = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
 _ROUNDS: Final = 40  # over several bolts, one after the other
-_SETTLED: Final = 1e-12  # change of a pull, parts of what it may pull
 
 
 class Slide(NamedTuple):
@@ -95,7 +93,7 @@ class JointPair(NamedTuple):
         if others.size:
             highest = np.broadcast_to(np.maximum(*self.inward[2]), along.shape)[others]
             outcome[others] = np.where(off, np.where(highest <= 0.0, FALLS, LIFTED), outcome[others])
-        outcome[driving <= _SMALL * self.size] = STILL
+        outcome[driving <= SMALL * self.size] = STILL
         return Slide(outcome, normal, driving, resisting, (east, north, up))
 
 
@@ -135,7 +133,7 @@ def _pulled(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt], reduct
             pulls[k] = 0.0
             pulls[k] = _best_pull(bed, under(pulls), bolt, reduction)
         pulls[:, settled] = before[:, settled]
-        settled |= (np.abs(pulls - before) <= _SETTLED * reduction).all(axis=0)
+        settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
         if len(bolts) == 1 or settled.all():
             break
     return under(pulls)
@@ -160,7 +158,7 @@ def _best_pull(bed: JointPair, load: Vector, bolt: Bolt, most: Floats) -> Floats
     slide = bed.slide((east, north, up))
     drawn = np.where(slide.outcome == STILL, 0.0, dot(slide.movement, bolt)).reshape(tries.shape)
     stops = np.take_along_axis(tries[2:], np.argmin(np.abs(drawn[2:]), axis=0)[None], axis=0)[0]
-    pushed_in = drawn[0] >= -_SQUARE * math.sqrt(square) * bed.size
+    pushed_in = drawn[0] >= -SQUARE * math.sqrt(square) * bed.size
     return np.where(pushed_in, 0.0, np.where(drawn[1] <= 0.0, most, stops))
 
 

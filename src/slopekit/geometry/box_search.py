@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
+from slopekit.geometry.tolerances import TINY
 
 _AT_ONCE = 2_000_000  # candidate pairs looked at in one go: bounds the memory
 _FINEST = 2.0**-20  # cells of a grid along each axis: three axes fit one 64-bit key
@@ -147,7 +148,7 @@ class _BoxGrid:
 def _grids(lowest: Floats, highest: Floats) -> list[_BoxGrid]:
     extent = (highest - lowest).max(axis=1)
     domain = float((highest.max(axis=0) - lowest.min(axis=0)).max())
-    extent = np.maximum(extent, max(float(np.median(extent)), domain * _FINEST, 1e-300))
+    extent = np.maximum(extent, max(float(np.median(extent)), domain * _FINEST, TINY))
     # a hair more: boxes of one size by design would fall on both sides of a power of two by rounding
     level = np.ceil(np.log2(extent / float(extent.min())) - 1e-6).astype(np.int64)
     grids = []

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.plane_stacks import PlaneStack, Soup
+from slopekit.geometry.tolerances import NO_VOLUME
 
 Hashes = NDArray[np.uint64]
-_NO_VOLUME = 1e-15  # of a body that is 2 long
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +105,7 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneSta
     part = np.einsum("ti,ti->t", a, _cross(b, c)) / 6.0
     volumes = np.bincount(cell, part, len(slabs)).astype(np.float64)
     moments = _sums(cell, part[:, None] * (a + b + c) / 4.0, len(slabs))
-    solid = volumes > _NO_VOLUME  # the centroid of a cell without volume would be lost to rounding
+    solid = volumes > NO_VOLUME  # the centroid of a cell without volume would be lost to rounding
     centroids = points + np.where(solid[:, None], moments, 0.0) / np.where(solid, volumes, 1.0)[:, None]
     return Cells(volumes, centroids, signature, cell)
 

@@ -14,10 +14,9 @@ from manifold3d import Manifold
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.cutting import BOX_TRIANGLES, far_box, half_space, tagged
+from slopekit.geometry.tolerances import LEAST_GAP, LEAST_RISE
 
-_LEAST_RISE = 0.3  # cosine between a plane's normal and its stack's axis below which it needs a stack of its own
 _ROOM = 1.05  # the slabs are this much wider than the body
-_LEAST_GAP = 1e-7  # planes of a stack keep this distance over the body, which is 2 long
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +70,13 @@ def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Fl
         members = np.flatnonzero(groups == group)
         axis = _mean_axis(normals[members])
         rise = normals[members] @ axis
-        stacks += [PlaneStack(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < _LEAST_RISE)]
-        members = members[rise >= _LEAST_RISE]
+        stacks += [PlaneStack(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)]
+        members = members[rise >= LEAST_RISE]
         at = _crossings(normals[members], offsets[members], axis, corners)
         chains: list[list[int]] = []
         for k in np.argsort(at.mean(axis=1), kind="stable").tolist():
             for chain in chains:
-                if float((at[k] - at[chain[-1]]).min()) > _LEAST_GAP:
+                if float((at[k] - at[chain[-1]]).min()) > LEAST_GAP:
                     chain.append(k)
                     break
             else:

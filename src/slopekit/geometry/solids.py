@@ -16,9 +16,8 @@ from slopekit.geometry.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.fit import Gaps, Overlaps
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.solid_faces import ClosedMeshes, Pieces, clean_solids, convex_faces
+from slopekit.geometry.tolerances import NEARLY_TOUCHES, OPPOSITE, TINY
 
-_OPPOSITE = -0.99  # cosine between faces that can lie on each other; how far apart they are decides
-_NEAR = 0.01  # of the mean block size: what is nearer than this and does not touch is reported
 _AT_ONCE = 100_000  # pairs of faces clipped in one go: bounds the memory
 _MOST_SUPPORTS = 100_000  # faces times vertices of a block whose faces are tried as separating planes
 
@@ -75,7 +74,7 @@ def mesh_assembly(
     solids, tolerance = clean_solids(meshes, tolerance, called)
     bedrock = np.asarray(fixed, dtype=bool)
     pieces = convex_faces(solids, tolerance)
-    reach = _NEAR * float(np.cbrt(solids.volumes).mean())
+    reach = NEARLY_TOUCHES * float(np.cbrt(solids.volumes).mean())
     faced = _facing(pieces, bedrock, max(reach, tolerance), tolerance)
     touches = (faced.most <= tolerance) & (faced.least >= -tolerance) & (faced.width > tolerance)
     patches = _patches(faced, touches, solids.origin)
@@ -129,7 +128,7 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
     first, second = box_pairs(pieces.corners.min(axis=1) - reach / 2.0, pieces.corners.max(axis=1) + reach / 2.0)
     wanted = pieces.block[first] != pieces.block[second]
     first, second = first[wanted], second[wanted]
-    wanted = (pieces.normals[first] * pieces.normals[second]).sum(axis=1) < _OPPOSITE
+    wanted = (pieces.normals[first] * pieces.normals[second]).sum(axis=1) < OPPOSITE
     first, second = first[wanted], second[wanted]
     a, b = pieces.block[first], pieces.block[second]
     turned = np.where(fixed[a] == fixed[b], a > b, ~fixed[a])
@@ -168,7 +167,7 @@ def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: fl
     upper = ((pieces.corners[plus] - base[:, None]) @ axes)[:, ::-1]  # seen from the other side
     corners, counts = clip_convex(lower, pieces.counts[minus], upper)
     areas, centres, around = polygon_sums(corners, counts)
-    width = areas / np.maximum(around / 2.0, 1e-300)
+    width = areas / np.maximum(around / 2.0, TINY)
     kept = (counts >= 3) & (width > tolerance)
     plus, minus, normal, base, axes = plus[kept], minus[kept], normal[kept], base[kept], axes[kept]
     areas, centres, width = areas[kept], centres[kept], width[kept]

@@ -15,16 +15,10 @@ from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, fa
 from slopekit.geometry.joint_sets import SetPlanes
 from slopekit.geometry.patches import Assembly, Patches
 from slopekit.geometry.plane_stacks import PlaneStack, Soup, ascending, cut_with_stacks, stacks_of_planes
+from slopekit.geometry.tolerances import CUT_BALANCE, INSIDE, NO_AREA, NUMERICAL_SLIVER, OFF_PLANE, PARALLEL, STRAIGHT
 
 _CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
 _ENOUGH = 50  # times max_blocks: stop counting
-_INSIDE = 1e-9  # of the body: lines and points that touch it no deeper are outside
-_PARALLEL = 1e-9
-_NUMERICAL_SLIVER = 1e-9  # of the body's volume: cells that rounding made or may unmake
-_NO_AREA = 1e-12  # of the square of half the body's size
-_STRAIGHT = 1e-11  # of half the body's size: corners as near as this to a straight edge are none
-_OFF_PLANE = 1e-9  # of half the body's size
-_BALANCE = 1e-6  # what volumes and areas may be off before the cut is refused
 
 
 def refuse_too_many(
@@ -73,20 +67,20 @@ def count_cells(
         rest = int(np.searchsorted(stack, stack[i], side="right"))  # planes of its own stack do not meet it
         across = np.cross(normals[i], normals[rest:])
         squared = (across * across).sum(axis=1)
-        meets = squared > _PARALLEL**2
+        meets = squared > PARALLEL**2
         j, across, squared = rest + np.flatnonzero(meets), across[meets], squared[meets, None]
         point = (offsets[i] * np.cross(normals[j], across) + offsets[j, None] * np.cross(across, normals[i])) / squared
         along = across / np.sqrt(squared)
         low, high = _clip(point, along, *faces)
-        hit = high - low > _INSIDE
+        hit = high - low > INSIDE
         j, point, along, low, high = j[hit], point[hit], along[hit], low[hit], high[hit]
         total += len(j)
         if len(j):
             rate = along @ normals[rest:].T
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = (offsets[rest:] - point @ normals[rest:].T) / rate
-            third = (np.abs(rate) > _PARALLEL) & (stack[rest:] > stack[j, None])
-            total += int((third & (at > low[:, None] + _INSIDE) & (at < high[:, None] - _INSIDE)).sum())
+            third = (np.abs(rate) > PARALLEL) & (stack[rest:] > stack[j, None])
+            total += int((third & (at > low[:, None] + INSIDE) & (at < high[:, None] - INSIDE)).sum())
         if total > enough:
             break
     return total
@@ -99,9 +93,9 @@ def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tup
         rate, room = along @ normal, offset - point @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
             at = room / rate
-        high = np.where(rate > _PARALLEL, np.minimum(high, at), high)
-        low = np.where(rate < -_PARALLEL, np.maximum(low, at), low)
-        high = np.where((np.abs(rate) <= _PARALLEL) & (room < _INSIDE), -math.inf, high)
+        high = np.where(rate > PARALLEL, np.minimum(high, at), high)
+        low = np.where(rate < -PARALLEL, np.maximum(low, at), low)
+        high = np.where((np.abs(rate) <= PARALLEL) & (room < INSIDE), -math.inf, high)
     return low, high
 
 
@@ -265,7 +259,7 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     area_error = float(differences.sum()) / (2.0 * joint_area) if joint_area else 0.0
     volume_error = abs(float(cells.volumes.sum()) - body_volume) / body_volume
     away = plane_error(soup, normals, offsets)
-    if max(volume_error, area_error) > _BALANCE or away > _OFF_PLANE:
+    if max(volume_error, area_error) > CUT_BALANCE or away > OFF_PLANE:
         message = (
             f"the blocks do not add up to the bench (volume to {volume_error:.2g}, joints to {area_error:.2g}, "
             f"corners {away * half:.2g} m off their planes)"
@@ -274,9 +268,9 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
 
     at_far = np.zeros(len(cells.volumes), dtype=np.bool_)
     is_far = np.concatenate([np.zeros(len(offsets), dtype=np.bool_), body.is_far])
-    at_far[faces.cell[is_far[faces.plane] & (faces.areas > _NO_AREA)]] = True
+    at_far[faces.cell[is_far[faces.plane] & (faces.areas > NO_AREA)]] = True
     below = np.flatnonzero(faces.is_below & (other >= 0))
-    least = max(min_volume / half**3, _NUMERICAL_SLIVER * body_volume)
+    least = max(min_volume / half**3, NUMERICAL_SLIVER * body_volume)
     sides = faces.cell[below], faces.cell[other[below]]
     joined = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
     if joined.count > max_blocks:
@@ -301,9 +295,9 @@ def _patches(
 ) -> Patches:  # fmt: skip
     """The patches between different blocks; `below`, `above` are the faces on the two sides of each."""
     minus, plus = block[faces.cell[below]], block[faces.cell[above]]
-    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > _NO_AREA)
+    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > NO_AREA)
     below = below[kept]
-    corners, first = corners_of_faces(soup, faces.of_triangle, below, _STRAIGHT)
+    corners, first = corners_of_faces(soup, faces.of_triangle, below, STRAIGHT)
     middle, half = where
     plane = faces.plane[below]
     return Patches(

@@ -8,7 +8,7 @@ import numpy as np
 from slopekit.closed_form.footing import footing
 from slopekit.design.kinds import FootingDesign
 from slopekit.errors import Fault, GeometryError
-from slopekit.geometry.section import J1, PlaneSection, footing_section, line_pairs
+from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import on_secants
@@ -49,7 +49,7 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     return on_one_plane(strip.factor, strip.status, design.strength)
 
 
-def _block(design: FootingDesign) -> tuple[PlaneSection, float]:
+def _block(design: FootingDesign) -> tuple[Section, float]:
     """The block and the place of the load on it, m from the face."""
     section = footing_section(design.dip_deg, design.length_m)
     width = -float(section.bottom[0])

@@ -32,12 +32,12 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
+from slopekit.notices import SQUARE, common_notices
 from slopekit.onlooker import say
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.bed import SHEAR_TO_NORMAL
 from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
     Failure,
@@ -49,6 +49,7 @@ from slopekit.preie.ravelling import (
     ravel,
     whole_model,
 )
+from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import (
     AllPairs,
     CurvedStrength,

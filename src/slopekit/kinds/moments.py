@@ -19,10 +19,11 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
-from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
+from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.polygon_bed import PointForces, PolygonBed, bed_of
+from slopekit.preie.tolerances import MOMENTS
 from slopekit.result import ContactOpening
 
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere

@@ -38,7 +38,7 @@ from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
 from slopekit.loads import Loads
-from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
+from slopekit.notices import Facts, Interface, notices
 from slopekit.onlooker import say
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import balance, of_one_block
@@ -47,6 +47,7 @@ from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import (
     AllPairs,
     AtFactorOne,

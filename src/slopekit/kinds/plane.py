@@ -13,7 +13,7 @@ from slopekit.design.common import Strength, Water
 from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, FACE, J1, PlaneSection, line_pairs, plane_section
+from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
@@ -66,7 +66,7 @@ def _signed_dip(plane: Plane, face: Plane) -> float:
     return plane.dip_deg if same else -plane.dip_deg
 
 
-def section_of(design: PlaneDesign) -> PlaneSection:
+def section_of(design: PlaneDesign) -> Section:
     """The section of the block. Raises GeometryError where the plane forms none that can slide out."""
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = _strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg)
@@ -94,7 +94,7 @@ def _axes(face: Plane) -> Floats:
     return np.array([out, np.cross(up, out), up])
 
 
-def _water(design: PlaneDesign, section: PlaneSection) -> dict[str, PointForce]:
+def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
     water, depth = design.water, section.crack_depth
     along = section.bottom / section.length
@@ -138,7 +138,7 @@ def _seismic(design: PlaneDesign) -> float:
     return design.seismic.coefficient * math.cos(turned)
 
 
-def _loads(design: PlaneDesign, section: PlaneSection) -> Loads:
+def _loads(design: PlaneDesign, section: Section) -> Loads:
     axes, origin = _axes(design.face) * [[1.0], [0.0], [1.0]], np.zeros(3)  # where along the slope says nothing
     active, passive = bolt_forces(
         design, origin,

@@ -14,7 +14,7 @@ from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.model import JointStrength, build_model
 
 if TYPE_CHECKING:
-    from slopekit.geometry.section import PlaneSection
+    from slopekit.geometry.section import Section
 
 CheckBolt = Callable[[str, Floats, Floats, float | None, str], None]
 
@@ -74,7 +74,7 @@ def point_force(force: Force, origin: Floats, turn: Floats | None = None) -> Poi
     return PointForce(axes @ np.array(force.components_kn), at)
 
 
-def section_bedding(section: "PlaneSection", loads: Loads, given: Strength) -> Bedding:
+def section_bedding(section: "Section", loads: Loads, given: Strength) -> Bedding:
     """The plane of a section as the bed of the block on it."""
     from slopekit.geometry.section import J1
 
@@ -85,7 +85,7 @@ def section_bedding(section: "PlaneSection", loads: Loads, given: Strength) -> B
     )  # fmt: skip
 
 
-def section_geometry(section: "PlaneSection", name: str, axes: Floats | None = None) -> SectionGeometry:
+def section_geometry(section: "Section", name: str, axes: Floats | None = None) -> SectionGeometry:
     """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
     areas = {name: section.length}
     if section.crack_depth is not None:

@@ -16,12 +16,11 @@ from slopekit.arrays import Bools
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import FARTHEST
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
     from slopekit.preie.settlement import Settlement
-
-_FARTHEST = 1e6  # a factor beyond this, or below its inverse, is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +64,12 @@ def all_pairs_failed(
     low = high = limit or 1.0
     if limit or failed(1.0):
         while failed(low := low / growth):
-            if low < 1.0 / _FARTHEST:
+            if low < 1.0 / FARTHEST:
                 return AllPairsFailed(None, (0.0, high), False, tuple(history))
             high = low
     else:
         while not failed(high := high * growth):
-            if high > _FARTHEST:
+            if high > FARTHEST:
                 return AllPairsFailed(None, (low, math.inf), False, tuple(history))
             low = high
     while high - low > relative * low:

@@ -23,18 +23,22 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.stiffness import SparseStiffness
+from slopekit.preie.tolerances import (
+    DIAGONAL_SHIFT,
+    EACH_BALANCED,
+    LIGHTEST_ON_BED,
+    ROUGHLY_SETTLED,
+    SETTLED,
+    SPRING_ROUNDING,
+    TINY,
+)
 from slopekit.strength.mohr_coulomb import line
 
-#: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
-SHEAR_TO_NORMAL = 0.4
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
-_SHIFT = 1e-13  # of the stiffness, on its diagonal: blocks that nothing holds have a stiffness
-_ROUNDING = 2e-15  # of the springs' forces: what cannot be balanced any better
-_SETTLED, _SETTLED_ENOUGH = 1e-10, 1e-8  # unbalanced force in parts of the largest force
 _SHORTEST = 0.02  # step of a line search
-_EACH, _LIGHTEST = 1e-6, 1e-7  # and in parts of the load of each block, of blocks no lighter than that of the heaviest
 _TRIES = 12  # Newton steps
 _POLISHES = 3  # of a state that is at rest
 _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
@@ -67,7 +71,7 @@ class BedForces:
         """Largest unbalanced generalised force."""
         return float(np.abs(self.unbalanced).max())
 
-    def balanced(self, off: float, part: float = _SETTLED) -> bool:
+    def balanced(self, off: float, part: float = SETTLED) -> bool:
         """Whether an unbalanced force is as small as it should be."""
         return off <= max(part * self.largest, self.rounding)
 
@@ -158,8 +162,8 @@ class Bed:
         self.evaluations = self.factorisations = 0
         self.load_size = float(np.abs(drive.load).max())
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
-        own = np.maximum(own, _LIGHTEST * float(own.max(initial=0.0)))
-        self.unbalanced_at_most = _EACH * np.repeat(own, model.unknowns)
+        own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
+        self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
         self.elastic_solver = self.factored(self.elastic)
         self.elastic_displacement: Floats = self.elastic_solver(drive.load)
         self.working = self._working()
@@ -208,7 +212,7 @@ class Bed:
         size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
-        direction = elastic / np.maximum(size, 1e-300)[:, None] if modes is None else modes.direction
+        direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
         cohesion = self.cohesion
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
@@ -233,7 +237,7 @@ class Bed:
         return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
-            _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
         )  # fmt: skip
 
     def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
@@ -247,7 +251,7 @@ class Bed:
         )  # fmt: skip
         return BedForces(
             normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
-            _ROUNDING * (pressed + longest),
+            SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
     def _dilation(self, reduction: float) -> Floats:
@@ -370,7 +374,7 @@ class Bed:
             E505 it is singular.
         """
         self.factorisations += 1
-        return self.stiffness.factored(local, _SHIFT, symmetric)
+        return self.stiffness.factored(local, DIAGONAL_SHIFT, symmetric)
 
     def motion(self, velocity: Floats, parameter: float) -> tuple[Floats, Floats]:
         """Opening (m,) beyond what slip opens by itself, and slip (g, t), of a motion (N,)."""
@@ -387,7 +391,7 @@ class Bed:
         _, slip = self.motion(velocity, 1.0)
         size = np.sqrt((slip * slip).sum(axis=1))
         clear = modes.slips & (size > 1e-6 * float(size.max()))
-        direction = np.where(clear[:, None], slip / np.maximum(size, 1e-300)[:, None], modes.direction)
+        direction = np.where(clear[:, None], slip / np.maximum(size, TINY)[:, None], modes.direction)
         return replace(modes, direction=direction)
 
     def viscous(self, moved: Floats) -> Floats:
@@ -513,7 +517,7 @@ class Bed:
             if not downhill and size > 1e4 * best:
                 break
             best = min(best, size)
-        good = there.balanced(size, _SETTLED_ENOUGH) and self._each_balanced(off) and worked(at, 1e-6)
+        good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)
         return NewtonStep(at, parameter, there, good, _TRIES)
 
 

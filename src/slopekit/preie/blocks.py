@@ -22,27 +22,32 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive
+from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
+from slopekit.preie.tolerances import (
+    BOUND_ACCURACY,
+    LIMIT_BALANCED,
+    LOADS_BRACKET,
+    LOADS_FIT,
+    NO_MOTION,
+    OPENS_ROUGHLY,
+    TINY,
+)
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
-_OPENS, _OPENS_ROUGHLY = 1e-6, 1e-4  # of the fastest motion: exact limit states, and settled ones
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
-_ABOVE = 1e-4  # a factor this far above the static bound is none
-_BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
-_BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
-_FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
@@ -133,7 +138,7 @@ def limit_of_blocks(
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
         settled = None if proposal is None else proposal.limit(bond, bound.factor or math.inf)
-        if settled is not None and _off(model, settled) < _BALANCED:
+        if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
             return settled
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
@@ -176,9 +181,9 @@ def _limit(
         if path_end.peak is not None and basis is Basis.PEAK:
             change = abs(path_end.peak[0] / path_end.peak[1] - 1.0)  # to the factor at which they run
         off = _off(model, path_end)
-        if top is not None and factor > top > factor * (1.0 - _ABOVE):
+        if top is not None and factor > top > factor * (1.0 - BOUND_ACCURACY):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
-        if path_end.outcome is PathOutcome.GAVE_UP or off > _BALANCED or (top is not None and factor > top):
+        if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     if outcome is not Outcome.SLIDES:
         factor, basis = None, Basis.NONE
@@ -196,7 +201,7 @@ def _off(model: AssemblyModel, path_end: PathLimit) -> float:
 
 def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: StaticBound, steps: int = 0) -> BlocksLimit:
     """No factor, and how the blocks set off."""
-    fastest = max(float(np.abs(motion).max(initial=0.0)), 1e-300)
+    fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     pairs = len(model.control_area)
     return BlocksLimit(
         outcome, None, Basis.NONE, 0.0, frozen(motion.reshape(model.load.shape) / fastest), frozen(np.zeros(pairs)),
@@ -246,7 +251,7 @@ def _opens(model: AssemblyModel, path_end: PathLimit) -> Bools:
     opening, slip = model.opening_and_slip(path_end.motion)
     size = np.sqrt((slip * slip).sum(axis=1))
     dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
-    least = _OPENS if path_end.outcome is PathOutcome.LIMIT else _OPENS_ROUGHLY
+    least = NO_MOTION if path_end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
     fastest = max(float(np.abs(opening).max()), float(size.max()))
     apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
     opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
@@ -313,7 +318,7 @@ def _on_path(
 def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
     """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
     limit = proposed(bed, bond, ratio)
-    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > _BALANCED:
+    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
         return None
     return limit
 
@@ -339,7 +344,7 @@ def _loads_last(
 
     def exact(path_end: PathLimit, reduction: float) -> PathLimit | None:
         """The limit state in λ, at the whole load, of the modes of one in the load."""
-        if not path_end.found or abs((path_end.parameter or 0.0) - 1.0) > _FITS:
+        if not path_end.found or abs((path_end.parameter or 0.0) - 1.0) > LOADS_FIT:
             return None
         bed = Bed(model, Drive(whole), bond, ratio)
         return limit_state(bed, path_end.displacement, path_end.motion, reduction)
@@ -360,7 +365,7 @@ def _loads_last(
         assert overloaded is not None
         full = carried(1.0)
         return replace(overloaded, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
-    while fits / fails - 1.0 > _BRACKET:
+    while fits / fails - 1.0 > LOADS_BRACKET:
         state = None if overloaded is None else exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
             return state, None, work
@@ -380,7 +385,7 @@ def _loads_last(
             break
         rested = flow.at
     forces = bed.forces(rested, fits)
-    settled = forces.residual < _BALANCED * bed.load_size
+    settled = forces.residual < LIMIT_BALANCED * bed.load_size
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
         overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,

@@ -21,27 +21,30 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.linear import split_space
 from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
+from slopekit.preie.tolerances import (
+    BED_BALANCED,
+    FINER_PRESSED,
+    LEVEL,
+    PATH_ENDS,
+    SAME_FOLD,
+    SAME_RUN,
+    SHORTEST_PATH_STEP,
+    STILL,
+    TINY,
+)
 
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
-_FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
-_BALANCED = 1e-11  # unbalanced force in parts of the load
 _MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
-_SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
 _MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
-_LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
 _BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
-_LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
 _STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
 _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _FLOWS = 30.0  # times the displacement: what flows so far runs
 _MOST_FLOW = 40  # steps of viscous flow
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
-_NEAR = 0.05  # a running state farther from the λ of a path that runs than this part is another one
-_SAME = 1e-5  # the same, from a least λ: rounding may show one on a path that is level because it runs
-_STILL = 1e-9  # motion along the path, per change of ln λ, that is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +84,7 @@ def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
     """
     for split in range(_SPLIT, _MOST_SPLIT + 1):
         base = cracked_limit(bed, guess, split)
-        if base.factor is None or base.change < _FINER:
+        if base.factor is None or base.change < FINER_PRESSED:
             break
     return base
 
@@ -142,7 +145,7 @@ class _Path:
         out = at.out
         size = float(np.abs(out).max())
         for _ in range(2 * _MOST_NEWTON):
-            if size < _BALANCED * max(1.0, reduction):
+            if size < BED_BALANCED * max(1.0, reduction):
                 return u
             try:
                 step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
@@ -209,7 +212,7 @@ class _Path:
             u, reduction = y[:count] * scale, math.exp(float(y[count]))
             at = self.forces(u, u, reduction, False)
             size = float(np.abs(at.out).max())
-            if size < _BALANCED * max(1.0, reduction):
+            if size < BED_BALANCED * max(1.0, reduction):
                 tangent = self._tangent(at, reduction, scale, point.tangent)
                 if tangent is None or float(tangent @ point.tangent) < 0.0:
                     return None
@@ -246,7 +249,7 @@ class _Path:
             stepped = self._step(point, length)
             if stepped is None:
                 length /= 4.0
-                if length > _SHORTEST:
+                if length > SHORTEST_PATH_STEP:
                     continue
                 onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
                 if onward is None:
@@ -270,7 +273,7 @@ class _Path:
                 if onward is not None:
                     point = best = onward
                     length, is_fold = 0.01, False
-        running = self._running(best, _SAME if is_fold else _NEAR)
+        running = self._running(best, SAME_FOLD if is_fold else SAME_RUN)
         return running or self._at_rest(best, not is_fold)
 
     def _begin(self, u: Floats, reduction: float) -> _PathPoint | None:
@@ -280,7 +283,7 @@ class _Path:
         tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
         return None if tangent is None else _PathPoint(u, math.log(reduction), tangent)
 
-    def _march(self, point: _PathPoint, least: float = _LEAST_PART) -> _PathPoint | None:
+    def _march(self, point: _PathPoint, least: float = PATH_ENDS) -> _PathPoint | None:
         """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
         part = _MARCH
         while part > least:
@@ -311,7 +314,7 @@ class _Path:
             else:
                 low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
                 side = -1
-            if abs(turns) < _LEVEL or high - low < _LEVEL * length:
+            if abs(turns) < LEVEL or high - low < LEVEL * length:
                 break
         return best
 
@@ -345,7 +348,7 @@ class _Path:
             matrix[:count, first:count] = at.by_opening @ rest
             matrix[:count, count] = at.by_reduction
             matrix[count, :first] = along
-            unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+            unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
             try:
                 step = -np.linalg.solve(matrix * unit, out) * unit
             except np.linalg.LinAlgError:
@@ -395,6 +398,6 @@ def _motion(point: _PathPoint) -> Floats:
     """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
     motion = point.tangent[:-1]
     size = math.sqrt(float(motion @ motion))
-    if size < _STILL:
+    if size < STILL:
         motion, size = point.u, math.sqrt(float(point.u @ point.u))
     return np.asarray(motion / size, dtype=np.float64)

@@ -10,9 +10,9 @@ from slopekit.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.dissection import along_joints, dissection, touching_blocks
 from slopekit.preie.kernels import compiled
+from slopekit.preie.tolerances import PIVOT_GROWTH
 
 _LEAF = 96  # unknowns of pieces that are not halved again: half or twice as many take a tenth more time
-_GROWTH = 1e8  # of multipliers, where pivots of one front only no longer do
 _FRONT, _COMPILED_FRONT = 50e-6, 3e-6  # s that a front takes beside its work
 FINER = 4  # times smaller are pieces, and dissected is what takes so much less time, with compiled kernels
 
@@ -91,7 +91,7 @@ class Fronts:
 
     def _factored_by_kernels(self, entries: Floats) -> Solver | None:
         kernels, fronts, pivots = self._kernels, self._compiled, np.empty(len(self.place) * self.u, dtype=np.intc)
-        if not kernels.factored(fronts, _GROWTH, entries, pivots):
+        if not kernels.factored(fronts, PIVOT_GROWTH, entries, pivots):
             return None
 
         def solve(right: Floats) -> Floats:
@@ -153,7 +153,7 @@ class Fronts:
                 beside = below
             elif q:
                 below = blas.dtrsm(1.0, factor, below, side=1, overwrite_b=1)
-                if not np.abs(below).max() < _GROWTH:
+                if not np.abs(below).max() < PIVOT_GROWTH:
                     return None
                 beside[:] = beside[:, swaps]
                 beside = blas.dtrsm(1.0, factor, beside, side=1, lower=1, trans_a=1, diag=1, overwrite_b=1)

@@ -31,13 +31,11 @@ from slopekit.preie.limit_state import (
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.mechanism import COLD, Stages, least_work_mechanism
 from slopekit.preie.model import Model
-from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO_STRENGTH
 from slopekit.strength.mohr_coulomb import line
 
-MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
-_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
 _STRIDE = 1.05  # steps of λ on the way to the first loss
-_NO_NUMBER = 0.5  # a range of factors wider than this part of the highest is none
 _MOST_TRIES = 40  # bonds let go and found again
 
 
@@ -160,7 +158,7 @@ def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
     limit = settle_by_passes(model, start, normal, bond)
-    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > _NO_NUMBER):
+    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
         # dilation itself resists: the passes lost their way
         limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
     return _alike(limit)
@@ -203,7 +201,7 @@ def _associated_limit(model: Model) -> Limit | None:
     if not without.factor:
         return None
     bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
+    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
         return None
     bond = np.ones(len(model.control_area))
     return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
@@ -219,7 +217,7 @@ def _associated_curved_limit(model: Model) -> Limit | None:
         if not without.factor:
             return None
         bound = static_bound(rigid, without.velocity, without.factor)
-        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
@@ -307,7 +305,7 @@ def _first_loss(
     def stands(push: _Resultant, reduction: float) -> bool:
         return push.driving < NO_FORCE or reduction * push.resisting >= push.driving
 
-    low = high = _STRONGEST / capacity
+    low = high = FARTHEST / capacity
     push = top = at(high)
     # bolts so strong that they would lift the block off pull no more than keeps it on a joint
     hangs = bare > 0.0 and not top.touching.any() and not stands(top, high)
@@ -319,7 +317,7 @@ def _first_loss(
         return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, top)
     while stands(at(low), low):
         high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
-        if low < 1.0 / _STRONGEST:
+        if low < 1.0 / FARTHEST:
             return limit(Outcome.NO_DRIVING_FORCE, None, at(low))
     for _ in range(200):
         middle = 0.5 * (low + high)

@@ -19,6 +19,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import TINY
 
 Stages = Sequence[tuple[float, float, float]]
 
@@ -94,7 +95,7 @@ def least_work_mechanism(
             solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])
             longest = _LONGEST * math.sqrt(float(velocity @ velocity))
-            step *= min(1.0, longest / max(math.sqrt(float(step @ step)), 1e-300))
+            step *= min(1.0, longest / max(math.sqrt(float(step @ step)), TINY))
             forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
             if float(np.abs(at.gradient - factor * load).max()) < residual * forces:
                 break

@@ -15,18 +15,15 @@ from slopekit.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.mechanism import COLD, WARM, LeastWorkMechanism, least_work_mechanism
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
-_OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
 _MOST_PASSES = 300  # steered, and as many damped: two random wedges in 400 need the second
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
 _AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
 _DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
 _WINDOW = 20  # passes over which the factor must keep still ...
-_STEADY = 1e-5  # ... to this part, where the normal forces do not settle
-NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
-NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
 class Outcome(Enum):
@@ -99,13 +96,13 @@ def _run_passes(
     recent: list[float] = []
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
-        if total < NOTHING * NOTHING:
+        if total < NO_STRENGTH * NO_STRENGTH:
             return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
         tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, NO_FORCE))
         mechanism = least_work_mechanism(model, friction, tan_dilation, velocity, stages)
         velocity, stages = mechanism.velocity, WARM
         factor_before, factor = factor, mechanism.load_factor
-        without = not factor > NOTHING * total
+        without = not factor > NO_STRENGTH * total
         if not without:
             normal_force = mechanism.normal_force / factor
         # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
@@ -120,7 +117,11 @@ def _run_passes(
         if settled and change < 1e-7 and not model.dilates:
             moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
         recent = [*recent[1 - (5 * _WINDOW if damped else _WINDOW) :], factor]
-        if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
+        if (
+            calm > 2 * _WINDOW
+            and change < 3e-3
+            and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < PASSES_STEADY * factor
+        ):
             # averaging creeps: the normal forces still trade places, the factor no longer moves
             settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
@@ -152,14 +153,14 @@ def _run_passes(
                 weight = _DAMPED_STEP
             elif calm <= _AITKEN_PASSES:
                 turn = excess - last
-                weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
+                weight = -weight * float(last @ turn) / max(float(turn @ turn), TINY)
                 weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
             else:  # feel the way: longer steps while they agree, shorter where they turn about
                 weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
-    if damped and lowest > NOTHING and (bond == 0.0).any():
+    if damped and lowest > NO_STRENGTH and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
             Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, 1.0 - lowest / highest,
@@ -187,7 +188,7 @@ def release(
 ) -> tuple[Floats, Floats]:
     """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
     motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    opened = motion - tan_dilation * slip > _OPENS * max(float(slip.max()), float(motion.max()))
+    opened = motion - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(motion.max()))
     renewed = np.where(opened | (releases >= MOST_RELEASES), 0.0, 1.0)
     return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
 

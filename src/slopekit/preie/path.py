@@ -21,17 +21,8 @@ from slopekit.arrays import Floats
 from slopekit.onlooker import say
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
-from slopekit.preie.path_limit import (
-    BORDERED,
-    FARTHEST,
-    LEAST,
-    RUNS,
-    STEADY,
-    PathLimit,
-    PathOutcome,
-    limit_state,
-    result_of,
-)
+from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, STEADY, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
 from slopekit.preie.traced import traced, traced_in_section
 
 _STRIDE = 0.85  # of the strength, a step of stage A
@@ -39,9 +30,7 @@ _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
-_EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
 _FAILS = 5
-_EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled too
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
@@ -97,7 +86,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
             runs.append((trial, tried))
             continue
         parameter, at = trial, tried.at
-        if (parameter < LEAST * start) if strength else (parameter > FARTHEST):
+        if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
             return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
         if not runs:
             ratio = max(ratio * _STRIDE, 0.5)
@@ -179,7 +168,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         viscous = forces.residual / bed.load_size
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
-        if viscous < (_EXACT if bed.tangents == 1 else _EXACT_IN_SPACE) and bed.size <= BORDERED:
+        if viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE) and bed.size <= BORDERED:
             exact = limit_state(bed, at, moved, parameter)
             if exact is not None:
                 return exact

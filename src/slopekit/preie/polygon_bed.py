@@ -19,12 +19,12 @@ from functools import cache
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.model import Model, local_axes
+from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY
 from slopekit.strength.mohr_coulomb import line
 
-SHEAR_TO_NORMAL = 0.4  # k_t / k_n, that of the elastic path (METHOD-3 §13)
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
-_DRAWN = 1e-7  # motion along a bolt above this part of the whole draws it out
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +130,7 @@ class BedSprings:
                 at = np.concatenate([at, edge])
                 normal = np.concatenate([normal, np.zeros(len(edge))])
                 # the pressed part grows by -δg / |∇g| along its zero line, and its shear with it
-                grows = length * (bed.area[k] / max(steep, 1e-300))
+                grows = length * (bed.area[k] / max(steep, TINY))
             across = at[:, 1:] @ slip
             size = np.sqrt((across * across).sum(axis=1))
             strength = line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal)
@@ -141,7 +141,7 @@ class BedSprings:
                 slides = np.ones(len(size), dtype=bool)
             else:
                 slides = elastic > reduction * strength
-            direction = across / np.maximum(size, 1e-300)[:, None]
+            direction = across / np.maximum(size, TINY)[:, None]
             shear = np.where(slides, reduction * strength, elastic)
             n = len(area)
             normal_rows, shear_rows = at[:n, 0], at[:n, 1:]
@@ -151,7 +151,7 @@ class BedSprings:
             sliding = area * slides[:n]
             by_opening += (along[:n].T * (sliding * reduction * bed.tan_friction[k])) @ normal_rows
             by_reduction -= (sliding * strength[:n]) @ along[:n]
-            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], 1e-300), SHEAR_TO_NORMAL)
+            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], TINY), SHEAR_TO_NORMAL)
             flat = shear_rows.reshape(-1, count)
             by_slip -= (flat.T * np.repeat(turning, 2)) @ flat
             by_slip += (along[:n].T * np.where(slides[:n], turning, 0.0)) @ along[:n]
@@ -160,7 +160,7 @@ class BedSprings:
         if len(bed.bolt_capacity):
             drawn = -bed.bolt_rows @ slip
             if running:
-                pull, spring = np.where(drawn > _DRAWN, 1.0, 0.0), np.zeros(len(drawn))
+                pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
                 out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
                 by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
             else:
@@ -189,7 +189,7 @@ class BedSprings:
                 at, area = self._cells(k, np.tensordot(weights, rows, 1), corners)
                 normal = np.zeros(len(area)) if open_part else np.maximum(-at[:, 0] @ opening, 0.0)
                 across = at[:, 1:] @ slip
-                size = np.maximum(np.sqrt((across * across).sum(axis=1)), 1e-300)
+                size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
                 cap = reduction * (line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal))
                 shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
@@ -202,7 +202,7 @@ class BedSprings:
         if len(bed.bolt_capacity):
             drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
             stiff = bed.bolt_capacity / (BOLT_GIVE * self.first)
-            pulls = np.where(drawn > _DRAWN, most, 0.0) if running else np.clip(stiff * drawn, 0.0, most)
+            pulls = np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0) if running else np.clip(stiff * drawn, 0.0, most)
         return PointForces(points, area, contact, normal, shear, pressed, pulls)
 
     def _places(self, corners: Floats) -> Floats:

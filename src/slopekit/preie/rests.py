@@ -9,14 +9,14 @@ import numpy as np
 
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
-from slopekit.preie.path_limit import RUNS, PathLimit
+from slopekit.preie.path_limit import PathLimit
+from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 from slopekit.preie.undilated import rest_without_dilation
 
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
-_MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 
 
 def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
@@ -62,7 +62,7 @@ def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
     assert limit.parameter is not None
     _, slip = bed.motion(limit.motion, limit.parameter)
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
-    if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
+    if abs(float(bed.drive.load @ limit.motion) / max(resists, TINY) - 1.0) < MOBILISED:
         return True
     beyond = (1.0 - _BEYOND) * limit.parameter
     return relaxed(bed, flow.at, beyond, THICK, runs_at=RUNS, patience=_LET_GO).ended == "runs"

@@ -24,21 +24,17 @@ from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
+from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY
 from slopekit.strength.mohr_coulomb import line
 
-_SHARP = 1e-10  # what is left of the rounding, in parts of a mean load times its elastic displacement
 _FIRST, _LONGEST, _SHORTEST = 0.3, 2.0, 1e-4  # steps along the curve, 1 being a change of all forces or of W by e
 _CORRECTIONS = 8  # of a step
 _CENTRED = 0.5  # products, and what is off in the joints, in parts of κ
-_ALIGNED = 1e-3  # and how far friction may be off the slip, an angle
-_BALANCED = 1e-6  # unbalanced force in parts of each block's own load
-_LIGHTEST = 1e-9
 _KEPT = 0.1  # part of a gap, force or slip that one step leaves at least
 _ROOM = 0.3  # part of what is free below the strength that it leaves
 _STARTS = 40  # corrections before the first step
 _BISECTED = 60
 _TURN = 1.5  # the most a correction may go along the curve
-_TINY = 1e-300
 
 _Solver = Callable[["_Residual"], "_CurvePoint"]
 
@@ -94,7 +90,7 @@ class RoundedPath:
         lighter = np.minimum(lighter[model.plus], lighter[model.minus])
         area = np.bincount(model.pair_contact, bed.area, len(model.plus))
         self._unit = float((lighter * lighter / area).mean())
-        self._own = np.repeat(np.maximum(own, _LIGHTEST * float(own.max())), model.unknowns)
+        self._own = np.repeat(np.maximum(own, LIGHTEST * float(own.max())), model.unknowns)
         self._give, self._shear_give = 1.0 / bed.area, 1.0 / bed.spring
         self._rounding = math.log(rounding)
         self._work = 0.0
@@ -153,7 +149,7 @@ class RoundedPath:
         self._at, self._work, self._rounding = curve_point
         return True
 
-    def sharpened(self, most: int, left: float = _SHARP) -> "RoundedPath | None":
+    def sharpened(self, most: int, left: float = SHARP) -> "RoundedPath | None":
         """The path of joints whose rounding is `left`, from the same work on; None where `most` factorisations do not
         get there.
         """
@@ -278,18 +274,18 @@ class RoundedPath:
         give = slow * self._give
         root = np.sqrt(opening * opening + 4.0 * give * product)
         pressed = (root - opening) / (2.0 * give)
-        gap = np.where(opening < 0.0, product / np.maximum(pressed, _TINY), (opening + root) / 2.0)
+        gap = np.where(opening < 0.0, product / np.maximum(pressed, TINY), (opening + root) / 2.0)
         normal = product / gap
         allowed, give = reduction * self._strength(normal), slow * self._shear_give
         size = np.sqrt(along_rows(slip, slip))
         low, high = np.zeros_like(size), allowed.copy()
         for _ in range(_BISECTED):
             middle = (low + high) / 2.0
-            room = np.maximum((allowed - middle) * (allowed + middle), _TINY)
+            room = np.maximum((allowed - middle) * (allowed + middle), TINY)
             less = middle * (give + product / room) < size
             low, high = np.where(less, middle, low), np.where(less, high, middle)
-        room = np.maximum((allowed - low) * (allowed + low), _TINY)
-        friction = -slip * (low / np.maximum(size, _TINY))[:, None]
+        room = np.maximum((allowed - low) * (allowed + low), TINY)
+        friction = -slip * (low / np.maximum(size, TINY))[:, None]
         return _CurvePoint(
             displacement * slow, normal, gap, friction, product * allowed / room, -product * friction / room[:, None],
             reduction,
@@ -298,13 +294,15 @@ class RoundedPath:
     def _on_curve(self, at: _CurvePoint, residual: _Residual, product: float) -> bool:
         """Whether what is off does not matter."""
         allowed = at.reduction * self._strength(at.normal)
-        across = np.sqrt(along_rows(residual.across, residual.across)) / (product + _ALIGNED * allowed * at.size)
+        across = np.sqrt(along_rows(residual.across, residual.across)) / (product + ALIGNED * allowed * at.size)
         joints = max(
             float(np.abs(residual.opening * at.normal).max()), float(np.abs(residual.shear * at.friction).max())
         )
         products = max(float(np.abs(residual.pressing).max()), float(np.abs(residual.sliding).max()), joints)
         return (
-            products < _CENTRED * product and float(across.max()) < _CENTRED and self._unbalanced(residual) < _BALANCED
+            products < _CENTRED * product
+            and float(across.max()) < _CENTRED
+            and self._unbalanced(residual) < EACH_BALANCED
         )
 
     def _tangent(self, at: _CurvePoint, solve: _Solver, work: float, rounding: float, grows: bool) -> _CurvePoint:
@@ -396,19 +394,19 @@ class RoundedPath:
             return _CurvePoint(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
         # a slip may shrink to a part of itself, not turn round
         back, square = along_rows(at.slip, change.slip), along_rows(at.slip, at.slip)
-        part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, _TINY), 1.0)
+        part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, TINY), 1.0)
         slip = at.slip + part[:, None] * change.slip
         size = np.sqrt(along_rows(slip, slip))
         friction = at.friction + change.friction
         carried = np.sqrt(along_rows(friction, friction))
         # what the product says friction carries with that slip, and some of the room that it leaves
-        most = (np.sqrt(product * product + (2.0 * size * allowed) ** 2) - product) / np.maximum(2.0 * size, _TINY)
+        most = (np.sqrt(product * product + (2.0 * size * allowed) ** 2) - product) / np.maximum(2.0 * size, TINY)
         room = np.maximum(_ROOM * (allowed * allowed - most * most), 1e-14 * allowed * allowed)
         cut = np.where(
             allowed * allowed - carried * carried < room, np.sqrt(np.maximum(allowed * allowed - room, 0.0)), carried
         )
-        friction = friction * (cut / np.maximum(carried, _TINY))[:, None]
-        least = np.sqrt(size * size + (_ROOM * product) ** 2 / np.maximum(allowed * allowed - cut * cut, _TINY))
+        friction = friction * (cut / np.maximum(carried, TINY))[:, None]
+        least = np.sqrt(size * size + (_ROOM * product) ** 2 / np.maximum(allowed * allowed - cut * cut, TINY))
         return _CurvePoint(
             at.velocity + change.velocity, normal, gap, friction, np.maximum(at.size + part * change.size, least),
             slip, reduction,
