@@ -86,7 +86,7 @@ MUTATIONS = (
          "held += 1.01 * on_first[slides] * tan_friction[a]", _KEY_BLOCKS),
         ("friction of single blocks, the other face", "preie/key_blocks.py",
          "+ on_second[slides] * tan_friction[b]", "+ 1.01 * on_second[slides] * tan_friction[b]", _KEY_BLOCKS),
-        ("cohesion of single blocks", "preie/key_blocks.py", "np.where(opening < _PARALLEL, cohesion[face], 0.0)",
+        ("cohesion of single blocks", "preie/key_blocks.py", "np.where(opening < PARALLEL, cohesion[face], 0.0)",
          "np.where(opening < _PARALLEL, 1.01 * cohesion[face], 0.0)", _KEY_BLOCKS),
     ),
     *_group(
