@@ -86,7 +86,7 @@ MUTATIONS = (
          "held += 1.01 * on_first[slides] * tan_friction[a]", _KEY_BLOCKS),
         ("friction of single blocks, the other face", "preie/key_blocks.py",
          "+ on_second[slides] * tan_friction[b]", "+ 1.01 * on_second[slides] * tan_friction[b]", _KEY_BLOCKS),
-        ("cohesion of single blocks", "preie/key_blocks.py", "np.where(opening < _PARALLEL, cohesion[face], 0.0)",
+        ("cohesion of single blocks", "preie/key_blocks.py", "np.where(opening < PARALLEL, cohesion[face], 0.0)",
          "np.where(opening < _PARALLEL, 1.01 * cohesion[face], 0.0)", _KEY_BLOCKS),
     ),
     *_group(
@@ -283,13 +283,13 @@ MUTATIONS = (
     ),
     *_group(
         "all pairs failed",
-        ("the factor", "preie/untied.py", "return AllPairsFailed(high,", "return AllPairsFailed(1.01 * high,",
+        ("the factor", "preie/all_pairs.py", "return AllPairsFailed(high,", "return AllPairsFailed(1.01 * high,",
          ("tests/validation/test_sheng_2023.py", "tests/test_templates.py")),
         ("the strength on the bed", "preie/equilibrium.py",
          "physical.cohesion, model.tan_friction, model.tan_dilation, factor",
          "physical.cohesion, 1.01 * model.tan_friction, model.tan_dilation, factor",
          ("tests/validation/test_sheng_2023.py",)),
-        ("blocks untied", "preie/untied.py", "self.stiffness, factor, self.tied)",
-         "self.stiffness, 1.01 * factor, self.tied)", ("tests/preie/test_untied.py",)),
+        ("blocks untied", "preie/all_pairs.py", "self.stiffness, factor, self.attached)",
+         "self.stiffness, 1.01 * factor, self.attached)", ("tests/preie/test_all_pairs.py",)),
     ),
 )  # fmt: skip

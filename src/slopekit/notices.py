@@ -13,10 +13,10 @@ from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.tolerances import MESH_CHANGE
 
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
-MESH_CHANGE = 2e-3  # a limit that refining moves by less than this part is settled
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from slopekit.errors import GeometryError
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.joint_sets import JointSet, SetPlanes, planes_of_sets
-from slopekit.geometry.splitting import Cut, cut_bench, join_slivers
+from slopekit.geometry.splitting import BenchCut, cut_bench, join_slivers
 from tests.geometry.test_joint_sets import BOX, EAST, FLAT, SOUTH, moved, normal, planes
 
 SLOPE = bench_body(normal(70.0, 180.0), normal(5.0, 180.0), 20.0, 40.0, 25.0)
@@ -23,7 +23,7 @@ def three_sets(spacing: float, **scatter: float) -> list[JointSet]:
     return [JointSet(normal(*dip), spacing, 0.1 * k * spacing, **scatter) for k, dip in enumerate(dips)]
 
 
-def conserves(cut: Cut) -> None:
+def conserves(cut: BenchCut) -> None:
     """Volumes, areas, closed blocks, corners and centroids of patches, by other ways than the code took."""
     assembly, patches = cut.assembly, cut.assembly.patches
     assert cut.volume_error < 1e-9
@@ -270,7 +270,7 @@ def test_blocks_that_do_not_add_up_are_refused(monkeypatch) -> None:
 
     body = bench_body(np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 9.0, 9.0, 9.0)
     planes = planes_of_sets([JointSet(np.eye(3)[2], spacing=3.0)], body, np.random.default_rng(0))
-    monkeypatch.setattr(splitting, "_OFF_PLANE", -1.0)
+    monkeypatch.setattr(splitting, "OFF_PLANE", -1.0)
     with pytest.raises(GeometryError) as error:
         cut_bench(body, planes)
     assert error.value.faults[0].code == "E224"

@@ -16,7 +16,7 @@ from slopekit.loads import Loads
 from slopekit.preie.cracked import cracked_base, cracked_limit
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, build_model
-from slopekit.preie.polygon_bed import Bed, Springs, bed_of
+from slopekit.preie.polygon_bed import BedSprings, PolygonBed, bed_of
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
 from tests.support import random_wedge
@@ -24,7 +24,7 @@ from tests.support import random_wedge
 WIDTH, WEIGHT = 8.0, 2400.0  # m, kN per metre of dam
 
 
-def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bool, dip: float = 0.0) -> Bed:
+def dam(eccentricity: float, c: float, phi: float, thrust: float, in_section: bool, dip: float = 0.0) -> PolygonBed:
     """A block 8 m wide on a base that dips toward +x; its resultant meets the base so far downstream of the middle.
 
     Along the base `thrust` kN act, across it `WEIGHT`; the moment is such that the resultant has its eccentricity.
@@ -129,7 +129,7 @@ def analysed(opened) -> list[Result]:
     return [sk.wedge(**inputs) for inputs, _, _ in opened[:10]]
 
 
-def bed_on(scene) -> Bed:
+def bed_on(scene) -> PolygonBed:
     return bed_of(scene.model, scene.bedding.polygons, scene.bedding.centroid)
 
 
@@ -169,7 +169,7 @@ def test_the_slopes_are_those_of_the_forces(opened) -> None:
     rng = np.random.default_rng(1)
     cut = 0
     for _, scene, _ in opened[:12]:
-        springs = Springs(bed_on(scene), 4)
+        springs = BedSprings(bed_on(scene), 4)
         u = springs.bonded * (1.0 + 0.2 * rng.standard_normal(6))
         at = springs.unbalanced(u, u, 0.3, False)
         scale = float(np.abs(at.by_opening + at.by_slip).max())

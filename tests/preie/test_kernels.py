@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from benchmarks import populations
 from slopekit.errors import SlopekitError
 from slopekit.preie import kernels as module
-from slopekit.preie.bed import Bed, Drive, Forces
+from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.cones import longest_step
 from slopekit.preie.fronts import Fronts
 from slopekit.preie.patterns import ContactPattern, compiled_contacts
 from slopekit.preie.program import BlockProgram
-from slopekit.preie.stiffness import Stiffness
+from slopekit.preie.stiffness import SparseStiffness
 from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
 from tests.preie.test_path import BEDS
@@ -63,7 +63,7 @@ def test_the_law_and_its_tangent(name, seed, freezes, coupled, turning, flows) -
     frozen = rng.uniform(0.0, 0.5, bed.groups) if freezes else None
     there, exact = (each.forces(at, 0.6, frozen) for each in (bed, plain))
     assert there.same_modes(exact)
-    for field in dataclasses.fields(Forces):
+    for field in dataclasses.fields(BedForces):
         one, other = getattr(there, field.name), getattr(exact, field.name)
         assert np.shape(one) == np.shape(other)
         assert close(one, other), field.name
@@ -85,7 +85,7 @@ def test_factors_and_the_stiffness_of_contacts(make, symmetric) -> None:
     right = rng.normal(size=(model.load.size, 2))
 
     def solve() -> np.ndarray:
-        return Stiffness(model, Fronts).factored(stiffness, 1e-6, symmetric)(right)
+        return SparseStiffness(model, Fronts).factored(stiffness, 1e-6, symmetric)(right)
 
     exact, found = both_ways(solve)
     assert close(found, exact, 1e-9)
@@ -161,7 +161,7 @@ def test_arrays_of_another_size_are_refused() -> None:
     with pytest.raises((ValueError, BufferError)):
         kernels.stiffness(contacts, springs, tangent, out)
     with pytest.raises(ValueError, match="PyCapsule"):
-        kernels.stiffness(Stiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3)))
+        kernels.stiffness(SparseStiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3)))
 
 
 # -- the choice -------------------------------------------------------------------------------------------------------

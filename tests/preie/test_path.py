@@ -11,9 +11,10 @@ from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive, Forces
+from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
@@ -393,7 +394,7 @@ def bolted(scene: Scene) -> Scene:
     return replace(scene, bolts=PassiveBolts(blocks, toes, 0.2 * forces, scene.centroids[blocks] + 0.3))
 
 
-def away_from_kinks(bed: Bed, reduction: float, size: float) -> tuple[np.ndarray, Forces]:
+def away_from_kinks(bed: Bed, reduction: float, size: float) -> tuple[np.ndarray, BedForces]:
     """A displacement near which no pair opens and no joint starts to slip, some touch, and some slip of those."""
     rng = np.random.default_rng(4)
     for _ in range(200):

@@ -17,7 +17,7 @@ from slopekit.errors import SolverError
 from slopekit.preie import fronts, stiffness
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.fronts import Fronts
-from slopekit.preie.stiffness import Band, Dense, Stiffness
+from slopekit.preie.stiffness import Band, Dense, SparseStiffness
 from tests.preie.block_scenes import Scene, bench, boxes_in_space, columns, stack, wall
 
 BENCH = (("45/170", 6.0), ("80/350", 7.0), ("85/80", 7.0))
@@ -79,7 +79,7 @@ def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy,
     full = assembled(model, stiffness) + sparse.diags(np.zeros(size) if inertia is None else inertia)
     diagonal = full.diagonal()
     full = (full + sparse.diags(shift * (diagonal + diagonal.mean()))).tocsc()
-    solve = Stiffness(model, way).factored(stiffness, shift, symmetric, inertia)
+    solve = SparseStiffness(model, way).factored(stiffness, shift, symmetric, inertia)
     for right in (rng.normal(size=size), rng.normal(size=(size, 2)), rng.normal(size=(size, 1))):
         exact, kept = spsolve(full, right).reshape(right.shape), right.copy()
         found = solve(right)
@@ -91,7 +91,7 @@ def test_each_way_against_a_sparse_solve(way, name, untouched, symmetric, heavy,
 @pytest.mark.parametrize("way", WAYS)
 def test_solvers_of_one_model_do_not_share_their_numbers(way) -> None:
     """A second factorisation leaves the first solver as it was."""
-    solver, size = Stiffness(model_of("wall"), way), model_of("wall").load.size
+    solver, size = SparseStiffness(model_of("wall"), way), model_of("wall").load.size
     right = np.random.default_rng(3).normal(size=size)
     for symmetric in (True, False):
         first = solver.factored(stiffness_of(solver.model, symmetric, 1), 1e-6, symmetric)
@@ -102,7 +102,7 @@ def test_solvers_of_one_model_do_not_share_their_numbers(way) -> None:
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_symmetric_stiffness_may_go_the_general_way(way) -> None:
-    solver = Stiffness(model_of("wall"), way)
+    solver = SparseStiffness(model_of("wall"), way)
     stiffness, right = stiffness_of(solver.model, True, 7), np.random.default_rng(8).normal(size=solver.model.load.size)
     one, other = (solver.factored(stiffness, 1e-6, symmetric)(right) for symmetric in (True, False))
     assert one == pytest.approx(other, rel=1e-7, abs=1e-7 * np.abs(one).max())
@@ -117,7 +117,7 @@ def test_ill_conditioned_as_near_the_end_of_an_interior_point_method(way) -> Non
         spread = 10.0 ** rng.uniform(-6, 6, len(model.plus))
         stiffness = stiffness_of(model, symmetric, 5) * spread[:, None, None]
         full, right = assembled(model, stiffness), rng.normal(size=model.load.size)
-        found = Stiffness(model, way).factored(stiffness, 1e-13, symmetric)(right)
+        found = SparseStiffness(model, way).factored(stiffness, 1e-13, symmetric)(right)
         rounding = np.abs(full) @ np.abs(found) + np.abs(right)
         shifted = 1e-13 * float(full.diagonal().mean()) * np.abs(found)
         assert (np.abs(full @ found - right) <= 1e-9 * rounding.max() + 2.0 * shifted).all()
@@ -125,7 +125,7 @@ def test_ill_conditioned_as_near_the_end_of_an_interior_point_method(way) -> Non
 
 @pytest.mark.parametrize("way", WAYS)
 def test_what_cannot_be_solved(way) -> None:
-    solver = Stiffness(model_of("boxes"), way)
+    solver = SparseStiffness(model_of("boxes"), way)
     nothing = np.zeros((len(solver.model.plus), 6, 6))
     for symmetric in (True, False):
         with pytest.raises(SolverError, match="E505"):
@@ -140,7 +140,7 @@ def test_the_shift_grows_where_a_stiffness_is_not_quite_definite(way) -> None:
     model = model_of("wall")
     stiffness = np.zeros((len(model.plus), 3, 3))
     stiffness[:, 0, 0], stiffness[:, 1, 1] = 1.0, -1e-8
-    found = Stiffness(model, way).factored(stiffness, 1e-13)(model.load.ravel())
+    found = SparseStiffness(model, way).factored(stiffness, 1e-13)(model.load.ravel())
     assert np.isfinite(found).all()
 
 
@@ -148,26 +148,26 @@ def test_the_shift_grows_where_a_stiffness_is_not_quite_definite(way) -> None:
 def test_too_large_for_memory(way, monkeypatch) -> None:
     monkeypatch.setattr(stiffness, "_MOST_BYTES", 1000)
     with pytest.raises(SolverError, match="E504"):
-        Stiffness(model_of("wall"), way)
+        SparseStiffness(model_of("wall"), way)
     with pytest.raises(SolverError, match="E504"):
-        Stiffness(model_of("wall"))
+        SparseStiffness(model_of("wall"))
 
 
 def test_pivots_that_a_front_does_not_have_are_found_in_the_band(monkeypatch) -> None:
     """No growth allowed, as if rows of a front had next to nothing among its own unknowns."""
-    monkeypatch.setattr(Stiffness, "_chosen", lambda self, symmetric: Fronts(self.model, symmetric))
-    monkeypatch.setattr(fronts, "_GROWTH", 0.0)
+    monkeypatch.setattr(SparseStiffness, "_chosen", lambda self, symmetric: Fronts(self.model, symmetric))
+    monkeypatch.setattr(fronts, "PIVOT_GROWTH", 0.0)
     model = model_of("wall")
     stiffness, right = stiffness_of(model, False, 4), np.random.default_rng(4).normal(size=model.load.size)
-    found = Stiffness(model).factored(stiffness, 0.0, False)(right)
+    found = SparseStiffness(model).factored(stiffness, 0.0, False)(right)
     assert found == pytest.approx(spsolve(assembled(model, stiffness), right), rel=1e-8)
     with pytest.raises(SolverError, match="E505"):
-        Stiffness(model, Fronts).factored(stiffness, 0.0, False)
+        SparseStiffness(model, Fronts).factored(stiffness, 0.0, False)
 
 
 def test_long_models_take_the_band_small_ones_are_dense_and_broad_ones_are_dissected() -> None:
     def chosen(scene: Scene) -> type:
-        return type(Stiffness(scene.model(30.0)).plans[True].way)
+        return type(SparseStiffness(scene.model(30.0)).plans[True].way)
 
     assert chosen(columns()) is Dense
     assert chosen(stack(200)) is Band
@@ -193,7 +193,7 @@ def test_factors_go_with_their_solver() -> None:
     """No cycle keeps them until the collector comes: of large models they are hundreds of megabytes."""
     model = model_of("wall")
     for way in WAYS:
-        solve = Stiffness(model, way).factored(stiffness_of(model, True, 1), 1e-6)
+        solve = SparseStiffness(model, way).factored(stiffness_of(model, True, 1), 1e-6)
         gc.collect()
         gc.disable()
         try:

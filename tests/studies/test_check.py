@@ -164,7 +164,7 @@ def test_blocks_of_a_section_are_not_refined(cohesion) -> None:
 def test_the_shear_stiffness_of_the_elastic_joints_has_its_rungs(design, stiff, soft) -> None:
     """METHOD-3.md §13, column "F_path (ρ 1 / 0.1)", to the digits that it prints."""
     found = rough_columns() if design is ROUGH_COLUMNS else check(sk.load(design))
-    by_ratio = {rung.effort: rung.factor for rung, _ in rungs(found, "stiffness")}
+    by_ratio = {rung.setting_value: rung.factor for rung, _ in rungs(found, "stiffness")}
     assert by_ratio.keys() == {0.1, 1.0}
     for ratio, wanted in ((1.0, stiff), (0.1, soft)):
         assert by_ratio[ratio] == pytest.approx(wanted, abs=10.0 ** -len(str(wanted).partition(".")[2]))

@@ -21,8 +21,8 @@ from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import Ways, around, sphere
-from slopekit.studies.support_forces import Held, least_along, nearest, slides
+from slopekit.studies.support_directions import BoltDirections, around, sphere
+from slopekit.studies.support_forces import BoltedBlock, least_along, nearest, slides
 from slopekit.studies.support_search import Answer, least_force, site_of
 from slopekit.views.support_sheet import support_line, support_sheet
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
@@ -198,7 +198,7 @@ def test_a_passive_bolt_may_not_open_a_joint_at_a_lower_factor() -> None:
     }  # fmt: skip
     design = wedge_design(given)
     site = site_of(design)
-    ways = Ways(site, 1.48, passive=True)
+    ways = BoltDirections(site, 1.48, passive=True)
     at_once = nearest(ways.held, passive=True)[0]
     size = math.sqrt(float(at_once @ at_once))
     assert ways.ask(at_once / size, 1.48 * size).factor == pytest.approx(1.4419, abs=1e-4)
@@ -259,7 +259,7 @@ def test_the_sets_of_a_mode_against_trial_and_error() -> None:
     for trial in range(25):
         normals = rng.normal(size=(1 + trial % 2, 3))
         normals /= np.sqrt((normals**2).sum(axis=1))[:, None]
-        held = Held(
+        held = BoltedBlock(
             100.0 * rng.normal(size=3), normals, rng.uniform(0.0, 40.0, len(normals)),
             rng.uniform(0.1, 1.0, len(normals)), np.zeros((0, 3)), 1.5, 200.0,
         )  # fmt: skip
@@ -278,7 +278,7 @@ def test_the_sets_of_a_mode_against_trial_and_error() -> None:
         assert beside.min() == pytest.approx(size, rel=1e-3)
 
 
-def _stands(held: Held, loads: np.ndarray) -> np.ndarray:
+def _stands(held: BoltedBlock, loads: np.ndarray) -> np.ndarray:
     moved = slides(held, loads)
     return moved.touches.any(axis=1) & (moved.driving <= moved.resisting / held.factor * (1.0 + 1e-12))
 

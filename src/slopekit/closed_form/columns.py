@@ -19,15 +19,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.rotation import Ground, panels
+from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
 from slopekit.errors import Fault, GeometryError
 
 Floats = NDArray[np.float64]
-_SMALL = 1e-12
 _COUNT = 12  # nodes between two changes, in either direction
-_LEAST_GRIP = 0.2  # vertical part of N and its friction, by that of N alone, m_α of Whitman & Bailey (1967)
 _PASSES = 200
 _STEPS = 60
-_BALANCED = 1e-9
 _STARTS = tuple((strength, turn) for turn in (0.0, 0.4, -0.4) for strength in (1.0, 0.6, 1.6))  # 1 / F, θ
 
 
@@ -142,7 +140,7 @@ def fellenius(
     base = _Base.of(columns, direction, axis_point)
     normal = columns.weights * (base.up - seismic * base.along)
     driving = float((columns.weights * (base.sin + seismic * base.cos)).sum())
-    if driving <= _SMALL * float(columns.weights.sum()):
+    if driving <= SMALL * float(columns.weights.sum()):
         return None
     tangent = math.tan(math.radians(friction_angle_deg))
     return float((cohesion_kpa * base.area + (normal - base.pore) * tangent).sum()) / driving
@@ -239,14 +237,14 @@ def global_equilibrium(
 
     best: AllEquilibrium | None = None
     for strength, turn in _STARTS:
-        found, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
-        if error > _BALANCED or not found[0] > 0.0 or abs(found[1]) > math.pi / 2:
+        root, error = _newton(residual, np.array([strength, turn, 1.0, 0.0, 0.0, 0.0]))
+        if error > BALANCED or not root[0] > 0.0 or abs(root[1]) > math.pi / 2:
             continue
-        tension = normal @ found[2:] * weight < columns.pore_pressure * area
+        tension = normal @ root[2:] * weight < columns.pore_pressure * area
         share = float(area[tension].sum() / area.sum())
         if best is None or share < best.tension_share:
-            l0, l1, l2, l3 = (float(part) for part in found[2:])
-            best = AllEquilibrium(1.0 / float(found[0]), math.degrees(found[1]), (l0, l1, l2, l3), share, error)
+            l0, l1, l2, l3 = (float(part) for part in root[2:])
+            best = AllEquilibrium(1.0 / float(root[0]), math.degrees(root[1]), (l0, l1, l2, l3), share, error)
         if best.tension_share == 0.0:
             break
     return best
@@ -272,11 +270,11 @@ def _newton(residual: Callable[[Floats], tuple[Floats, Floats]], unknowns: Float
     """Newton's method with halved steps: the unknowns, and the largest sum that is left."""
     sums, slopes = residual(unknowns)
     for _ in range(_STEPS):
-        if float(np.abs(sums).max()) <= _SMALL:
+        if float(np.abs(sums).max()) <= SMALL:
             break
         step = np.linalg.lstsq(slopes, -sums, rcond=None)[0]
         part = 1.0
-        while part > _SMALL:
+        while part > SMALL:
             tried = unknowns + part * step
             after, after_slopes = residual(tried)
             if float(after @ after) < (1.0 - 1e-4 * part) * float(sums @ sums):
@@ -331,7 +329,7 @@ def _vertical_balance(
         slope = -base.sin * (bond + n * tangent) / grip
         resisting = float((shear * (bond + n * tangent)).sum())
         driving = float((normal * n).sum()) + push
-        if strength == 0.0 and driving <= _SMALL * (float(np.abs(normal * n).sum()) + abs(push)):
+        if strength == 0.0 and driving <= SMALL * (float(np.abs(normal * n).sum()) + abs(push)):
             return None
         if strength == 0.0 and resisting == 0.0:
             return 0.0
@@ -340,8 +338,8 @@ def _vertical_balance(
             return None
         step = (driving - strength * resisting) / rise
         strength += step
-        if abs(step) <= _SMALL * strength:
-            return 1.0 / float(strength) if (grip >= _LEAST_GRIP * base.up).all() else None
+        if abs(step) <= SMALL * strength:
+            return 1.0 / float(strength) if (grip >= LEAST_GRIP * base.up).all() else None
     return None
 
 

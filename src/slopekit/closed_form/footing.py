@@ -6,7 +6,7 @@ Source: Sheng, Li, Liu & Qi (2023), Applied Sciences 13, 7301, §3.3.
 import math
 from dataclasses import dataclass
 
-_SMALL = 1e-12
+from slopekit.closed_form.tolerances import SMALL
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,11 @@ def footing(
     size = abs(load_kn) + abs(weight_kn)
     normal = total * math.cos(math.radians(dip_deg))
     driving = total * math.sin(math.radians(dip_deg))
-    if abs(total) <= _SMALL * size:
+    if abs(total) <= SMALL * size:
         return ClosedFormFooting("no_driving_force", None, 0.0, 0.0, cohesion_kpa * length_m)
-    if normal <= _SMALL * size:
+    if normal <= SMALL * size:
         return ClosedFormFooting("lifted" if total < 0.0 else "falls", None, 0.0, 0.0, 0.0)
     resisting = cohesion_kpa * length_m + normal * math.tan(math.radians(friction_angle_deg))
-    if driving <= _SMALL * size:
+    if driving <= SMALL * size:
         return ClosedFormFooting("no_driving_force", None, normal, 0.0, resisting)
     return ClosedFormFooting("slides", resisting / driving, normal, driving, resisting)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted
 from slopekit.closed_form.search import loss_with_bolts
+from slopekit.closed_form.tolerances import PARALLEL_DEG, PULLS_SETTLED, SMALL, SQUARE
 
 Vector = tuple[Value, Value]
 
@@ -23,11 +24,7 @@ Vector = tuple[Value, Value]
 OUTCOMES: Final = ("slides", "slides_up", "lifted", "falls", "no_driving_force", "E203", "E204", "E205", "E207", "E209")
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
 _SLIDES, _SLIDES_UP, _LIFTED, _FALLS, _STILL = (_NUMBER[name] for name in OUTCOMES[:5])
-_PARALLEL_DEG: Final = 1e-4  # as geometry.section
-_SMALL: Final = 1e-12  # parts of the load that count as nothing
-_SQUARE: Final = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
 _ROUNDS: Final = 40  # over several bolts, one after the other
-_SETTLED: Final = 1e-12  # change of a pull, parts of what it may pull
 _RADIAN: Final = math.pi / 180.0
 _TAN: Final = np.frompyfunc(math.tan, 1, 1)
 
@@ -174,13 +171,13 @@ def _block(columns: Columns, count: int) -> _Block:
         code[(code == 0) & where] = _NUMBER[name]
 
     face_dip, upper_dip, plane_dip = (columns[f"{name}_dip_deg"] for name in ("face", "upper", "plane"))
-    refuse("E204", plane_dip <= _PARALLEL_DEG)
-    refuse("E203", plane_dip >= face_dip - _PARALLEL_DEG)
-    refuse("E209", upper_dip >= face_dip - _PARALLEL_DEG)
+    refuse("E204", plane_dip <= PARALLEL_DEG)
+    refuse("E203", plane_dip >= face_dip - PARALLEL_DEG)
+    refuse("E209", upper_dip >= face_dip - PARALLEL_DEG)
     face, upper, plane = map(_tangent, (face_dip, upper_dip, plane_dip))
     height, weighs = columns["height_m"], columns["water_unit_weight_kn_m3"]
     crest = -height * np.cos(face_dip * _RADIAN) / np.sin(face_dip * _RADIAN), height
-    meets = np.greater(plane_dip, upper_dip + _PARALLEL_DEG)
+    meets = np.greater(plane_dip, upper_dip + PARALLEL_DEG)
     end_x = crest[0] - (height + crest[0] * plane) / (plane - upper)  # where the plane comes out of the upper slope
     end = end_x, -end_x * plane
 
@@ -220,7 +217,7 @@ def _crack(columns: Columns, upper: Value, plane: Value, crest: Value, back: Val
     if "crack_depth_m" in columns:
         depth, height, lost = columns["crack_depth_m"], columns["height_m"], plane - upper
         behind = (height + crest * plane - depth) / lost
-        misses = ~((np.abs(lost) > _SMALL) & (behind >= 0.0) & (behind < np.inf) & np.greater(depth, 0.0))
+        misses = ~((np.abs(lost) > SMALL) & (behind >= 0.0) & (behind < np.inf) & np.greater(depth, 0.0))
         if distance is not None:
             misses = misses | (np.abs(distance - behind) > 0.02 * np.maximum(np.abs(behind), height))
         distance = behind
@@ -268,10 +265,10 @@ class _Bed(NamedTuple):
     def slide(self, load: Vector) -> _Slide:
         """Mode of sliding from the resultant, down the plane and off it."""
         along, off = load
-        nothing = _SMALL * self.size
+        nothing = SMALL * self.size
         lost = off >= -nothing
         still = np.where(lost, np.hypot(along, off), np.abs(along)) <= nothing
-        off_it, on_it = np.where(self.cosine <= _SMALL, _FALLS, _LIFTED), np.where(along > 0.0, _SLIDES, _SLIDES_UP)
+        off_it, on_it = np.where(self.cosine <= SMALL, _FALLS, _LIFTED), np.where(along > 0.0, _SLIDES, _SLIDES_UP)
         outcome = np.where(still, _STILL, np.where(lost, off_it, on_it))
         normal = np.where(lost, 0.0, -off)
         resisting = np.where(lost, 0.0, self.bond + normal * self.tangent)
@@ -302,13 +299,13 @@ def _with_bolts(bed: _Bed, load: Sequence[float], given: Sequence[Vector]) -> tu
     def at(reduction: Floats) -> _Slide:
         return bed.slide(_pulled(load, bolts, reduction, bed.size))
 
-    def judged(reduction: Floats) -> tuple[Bools, Bools]:
-        found = at(reduction)
-        lost = (found.outcome == _LIFTED) | (found.outcome == _FALLS)
-        return (found.outcome == _STILL) | (~lost & (reduction * found.resisting >= found.driving)), lost
+    def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
+        slide = at(reduction)
+        lost = (slide.outcome == _LIFTED) | (slide.outcome == _FALLS)
+        return (slide.outcome == _STILL) | (~lost & (reduction * slide.resisting >= slide.driving)), lost
 
     touches = bed.slide((np.array([load[0]]), np.array([load[1]]))).normal[0] > 0.0
-    factor, reduction = loss_with_bolts(judged, bool(touches))
+    factor, reduction = loss_with_bolts(holds_at, bool(touches))
     return factor, at(np.array([reduction]))
 
 
@@ -330,13 +327,13 @@ def _pulled(load: Sequence[float], bolts: Sequence[Vector], reduction: Floats, s
             s, n = under()
             drawn = s * along + np.maximum(n, 0.0) * off  # below 0: the movement draws the bolt out
             # on the plane; off it, where the block is lifted; a bolt square to the plane presses with all it has
-            stopped = np.where(np.abs(along) > _SQUARE * np.abs(off), -s / along, np.inf)
+            stopped = np.where(np.abs(along) > SQUARE * np.abs(off), -s / along, np.inf)
             lifted = -(s * along + n * off) / (along * along + off * off)
             stopped = np.where(n + stopped * off > 0.0, lifted, stopped)
-            pushed_in = drawn >= -_SQUARE * np.hypot(along, off) * size
+            pushed_in = drawn >= -SQUARE * np.hypot(along, off) * size
             pulls[k] = np.where(pushed_in, 0.0, np.minimum(stopped, reduction))
         pulls[:, settled] = before[:, settled]
-        settled |= (np.abs(pulls - before) <= _SETTLED * reduction).all(axis=0)
+        settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
         if settled.all():
             break
     return under()

@@ -16,11 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
 from slopekit.errors import Fault, GeometryError
 
 Floats = NDArray[np.float64]
-_ON_CIRCLE = 1e-9  # of the radius
-_SMALL = 1e-12
 _COUNT = 16  # slices between two changes of kind
 
 
@@ -87,11 +86,11 @@ def rotational_failure(
     angle, area, moment_x, moment_z = _slices(ground, r)
     volume = 2.0 * float(along @ area) * radius**2
     surface = 2.0 * float(across @ (r * angle)) * radius
-    if not volume > _SMALL * radius**2 * half_width:
+    if not volume > SMALL * radius**2 * half_width:
         raise GeometryError([Fault("E214", "the slip surface encloses none of the ground")])
     resisting = 2.0 * cohesion_kpa * float(across @ (r * r * angle)) * radius**2
     driving = -2.0 * unit_weight_kn_m3 * float(along @ (moment_x + seismic * moment_z)) * radius**3
-    if abs(driving) <= _SMALL * unit_weight_kn_m3 * volume * radius:
+    if abs(driving) <= SMALL * unit_weight_kn_m3 * volume * radius:
         return ClosedFormRotation(None, "no_driving_force", volume, surface, driving, resisting)
     return ClosedFormRotation(resisting / abs(driving), "rotates", volume, surface, driving, resisting)
 
@@ -176,7 +175,7 @@ def _slices(ground: Ground, r: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     area = 0.5 * (x[..., 1] * z[..., 0] - x[..., 0] * z[..., 1])
     moment_x = (z[..., 0] - z[..., 1]) * ((x**2).sum(axis=-1) + x.prod(axis=-1)) / 6.0
     moment_z = (x[..., 1] - x[..., 0]) * ((z**2).sum(axis=-1) + z.prod(axis=-1)) / 6.0
-    on_circle = np.abs(np.hypot(x, z) - r[:, None, None]) <= _ON_CIRCLE  # corners on the circle among them
+    on_circle = np.abs(np.hypot(x, z) - r[:, None, None]) <= ON_CIRCLE  # corners on the circle among them
     at = np.where(on_circle, np.arctan2(z, x), math.pi).reshape(len(r), -1)
     at = np.concatenate([np.full((len(r), 1), -math.pi), np.sort(at, axis=1), np.full((len(r), 1), math.pi)], axis=1)
     middle = 0.5 * (at[:, 1:] + at[:, :-1])

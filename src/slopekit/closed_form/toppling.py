@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.search import first_loss
+from slopekit.closed_form.tolerances import HOLDS, ROUNDING
 from slopekit.errors import DesignError, Fault
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-_ROUNDING = 1e-14  # of what is added up: less than this is nothing
-_HOLDS = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +154,7 @@ def toppling_table(slope: ColumnSlope, factor: float = 1.0) -> TopplingTable:
         shear = row.down + (above - force)
         size = abs(row.off) + abs(row.down) + above + force
         spare = normal * row.tangent / factor + row.bond / factor - abs(shear)
-        holds = (normal >= -_HOLDS * size) & (spare >= -_HOLDS * size)
+        holds = (normal >= -HOLDS * size) & (spare >= -HOLDS * size)
     modes = tuple(
         "stable" if p <= 0.0 else "topple" if s <= t < math.inf else "slide"
         for t, s, p in zip(topple, slide, force, strict=True)
@@ -290,10 +289,10 @@ class _Row:
             with np.errstate(invalid="ignore", divide="ignore"):  # sides that lock, forces without end
                 moment = push * (self.upper[i] - self.width * side) + self.moment[i]
                 size = push * (self.upper[i] + self.width * side) + abs(down) * self.heights[i] + abs(off) * self.width
-                moment = np.where(abs(moment) <= _ROUNDING * size, 0.0, moment)
+                moment = np.where(abs(moment) <= ROUNDING * size, 0.0, moment)
                 excess = push * locks + down - off * base - bond
                 size = push * (1.0 + base * side) + abs(down) + off * base + bond
-                excess = np.where(abs(excess) <= _ROUNDING * size, 0.0, excess)
+                excess = np.where(abs(excess) <= ROUNDING * size, 0.0, excess)
                 endless = np.isinf(push)
                 moment, excess = (np.where(endless, np.inf, value) for value in (moment, excess))
                 topple[i] = moment / (self.lower[i] if i else self.heights[0])

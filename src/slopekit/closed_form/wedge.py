@@ -15,14 +15,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted, of_chunk
+from slopekit.closed_form.tolerances import ALONG, DAYLIGHTS, SAME_DIRECTION, SMALL
 from slopekit.closed_form.wedge_sliding import (
     J1,
     J2,
     SLIDES_UP,
     STATUSES,
     STILL,
-    Bed,
     Bolt,
+    JointPair,
     Vector,
     cross,
     dot,
@@ -43,10 +44,6 @@ _REFUSED: Final = _NUMBER["E201"]  # this code and those behind it: there is no 
 #: How many are taken at a time: of fewer the calls take the time, of more the cache does not hold the rows.
 CHUNK: Final = 16384
 _KEPT: Final = 1 << 21  # 16 MB
-_PARALLEL: Final = 1e-6  # sine of the angle below which two planes are one, as in geometry.rockmass
-_DAYLIGHTS: Final = 1e-12
-_ALONG: Final = 1e-9  # cosine of the angle to the face below which the last bit says on which side of it a line runs
-_SMALL: Final = 1e-12  # parts of the load that count as nothing
 _RADIAN: Final = math.pi / 180.0
 _MOST: Final = 0.8  # of a chunk: where fewer cut a wedge, those are picked out first
 _PLANES: Final = tuple(
@@ -275,23 +272,23 @@ def _cut(columns: Columns, count: int) -> _Cut:
     high = columns["height_m"] / trace1
     offset = dot(rows(normals, _UPPER), times(rows(lines, J1), high))
     # into the rock the line climbs, out of the face and to the upper slope
-    least, toward = _DAYLIGHTS * long, np.copysign(1.0, out)
-    formed = (np.minimum.reduce(squares) >= _PARALLEL**2) & (np.abs(out) > least) & (rise * toward < -least)
-    formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= _PARALLEL) & (offset > 0.0)
-    formed &= climbs[J2] * climbs[J2] >= _PARALLEL**2 * squares[J2]
+    least, toward = DAYLIGHTS * long, np.copysign(1.0, out)
+    formed = (np.minimum.reduce(squares) >= SAME_DIRECTION**2) & (np.abs(out) > least) & (rise * toward < -least)
+    formed &= (climbs[_LINE] * toward < -least) & (np.abs(trace1) >= SAME_DIRECTION) & (offset > 0.0)
+    formed &= climbs[J2] * climbs[J2] >= SAME_DIRECTION**2 * squares[J2]
     return _Cut(normals, lines, squares, long, climbs, out, high, offset, formed)
 
 
 def _refused(cut: _Cut) -> Codes:
     """Why planes cut no wedge: the first test that fails counts."""
     climbs, out, rise = cut.climbs, cut.out, cut.lines[2][_LINE]
-    least, toward, parallel = _DAYLIGHTS * cut.length, np.copysign(1.0, out), cut.squares < _PARALLEL**2
+    least, toward, parallel = DAYLIGHTS * cut.length, np.copysign(1.0, out), cut.squares < SAME_DIRECTION**2
     daylights = (np.abs(out) > least) & (rise * toward < -least) & (climbs[_LINE] * toward < -least)
     codes = np.full(out.size, _E208)
     for where, code in (
-        (climbs[J2] * climbs[J2] < _PARALLEL**2 * cut.squares[J2], _NUMBER["E206"]),
+        (climbs[J2] * climbs[J2] < SAME_DIRECTION**2 * cut.squares[J2], _NUMBER["E206"]),
         (cut.offset <= 0.0, _NUMBER["E209"]),
-        (np.abs(cut.lines[2][J1]) < _PARALLEL, _NUMBER["E206"]),
+        (np.abs(cut.lines[2][J1]) < SAME_DIRECTION, _NUMBER["E206"]),
         (~daylights, _hidden(rows(cut.lines, _LINE), rows(cut.normals, _FACE))),
         (parallel[J1] | parallel[J2], _NUMBER["E206"]),
         (parallel[_CREST], _NUMBER["E209"]),
@@ -306,12 +303,12 @@ def _hidden(line: Vector, face: Vector) -> Codes:
     down = np.where(line[2] > 0.0, -1.0, 1.0)
     level, flat = np.hypot(line[0], line[1]), np.hypot(face[0], face[1])
     plunge = np.arctan2(np.abs(line[2]), level)
-    ahead = np.where(flat < _SMALL, line[1], (line[0] * face[0] + line[1] * face[1]) * np.copysign(1.0, face[2]) / flat)
+    ahead = np.where(flat < SMALL, line[1], (line[0] * face[0] + line[1] * face[1]) * np.copysign(1.0, face[2]) / flat)
     cosine = down * ahead / level
     apparent = np.arctan(flat / np.abs(face[2]) * cosine)
-    codes = np.where(plunge >= apparent - math.radians(_ALONG), _NUMBER["E203"], _NUMBER["E205"])
-    codes[(plunge < math.radians(_ALONG)) | (cosine <= 0.0)] = _NUMBER["E204"]
-    for one in np.flatnonzero(np.abs(cosine) < _ALONG):
+    codes = np.where(plunge >= apparent - math.radians(ALONG), _NUMBER["E203"], _NUMBER["E205"])
+    codes[(plunge < math.radians(ALONG)) | (cosine <= 0.0)] = _NUMBER["E204"]
+    for one in np.flatnonzero(np.abs(cosine) < ALONG):
         codes[one] = _along_the_slope(np.array([part[one] for part in line]), [float(part[one]) for part in face])
     return codes
 
@@ -325,14 +322,14 @@ def _along_the_slope(across: Floats, face: Sequence[float]) -> np.int8:
     east, north, up = (-line if line[2] > 0.0 else line).tolist()
     plunge = math.degrees(math.atan2(-up, math.hypot(east, north)))
     flat = math.hypot(face[0], face[1])
-    dip = (0.0, 1.0, 0.0) if flat < _SMALL else (face[0] * face[2] / flat, face[1] * face[2] / flat, -flat)
+    dip = (0.0, 1.0, 0.0) if flat < SMALL else (face[0] * face[2] / flat, face[1] * face[2] / flat, -flat)
     steep = math.degrees(math.atan2(-dip[2], math.hypot(dip[0], dip[1])))
     trend, facing = (math.degrees(math.atan2(a, b)) % 360.0 for a, b in ((east, north), dip[:2]))
     cosine = math.cos(math.radians(trend - facing))
-    if abs(plunge) < _ALONG or cosine <= 0.0:
+    if abs(plunge) < ALONG or cosine <= 0.0:
         return _NUMBER["E204"]
     apparent = math.degrees(math.atan(math.tan(math.radians(steep)) * cosine))
-    return _NUMBER["E203" if plunge >= apparent - _ALONG else "E205"]
+    return _NUMBER["E203" if plunge >= apparent - ALONG else "E205"]
 
 
 # -- the wedge ----------------------------------------------------------------------------------------
@@ -376,8 +373,8 @@ def _cracked(columns: Columns, cut: _Cut, whole: _Shape, crests: Vector) -> _Sha
     offset, crossing = dot(crack, plus(crest1, times(trace, distance / long))), dot(crack, back)
     share = offset / crossing
     meets = (share > 1e-9) & (share < 1.0 - 1e-9) & (distance < long)
-    meets &= np.abs(crossing) >= _PARALLEL * length(back)
-    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, _UPPER])))) >= _PARALLEL
+    meets &= np.abs(crossing) >= SAME_DIRECTION * length(back)
+    meets &= np.minimum.reduce(length(cross(crack, rows(cut.normals, [J1, J2, _UPPER])))) >= SAME_DIRECTION
 
     bottom, ways = times(back, share), less(back, crests)
     tops = plus(crests, times(ways, (offset - dot(crack, crests)) / dot(crack, ways)))
@@ -416,7 +413,7 @@ def _moved(columns: Columns, cut: _Cut, bolts: Sequence[Bolt]) -> tuple[Codes, S
     strength = np.empty((2, 2, weight.size))
     for joint, number in ((J1, 1), (J2, 2)):
         strength[0, joint], strength[1, joint] = columns[f"cohesion{number}_kpa"], columns[f"friction{number}_deg"]
-    bed = Bed(
+    bed = JointPair(
         joints, line, between, 1.0 - between * between, strength[0] * shape.areas[:2], np.tan(strength[1] * _RADIAN),
         size,
     )  # fmt: skip

@@ -13,6 +13,7 @@ import numpy as np
 
 from slopekit.closed_form.given import Bools, Codes, Floats, Value
 from slopekit.closed_form.search import loss_with_bolts
+from slopekit.closed_form.tolerances import PULLS_SETTLED, SMALL, SQUARE
 
 Vector = tuple[Value, Value, Value]
 Bolt = tuple[float, float, float]
@@ -25,10 +26,7 @@ SLIDES_ON_J1, SLIDES_UP, LIFTED, FALLS, STILL = (
     np.int8(STATUSES.index(name)) for name in ("slides_on_J1", "slides_up", "lifted", "falls", "no_driving_force")
 )
 J1, J2 = 0, 1
-_SMALL: Final = 1e-12  # parts of the load that count as nothing
-_SQUARE: Final = 1e-12  # a bolt that the movement draws out by less (times the load) is square to it and does not act
 _ROUNDS: Final = 40  # over several bolts, one after the other
-_SETTLED: Final = 1e-12  # change of a pull, parts of what it may pull
 
 
 class Slide(NamedTuple):
@@ -41,7 +39,7 @@ class Slide(NamedTuple):
     movement: Vector
 
 
-class Bed(NamedTuple):
+class JointPair(NamedTuple):
     """The two joints (2, m): normals into the wedge, the line of intersection, n₁·n₂ and 1 - (n₁·n₂)², strength."""
 
     inward: Vector
@@ -52,13 +50,13 @@ class Bed(NamedTuple):
     tangents: Floats
     size: Floats
 
-    def of(self, one: int) -> "Bed":
+    def of(self, one: int) -> "JointPair":
         """One wedge's, (2, 1): for any number of loads."""
 
         def part(values: Any) -> Any:
             return tuple(map(part, values)) if isinstance(values, tuple) else values[..., one : one + 1]
 
-        return Bed(*map(part, self))
+        return JointPair(*map(part, self))
 
     def slide(self, load: Vector) -> Slide:
         """Mode of sliding from the resultant: off both, along one, along both joints."""
@@ -95,30 +93,30 @@ class Bed(NamedTuple):
         if others.size:
             highest = np.broadcast_to(np.maximum(*self.inward[2]), along.shape)[others]
             outcome[others] = np.where(off, np.where(highest <= 0.0, FALLS, LIFTED), outcome[others])
-        outcome[driving <= _SMALL * self.size] = STILL
+        outcome[driving <= SMALL * self.size] = STILL
         return Slide(outcome, normal, driving, resisting, (east, north, up))
 
 
 # -- passive bolts ------------------------------------------------------------------------------------
 
 
-def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
+def with_bolts(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
 
     def at(reduction: Floats) -> Slide:
         return bed.slide(_pulled(bed, load, bolts, reduction))
 
-    def judged(reduction: Floats) -> tuple[Bools, Bools]:
-        found = at(reduction)
-        lost = (found.outcome == LIFTED) | (found.outcome == FALLS)
-        return (found.outcome == STILL) | (~lost & (reduction * found.resisting >= found.driving)), lost
+    def holds_at(reduction: Floats) -> tuple[Bools, Bools]:
+        slide = at(reduction)
+        lost = (slide.outcome == LIFTED) | (slide.outcome == FALLS)
+        return (slide.outcome == STILL) | (~lost & (reduction * slide.resisting >= slide.driving)), lost
 
     east, north, up = (np.array([part]) for part in load)
-    factor, reduction = loss_with_bolts(judged, bed.slide((east, north, up)).outcome[0] not in (LIFTED, FALLS))
+    factor, reduction = loss_with_bolts(holds_at, bed.slide((east, north, up)).outcome[0] not in (LIFTED, FALLS))
     return factor, at(np.array([reduction]))
 
 
-def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
+def _pulled(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
     """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
     pulls = np.zeros((len(bolts), reduction.size))
     settled = np.zeros(reduction.size, dtype=np.bool_)
@@ -135,13 +133,13 @@ def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: F
             pulls[k] = 0.0
             pulls[k] = _best_pull(bed, under(pulls), bolt, reduction)
         pulls[:, settled] = before[:, settled]
-        settled |= (np.abs(pulls - before) <= _SETTLED * reduction).all(axis=0)
+        settled |= (np.abs(pulls - before) <= PULLS_SETTLED * reduction).all(axis=0)
         if len(bolts) == 1 or settled.all():
             break
     return under(pulls)
 
 
-def _best_pull(bed: Bed, load: Vector, bolt: Bolt, most: Floats) -> Floats:
+def _best_pull(bed: JointPair, load: Vector, bolt: Bolt, most: Floats) -> Floats:
     """The pull between 0 and `most` (r,) with which one bolt leaves the least movement.
 
     The movement along a bolt, R·b, rises with its pull p, in a straight line in each mode. Where it draws the bolt out
@@ -160,7 +158,7 @@ def _best_pull(bed: Bed, load: Vector, bolt: Bolt, most: Floats) -> Floats:
     slide = bed.slide((east, north, up))
     drawn = np.where(slide.outcome == STILL, 0.0, dot(slide.movement, bolt)).reshape(tries.shape)
     stops = np.take_along_axis(tries[2:], np.argmin(np.abs(drawn[2:]), axis=0)[None], axis=0)[0]
-    pushed_in = drawn[0] >= -_SQUARE * math.sqrt(square) * bed.size
+    pushed_in = drawn[0] >= -SQUARE * math.sqrt(square) * bed.size
     return np.where(pushed_in, 0.0, np.where(drawn[1] <= 0.0, most, stops))
 
 

@@ -7,11 +7,10 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.tolerances import FLATTEST_FACE_DEG, SAME_DIP_DEG
 
 #: The faces of a bench in the order of its planes.
 BODY_FACES = ("face", "upper slope", "left end", "right end", "back", "bottom")
-_FLATTEST_FACE_DEG = 1.0
-_SAME_DIP_DEG = 0.01  # face and upper slope closer than this make no crest
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +75,8 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
     if face_dip > 90.0 + 1e-9:
         message = f"the face overhangs (it dips {face_dip:.4g}° measured from the upward side)"
         faults.append(Fault("E221", message, "", "A bench has a face of at most 90°."))
-    elif face_dip < _FLATTEST_FACE_DEG:
-        message = f"the face dips {face_dip:.3g}°, less than {_FLATTEST_FACE_DEG:g}°: this is no bench"
+    elif face_dip < FLATTEST_FACE_DEG:
+        message = f"the face dips {face_dip:.3g}°, less than {FLATTEST_FACE_DEG:g}°: this is no bench"
         faults.append(Fault("E221", message))
     if faults:
         raise GeometryError(faults)
@@ -107,10 +106,10 @@ def bench_body(face: Floats, upper: Floats, height: float, length: float, depth:
 
 def _check_upper(face_dip: float, outward: Floats, upper: Floats) -> None:
     """Refuse an upper slope that is upright or, toward the face's dip direction, as steep as the face."""
-    if upper[2] < math.sin(math.radians(_SAME_DIP_DEG)):
+    if upper[2] < math.sin(math.radians(SAME_DIP_DEG)):
         raise GeometryError([Fault("E222", "the upper slope stands upright or overhangs: it is no upper slope")])
     apparent = math.degrees(math.atan2(float(upper @ outward), upper[2]))
-    if apparent > face_dip - _SAME_DIP_DEG:
+    if apparent > face_dip - SAME_DIP_DEG:
         message = (
             f"the upper slope falls at {apparent:.4g}° toward the face, which dips {face_dip:.4g}°: they make no crest"
         )

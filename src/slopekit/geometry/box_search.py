@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
+from slopekit.geometry.tolerances import TINY
 
 _AT_ONCE = 2_000_000  # candidate pairs looked at in one go: bounds the memory
 _FINEST = 2.0**-20  # cells of a grid along each axis: three axes fit one 64-bit key
@@ -83,15 +84,15 @@ class _Sweep:
         self.candidates = int(self.counts.sum())
 
     def pairs(self, lowest: Floats, highest: Floats) -> tuple[Ints, Ints]:
-        found = []
+        found_pairs = []
         for part in chunks(self.counts):
             row, other = ragged(self.after[part], self.counts[part])
-            found.append(_overlapping(lowest, highest, self.order[part][row], self.order[other], row)[:2])
-        first, second = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+            found_pairs.append(_overlapping(lowest, highest, self.order[part][row], self.order[other], row)[:2])
+        first, second = (np.concatenate([pair[k] for pair in found_pairs]) for k in range(2))
         return np.minimum(first, second), np.maximum(first, second)
 
 
-class _Grid:
+class _BoxGrid:
     """Boxes of one size in cells of that size, and the boxes that are not larger looked up there."""
 
     def __init__(self, own: Ints, others: Ints, lowest: Floats, highest: Floats, size: float) -> None:
@@ -122,15 +123,15 @@ class _Grid:
         self.candidates = int(self.counts.sum())
 
     def pairs(self, lowest: Floats, highest: Floats) -> tuple[Ints, Ints]:
-        found = []
+        found_pairs = []
         for part in chunks(self.counts):
             row, other = ragged(self.first[part], self.counts[part])
             a, b = self.box[part][row], self.owned[other]
             a, b, row = _overlapping(lowest, highest, a, b, row)
             # two boxes may share several cells: they are a pair in the one where their overlap begins
             here = self._key(self._cell(np.maximum(lowest[a], lowest[b]))) == self.key[part][row]
-            found.append((a[here], b[here]))
-        first, second = (np.concatenate([pair[k] for pair in found]) for k in range(2))
+            found_pairs.append((a[here], b[here]))
+        first, second = (np.concatenate([pair[k] for pair in found_pairs]) for k in range(2))
         return first, second
 
     def _cell(self, points: Floats) -> Ints:
@@ -144,14 +145,14 @@ class _Grid:
         return key
 
 
-def _grids(lowest: Floats, highest: Floats) -> list[_Grid]:
+def _grids(lowest: Floats, highest: Floats) -> list[_BoxGrid]:
     extent = (highest - lowest).max(axis=1)
     domain = float((highest.max(axis=0) - lowest.min(axis=0)).max())
-    extent = np.maximum(extent, max(float(np.median(extent)), domain * _FINEST, 1e-300))
+    extent = np.maximum(extent, max(float(np.median(extent)), domain * _FINEST, TINY))
     # a hair more: boxes of one size by design would fall on both sides of a power of two by rounding
     level = np.ceil(np.log2(extent / float(extent.min())) - 1e-6).astype(np.int64)
     grids = []
     for step in np.unique(level):
         size = float(extent.min()) * 2.0 ** float(step) * (1.0 + 1e-5)
-        grids.append(_Grid(np.flatnonzero(level == step), np.flatnonzero(level < step), lowest, highest, size))
+        grids.append(_BoxGrid(np.flatnonzero(level == step), np.flatnonzero(level < step), lowest, highest, size))
     return grids

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.geometry.combs import Comb, Soup
+from slopekit.geometry.plane_stacks import PlaneStack, Soup
+from slopekit.geometry.tolerances import NO_VOLUME
 
 Hashes = NDArray[np.uint64]
-_NO_VOLUME = 1e-15  # of a body that is 2 long
 
 
 @dataclass(frozen=True, slots=True)
 class Cells:
-    """Convex cells, ordered by the slab of each comb they lie in.
+    """Convex cells, ordered by the slab of each stack they lie in.
 
     Attributes
     ----------
@@ -66,12 +66,12 @@ def plane_weights(count: int) -> Hashes:
     return weights
 
 
-def cells_of(soup: Soup, normals: Floats, offsets: Floats, combs: list[Comb]) -> Cells:
+def cells_of(soup: Soup, normals: Floats, offsets: Floats, stacks: list[PlaneStack]) -> Cells:
     """The cells of a cut body: connected pieces, those between the same planes as one.
 
     Parameters
     ----------
-    normals, offsets : of the cutting planes, those of a comb ascending along its axis
+    normals, offsets : of the cutting planes, those of a stack ascending along its axis
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -86,15 +86,15 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, combs: list[Comb]) ->
     inside = np.stack([np.bincount(of_vertex, vertices[:, k], count) for k in range(3)], axis=1) / share[:, None]
     half = np.zeros((count, soup.half.shape[1]), dtype=np.bool_)
     half[piece] = soup.half
-    slabs = np.empty((count, len(combs)), dtype=np.int64)
-    for k, comb in enumerate(combs):
-        slabs[:, k] = _slab(inside @ normals[comb.planes].T - offsets[comb.planes], half[:, k])
+    slabs = np.empty((count, len(stacks)), dtype=np.int64)
+    for k, stack in enumerate(stacks):
+        slabs[:, k] = _slab(inside @ normals[stack.planes].T - offsets[stack.planes], half[:, k])
     slabs, cell_of_piece = np.unique(slabs, axis=0, return_inverse=True)
     cell_of_piece = cell_of_piece.reshape(count).astype(np.int64)
     weights = plane_weights(len(offsets))
     signature = np.zeros(len(slabs), dtype=np.uint64)
-    for k, comb in enumerate(combs):
-        passed = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(weights[comb.planes], dtype=np.uint64)])
+    for k, stack in enumerate(stacks):
+        passed = np.concatenate([np.zeros(1, dtype=np.uint64), np.cumsum(weights[stack.planes], dtype=np.uint64)])
         signature += passed[slabs[:, k]]
     # tetrahedra from a point of each cell to its triangles
     cell = cell_of_piece[piece]
@@ -105,7 +105,7 @@ def cells_of(soup: Soup, normals: Floats, offsets: Floats, combs: list[Comb]) ->
     part = np.einsum("ti,ti->t", a, _cross(b, c)) / 6.0
     volumes = np.bincount(cell, part, len(slabs)).astype(np.float64)
     moments = _sums(cell, part[:, None] * (a + b + c) / 4.0, len(slabs))
-    solid = volumes > _NO_VOLUME  # the centroid of a cell without volume would be lost to rounding
+    solid = volumes > NO_VOLUME  # the centroid of a cell without volume would be lost to rounding
     centroids = points + np.where(solid[:, None], moments, 0.0) / np.where(solid, volumes, 1.0)[:, None]
     return Cells(volumes, centroids, signature, cell)
 
@@ -248,10 +248,10 @@ def _on_line(points: Floats, face: Ints, tolerance: float, count: int) -> Bools:
     return on_line
 
 
-def _slab(heights: Floats, in_comb: Bools) -> Ints:
-    """Which slab of a comb each point lies in: how many planes it lies above, an odd number within the comb."""
+def _slab(heights: Floats, in_stack: Bools) -> Ints:
+    """Which slab of a stack each point lies in: how many planes it lies above, an odd number within the stack."""
     index = (heights > 0.0).sum(axis=1, dtype=np.int64)
-    wrong = np.flatnonzero((index % 2 == 1) != in_comb)
+    wrong = np.flatnonzero((index % 2 == 1) != in_stack)
     if len(wrong):  # a cell without thickness, on a plane to rounding: it is on the plane's other side
         nearest = np.abs(heights[wrong]).argmin(axis=1)
         index[wrong] += np.where(heights[wrong, nearest] > 0.0, -1, 1)

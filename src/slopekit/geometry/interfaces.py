@@ -12,11 +12,10 @@ import numpy as np
 
 from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, SolverError
+from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1
 _VERTEX_SHARE, _CENTROID_SHARE = 1.0 / 12.0, 3.0 / 4.0
-_AREA_TOLERANCE = 1e-9
-_ROUNDING = 8.0 * float(np.finfo(np.float64).eps)  # of the square of a length
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +65,8 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
             vertices, triangles = _refined(vertices, triangles, refine)
         where, control = _lumped(vertices, triangles)
         total = float(np.sqrt(whole @ whole))
-        rounding = _ROUNDING * float((np.ptp(vertices, axis=0) ** 2).sum())  # all that a sliver's area has left
-        if abs(control.sum() - total) > _AREA_TOLERANCE * total + rounding:
+        rounding = LENGTH_ROUNDING * float((np.ptp(vertices, axis=0) ** 2).sum())  # all that a sliver's area has left
+        if abs(control.sum() - total) > AREA_SUM * total + rounding:
             raise SolverError(
                 [Fault("E501", f"control areas of interface {key} sum to {control.sum()}, not {total} m²")]
             )

@@ -9,9 +9,9 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
+from slopekit.geometry.tolerances import SAME_PLANE
 
 #: Planes nearer to each other than this over the whole body, in parts of its size, are one plane.
-SAME_PLANE = 1e-6
 _LEAST_GAP = 0.1  # of the spacing
 
 

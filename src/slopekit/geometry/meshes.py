@@ -37,14 +37,14 @@ def mesh_bodies(path: Path) -> list[MeshBody]:
     scene = trimesh.load_scene(path, process=False, **options)
     base = Z_UP if Z_UP in scene.graph.nodes else scene.graph.base_frame
     rank = {name: k for k, name in enumerate([*names, *(name for name in scene.geometry if name not in names)])}
-    found = []
+    bodies = []
     for node in sorted(scene.graph.nodes_geometry, key=lambda node: (rank[scene.graph[node][1]], str(node))):
         matrix, name = scene.graph.get(node, frame_from=base)
         mesh = scene.geometry[name]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
             points = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-            found.append(merged((str(node), points, np.asarray(mesh.faces, dtype=np.int64))))
-    return found
+            bodies.append(merged((str(node), points, np.asarray(mesh.faces, dtype=np.int64))))
+    return bodies
 
 
 def _of_objects(path: Path) -> tuple[dict[str, bool], list[str]]:
@@ -100,22 +100,22 @@ def _of_dxf(path: Path) -> list[MeshBody]:
 
     drawing = ezdxf.readfile(path)
     scale = 1.0 if drawing.units in (0, _METRES) else conversion_factor(drawing.units, _METRES)
-    found: list[tuple[str, Any]] = []
+    named_meshes: list[tuple[str, Any]] = []
     faces: dict[str, Any] = {}
     for entity in drawing.modelspace():
         kind = entity.dxftype()
         if kind == "POLYLINE" and entity.is_poly_face_mesh:
-            found.append((_name_of(entity), MeshBuilder.from_polyface(entity)))
+            named_meshes.append((_name_of(entity), MeshBuilder.from_polyface(entity)))
         elif kind == "MESH":
-            found.append((_name_of(entity), MeshBuilder.from_mesh(entity)))
+            named_meshes.append((_name_of(entity), MeshBuilder.from_mesh(entity)))
         elif kind == "3DFACE":
             layer = entity.dxf.layer
             if layer not in faces:
                 faces[layer] = MeshVertexMerger()
-                found.append((layer, faces[layer]))
+                named_meshes.append((layer, faces[layer]))
             faces[layer].add_face(entity.wcs_vertices())
     bodies = []
-    for name, mesh in found:
+    for name, mesh in named_meshes:
         vertices = np.array([tuple(vertex) for vertex in mesh.vertices], dtype=np.float64).reshape(-1, 3) * scale
         triangles = [(face[0], face[k], face[k + 1]) for face in mesh.faces for k in range(1, len(face) - 1)]
         if triangles:

@@ -12,12 +12,11 @@ import numpy as np
 
 from slopekit.arrays import Floats, cross, frozen
 from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
 from slopekit.orientation import downward, line_of
 
 J1, J2, FACE, UPPER, CRACK = range(5)
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")
-_NEARLY_PARALLEL = math.sin(math.radians(5.0))
-_PARALLEL = 1e-6  # sine of the angle below which two planes are one (0.00006°)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,21 +69,21 @@ def wedge_rock_mass(
     """
     line = cross(joints[0], joints[1])
     sine = math.sqrt(float(line @ line))
-    if sine < _PARALLEL:
+    if sine < SAME_DIRECTION:
         raise GeometryError([_parallel("E201", "J1 and J2", "they never meet in a line", sine)])
     crest_edge = cross(face, upper)
-    if math.sqrt(float(crest_edge @ crest_edge)) < _PARALLEL:
+    if math.sqrt(float(crest_edge @ crest_edge)) < SAME_DIRECTION:
         raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
     line = line / sine
     into_rock = -line if face @ line > 0.0 else line
     traces = [cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
-        if math.sqrt(float(trace @ trace)) < _PARALLEL:
+        if math.sqrt(float(trace @ trace)) < SAME_DIRECTION:
             raise GeometryError([_parallel("E206", f"J{k + 1} and the face", "the joint does not cut the face", 0.0)])
     _check_daylight(line, into_rock, face, upper, sine)
-    if abs(traces[0][2]) < _PARALLEL:
+    if abs(traces[0][2]) < SAME_DIRECTION:
         message = "the trace of J1 on the face is horizontal: it never climbs to the crest"
-        advice = "Number the joints the other way round." if abs(traces[1][2]) > _PARALLEL else ""
+        advice = "Number the joints the other way round." if abs(traces[1][2]) > SAME_DIRECTION else ""
         raise GeometryError([Fault("E206", message, "", advice)])
 
     crest1 = traces[0] * (height / traces[0][2])
@@ -93,7 +92,7 @@ def wedge_rock_mass(
         message = "the upper slope climbs faster than the face: they make no crest above the toe"
         raise GeometryError([Fault("E209", message)])
     climb = float(upper @ traces[1])
-    if abs(climb) < _PARALLEL * math.sqrt(float(traces[1] @ traces[1])):
+    if abs(climb) < SAME_DIRECTION * math.sqrt(float(traces[1] @ traces[1])):
         message = "the trace of J2 on the face runs along the crest and never meets it"
         raise GeometryError([Fault("E206", message)])
     crest2 = traces[1] * (offset / climb)
@@ -111,7 +110,7 @@ def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats
         return
     down = line_of(downward(line))
     near = ""
-    if sine < _NEARLY_PARALLEL:
+    if sine < NEARLY_PARALLEL:
         near = (
             f" J1 and J2 are only {math.degrees(math.asin(sine)):.2g}° apart: "
             "a small change of either moves the line far."
@@ -177,7 +176,7 @@ def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, 
     """Offset of the crack plane, refused where the crack does not cross the wedge."""
     for plane, name in zip(planes, ("J1", "J2", "the upper slope"), strict=True):
         across = cross(crack, plane)
-        if math.sqrt(float(across @ across)) < _PARALLEL:
+        if math.sqrt(float(across @ across)) < SAME_DIRECTION:
             raise GeometryError([Fault("E207", f"the crack is parallel to {name}: it cuts no wedge off")])
     trace = back - crest1
     length = math.sqrt(float(trace @ trace))
@@ -186,7 +185,7 @@ def _crack_offset(crack: Floats, distance: float, back: Floats, crest1: Floats, 
         raise GeometryError([Fault("E207", message, "", "The wedge has no tension crack there: leave the crack out.")])
     offset = float(crack @ (crest1 + trace * (distance / length)))
     crossing = float(crack @ back)
-    if abs(crossing) < _PARALLEL * math.sqrt(float(back @ back)):
+    if abs(crossing) < SAME_DIRECTION * math.sqrt(float(back @ back)):
         raise GeometryError([Fault("E207", "the crack is parallel to the line of intersection: it never crosses it")])
     share = offset / crossing
     if not 1e-9 < share < 1.0 - 1e-9:

@@ -13,9 +13,9 @@ from slopekit.arrays import Floats, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block, cut_convex
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
+from slopekit.geometry.tolerances import PARALLEL_DEG
 
 J1, FACE, UPPER, CRACK, LEFT, RIGHT = range(6)
-_PARALLEL_DEG = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,22 +57,22 @@ def plane_section(
         E203 the plane is steeper than the face, E204 it does not dip out of the slope, E205 it never meets the upper
         slope, E207 the crack does not cut the block off, E209 the upper slope is as steep as the face.
     """
-    if plane_dip <= _PARALLEL_DEG:
+    if plane_dip <= PARALLEL_DEG:
         message = f"the plane dips {plane_dip:.4g}° into the slope: nothing on it can slide out"
-        if abs(plane_dip) <= _PARALLEL_DEG:
+        if abs(plane_dip) <= PARALLEL_DEG:
             message = "the plane is level: nothing on it can slide out"
         raise GeometryError([Fault("E204", message)])
-    if plane_dip >= face_dip - _PARALLEL_DEG:
+    if plane_dip >= face_dip - PARALLEL_DEG:
         message = f"the plane dips {plane_dip:.4g}°, as steep as the face ({face_dip:.4g}°) or steeper"
         raise GeometryError([Fault("E203", message + ": it does not daylight", "", "It must come out at the toe.")])
-    if upper_dip >= face_dip - _PARALLEL_DEG:
+    if upper_dip >= face_dip - PARALLEL_DEG:
         raise GeometryError([Fault("E209", f"the upper slope ({upper_dip:.4g}°) is as steep as the face")])
     plane, face, upper = (math.radians(dip) for dip in (plane_dip, face_dip, upper_dip))
     crest = np.array([-height / math.tan(face) if face_dip < 90.0 else 0.0, 0.0, height])
     normals = [_normal(plane), _normal(face), _normal(upper)]
     offset = float(normals[UPPER] @ crest)
     back = None
-    if plane_dip > upper_dip + _PARALLEL_DEG:
+    if plane_dip > upper_dip + PARALLEL_DEG:
         along = np.array([-math.cos(plane), 0.0, math.sin(plane)])
         back = along * (offset / float(normals[UPPER] @ along))
     distance = _crack_place(plane, face, upper, crest, back, crack_depth, crack_distance)

@@ -16,12 +16,9 @@ from slopekit.geometry.box_search import box_pairs
 from slopekit.geometry.clipping import are_apart, clip_convex, polygon_sums
 from slopekit.geometry.fit import Gaps, Overlaps, contact_tolerance, refuse, size_faults
 from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.tolerances import NEARLY_TOUCHES, OPPOSITE, OUTLINE_CLEAN, TINY
 
 _LARGEST_PIECE = 8  # corners of a convex polygon that is clipped whole; more are cut into triangles
-_SAME = 1e-3  # of the contact tolerance: corners nearer than this to each other or to the line past them are dropped
-_OPPOSITE = -0.99  # cosine between edges that can lie on each other; how far apart they are decides
-_NEAR = 0.01  # of the mean block size: what is nearer than this and does not touch is reported
-_SAME = 1e-3  # of the tolerance: an outline comes this near to itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +100,7 @@ def clean_outlines(polygons: Sequence[Floats], tolerance: float | None, names: S
     index = np.arange(len(corners))
     corners = corners[np.where(areas[block] < 0.0, start[block] + start[block + 1] - 1 - index, index)]
     tolerance = contact_tolerance(tolerance, np.sqrt(np.abs(areas)), rounding)
-    corners, start = _cleaned(corners, start, max(_SAME * tolerance, rounding / 8.0))
+    corners, start = _cleaned(corners, start, max(OUTLINE_CLEAN * tolerance, rounding / 8.0))
     refuse(
         [
             Fault("E228", f"the outline of {names[k]} encloses no area")
@@ -257,11 +254,11 @@ def section_assembly(
     called = list(names) if names is not None else [f"block {k + 1}" for k in range(len(polygons))]
     outlines, tolerance = clean_outlines(polygons, tolerance, called)
     bedrock = np.asarray(fixed, dtype=bool)
-    reach = _NEAR * float(np.sqrt(outlines.areas).mean())
+    reach = NEARLY_TOUCHES * float(np.sqrt(outlines.areas).mean())
     edges = _Edges(outlines, bedrock)
     first, second = edges.candidates(max(reach, tolerance))
     own = edges.block[first] == edges.block[second]
-    crossing = edges.crossing(first[own], second[own], _SAME * tolerance / 2.0)
+    crossing = edges.crossing(first[own], second[own], OUTLINE_CLEAN * tolerance / 2.0)
     check_outlines(outlines, tolerance, crossing, called)
     first, second = first[~own], second[~own]
 
@@ -295,7 +292,7 @@ def section_assembly(
 
 
 @dataclass(frozen=True, slots=True)
-class _Facing:
+class _FacingEdges:
     """Pairs of edges that run opposite ways beside each other.
 
     Attributes
@@ -345,9 +342,9 @@ class _Edges:
             meets |= self._distance(edge, point) <= distance
         return np.unique(self.block[a[meets]])
 
-    def facing(self, first: Ints, second: Ints) -> _Facing:
+    def facing(self, first: Ints, second: Ints) -> _FacingEdges:
         """What pairs of edges share that run opposite ways."""
-        opposite = (self.direction[first] * self.direction[second]).sum(axis=1) < _OPPOSITE
+        opposite = (self.direction[first] * self.direction[second]).sum(axis=1) < OPPOSITE
         first, second = first[opposite], second[opposite]
         later = self.block[first] > self.block[second]
         turned = np.where(self.fixed[self.block[first]] == self.fixed[self.block[second]], later,
@@ -370,7 +367,7 @@ class _Edges:
         apart = off_plus - off_minus
         middle = (off_plus + off_minus) / 2.0
         ends = base[:, None] + places[:, :, None] * mean[:, None] + middle[:, :, None] * normal[:, None]
-        return _Facing(
+        return _FacingEdges(
             self.block[plus], self.block[minus], ends, normal, places[:, 1] - places[:, 0], apart.min(axis=1),
             apart.max(axis=1),
         )  # fmt: skip
@@ -408,7 +405,7 @@ def _in_space(points: Floats) -> Floats:
     return np.stack([points[..., 0], np.zeros(points.shape[:-1]), points[..., 1]], axis=-1)
 
 
-def _patches(faced: _Facing, touches: Bools, origin: Floats, thickness: float) -> Patches:
+def _patches(faced: _FacingEdges, touches: Bools, origin: Floats, thickness: float) -> Patches:
     order = np.flatnonzero(touches)
     order = order[np.lexsort((faced.plus[order], faced.minus[order]))]
     corners = _in_space(faced.ends[order] + origin)
@@ -420,7 +417,7 @@ def _patches(faced: _Facing, touches: Bools, origin: Floats, thickness: float) -
     )  # fmt: skip
 
 
-def _filled(faced: _Facing, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
+def _filled(faced: _FacingEdges, near: Bools, pieces: Floats, owner: Ints, tolerance: float) -> Bools:
     """Whether the middle of a gap lies in a third block: what fills a thin joint is no gap."""
     middle = faced.ends[near].mean(axis=1)
     filled = np.zeros(len(middle), dtype=bool)
@@ -450,6 +447,6 @@ def _overlaps(pieces: Floats, counts: Ints, owner: Ints, fixed: Bools, tolerance
     pair, which = np.unique(a * len(fixed) + b, return_inverse=True)
     area: Floats = np.bincount(which, areas, minlength=len(pair)).astype(np.float64)
     boundary = np.bincount(which, around, minlength=len(pair))
-    depth = area / np.maximum(boundary / 2.0, 1e-300)
+    depth = area / np.maximum(boundary / 2.0, TINY)
     pairs = np.stack([pair // len(fixed), pair % len(fixed)], axis=1)
     return Overlaps(pairs, frozen(area), frozen(depth))

@@ -10,12 +10,11 @@ import numpy as np
 
 from slopekit.arrays import Floats, Ints
 from slopekit.errors import Fault, GeometryError
+from slopekit.geometry.tolerances import ON_EDGE, TINY, UPRIGHT
 
 SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on
 _LEVELS = 7
-_TOUCHING = 1e-12  # a corner this near to an edge, in parts of the outline, lies on it
 _ROOM = 0.01  # of the width
-_UPRIGHT = 1e-6  # a sheet facet whose normal rises by less than this stands upright
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +201,7 @@ def _crosses_itself(outline: Floats) -> bool:
     to_corner = a[None] - first
     share = np.clip((to_corner * along).sum(axis=2) / (along * along).sum(axis=2), 0.0, 1.0)
     away = to_corner - share[:, :, None] * along
-    touching = (away * away).sum(axis=2) <= (_TOUCHING * float(np.ptp(outline, axis=0).max())) ** 2
+    touching = (away * away).sum(axis=2) <= (ON_EDGE * float(np.ptp(outline, axis=0).max())) ** 2
     count = np.arange(len(a))
     touching[count, count] = touching[count, (count + 1) % len(a)] = False
     return bool((apart & apart.T).any() or touching.any())
@@ -218,11 +217,11 @@ def sheet_solid(vertices: Floats, triangles: Ints, top: float) -> Cutter:
     """
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
-    rises = normal[:, 2] / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)
+    rises = normal[:, 2] / np.maximum(np.sqrt((normal * normal).sum(axis=1)), TINY)
     if rises.mean() > 0.0:  # out of the body above it is down
         triangles, rises = triangles[:, ::-1], -rises
-    if (rises > -_UPRIGHT).any():
-        message = f"{int((rises > -_UPRIGHT).sum())} facets of the slip surface stand upright or fold over"
+    if (rises > -UPRIGHT).any():
+        message = f"{int((rises > -UPRIGHT).sum())} facets of the slip surface stand upright or fold over"
         advice = "A sheet must lie over its plan once. A mesh that should be closed has holes: close them."
         raise GeometryError([Fault("E217", message, "", advice)])
     count = len(vertices)
@@ -247,7 +246,7 @@ def smooth_normals(vertices: Floats, triangles: Ints) -> Floats:
         here, after, before = (triangles[:, (k + step) % 3] for step in range(3))
         first, second = vertices[after] - vertices[here], vertices[before] - vertices[here]
         sizes = (first * first).sum(axis=1) * (second * second).sum(axis=1)
-        np.add.at(total, here, np.cross(first, second) / np.maximum(sizes, 1e-300)[:, None])
+        np.add.at(total, here, np.cross(first, second) / np.maximum(sizes, TINY)[:, None])
     length = np.sqrt((total * total).sum(axis=1))
-    unit: Floats = total / np.maximum(length, 1e-300)[:, None]
+    unit: Floats = total / np.maximum(length, TINY)[:, None]
     return unit

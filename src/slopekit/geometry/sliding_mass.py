@@ -16,6 +16,7 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import DesignError, Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
+from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY
 
 Normals = Literal["true", "smoothed", "facet"]
 
@@ -25,10 +26,6 @@ _FIRST_LEVEL, _LAST_LEVEL = 3, 6
 _PLENTY = 1500  # triangles on the slip surface that need no refining unless it is asked for
 _FEWEST = 120  # triangles on the slip surface before it is refined
 MOST_TRIANGLES = 12_000  # on the slip surface: two node pairs for each are what the solver takes in seconds
-_BALANCE = 1e-9
-_FLAT = 1e-9  # squared sine of an angle that two faces of a corner do not turn by
-_SMALL_PIECE = 1e-9  # of the mass: numerical dust
-_SMALL_AREA = 1e-9  # of the largest control area: slivers along the rim that moving it onto the surface turned over
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +74,7 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
             [Fault("E214", "the slip surface encloses none of the ground", _extents(ground, body), advice)]
         )
     lost = abs(whole.volume() + rest.volume() - soil.volume()) / soil.volume()
-    if lost > _BALANCE:
+    if lost > MASS_BALANCE:
         message = f"slope and slip surface cannot be cut: mass and rest differ from the slope by {lost * 100:.2g} %"
         raise GeometryError([Fault("E216", message, "", "A mesh that crosses itself does this: repair it.")])
     parts = sorted(whole.decompose(), key=lambda part: -part.volume())
@@ -93,7 +90,7 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
         raise GeometryError([Fault("E214", f"the mass {what}: it cannot move", "", advice)])
     volume, moment = _volume(vertices, triangles)
     area = float(np.sqrt((_vector_areas(vertices, triangles[on == SLIP]) ** 2).sum(axis=1)).sum())
-    others = tuple(part.volume() for part in parts[1:] if part.volume() > _SMALL_PIECE * volume)
+    others = tuple(part.volume() for part in parts[1:] if part.volume() > NUMERICAL_SLIVER * volume)
     return SlidingMass(
         frozen(vertices), triangles, on, facet, volume, frozen(moment / volume), area, others
     )  # fmt: skip
@@ -316,13 +313,13 @@ def _snapped(mass: SlidingMass, metric: Floats) -> SlidingMass:
     """The rim's corners moved from the facets of the cut to the surface Σ m x² = 1, within the faces they lie on."""
     slip, free = mass.triangles[mass.on == SLIP], mass.triangles[mass.on != SLIP]
     normals = _vector_areas(mass.vertices, free)
-    normals /= np.maximum(np.sqrt((normals * normals).sum(axis=1)), 1e-300)[:, None]
+    normals /= np.maximum(np.sqrt((normals * normals).sum(axis=1)), TINY)[:, None]
     spread = np.zeros((len(mass.vertices), 3, 3))
     for k in range(3):
         np.add.at(spread, free[:, k], normals[:, :, None] * normals[:, None, :])
     rim = np.intersect1d(slip, free)
     sizes, axes = np.linalg.eigh(spread[rim])
-    axes = np.where((sizes < _FLAT * sizes[:, -1:])[:, None, :], axes, 0.0)  # what all faces at the corner leave free
+    axes = np.where((sizes < NO_TURN * sizes[:, -1:])[:, None, :], axes, 0.0)  # what all faces at the corner leave free
     gradient = metric * mass.vertices[rim]
     along = np.einsum("nik,njk,nj->ni", axes, axes, gradient)
     vertices = mass.vertices.copy()
@@ -381,8 +378,8 @@ def _merged(index: Ints, points: Floats, normals: Floats, areas: Floats, gained:
     total = np.asarray(np.bincount(which.ravel(), areas), dtype=np.float64)
     if gained is not None:
         total = np.maximum(total + gained[used], 0.1 * total)
-    kept = first[total > _SMALL_AREA * total.max()]
-    return _pairs(points[kept], normals[kept], total[total > _SMALL_AREA * total.max()])
+    kept = first[total > SLIVER_AREA * total.max()]
+    return _pairs(points[kept], normals[kept], total[total > SLIVER_AREA * total.max()])
 
 
 def _pairs(points: Floats, normals: Floats, areas: Floats) -> NodePairs:

@@ -10,14 +10,13 @@ from scipy.sparse.csgraph import connected_components
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import Fault
 from slopekit.geometry.fit import contact_tolerance, refuse, size_faults
+from slopekit.geometry.tolerances import BENT, FACE_FLAT, TINY
 
-_FLAT = 0.1  # of the contact tolerance: triangles of a face lie this near to its plane
 _MOST_CORNERS = 12  # of a convex face that is taken whole; others stay in triangles
-_BENT = 1e-6  # sine of an angle that two sides of a face turn by
 
 
 @dataclass(frozen=True, slots=True)
-class Solids:
+class ClosedMeshes:
     """Closed meshes of blocks, their triangles anticlockwise seen from outside.
 
     Attributes
@@ -57,7 +56,7 @@ class Pieces:
 
 def clean_solids(
     meshes: Sequence[tuple[Floats, Ints]], tolerance: float | None, names: Sequence[str]
-) -> tuple[Solids, float]:
+) -> tuple[ClosedMeshes, float]:
     """The meshes with equal vertices merged, every triangle turned outward, and the tolerance.
 
     Parameters
@@ -103,13 +102,13 @@ def clean_solids(
     moment = np.stack([np.bincount(block, m, minlength=count) for m in (part[:, None] * (a + b + c)).T / 4.0], axis=1)
     inside_out = volumes < 0.0
     triangles = np.where(inside_out[block][:, None], triangles[:, ::-1], triangles)
-    return Solids(
+    return ClosedMeshes(
         origin, vertices, triangles, block, vertex_block, np.abs(volumes), moment / volumes[:, None] + apex,
         np.flatnonzero(inside_out), shells,
     ), tolerance  # fmt: skip
 
 
-def convex_faces(solids: Solids, tolerance: float) -> Pieces:
+def convex_faces(solids: ClosedMeshes, tolerance: float) -> Pieces:
     """Flat faces: triangles in one plane put together where they make a convex polygon, the others by themselves."""
     vertices, triangles = solids.vertices, solids.triangles
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
@@ -122,17 +121,17 @@ def convex_faces(solids: Solids, tolerance: float) -> Pieces:
     opposite = vertices[triangles[partner % len(triangles), (partner // len(triangles) + 2) % 3]]
     one, two = edge % len(triangles), partner % len(triangles)
     off = np.abs(np.einsum("ni,ni->n", opposite - a[one], normal[one]))
-    flat = solid[one] & (off <= _FLAT * tolerance) & ((normal[one] * normal[two]).sum(axis=1) > 0.9)
+    flat = solid[one] & (off <= FACE_FLAT * tolerance) & ((normal[one] * normal[two]).sum(axis=1) > 0.9)
     flat &= solid[two]
     face = _components(len(triangles), one[flat], two[flat])
     groups = int(face.max()) + 1
     # the plane of a face: mean normal and, relative to its first corner, whether all of its corners lie in it
     total: Floats = np.stack([np.bincount(face, vector[:, k], minlength=groups) for k in range(3)], axis=1)
-    unit = total / np.maximum(_size(total), 1e-300)[:, None]
+    unit = total / np.maximum(_size(total), TINY)[:, None]
     base = np.zeros(groups, dtype=np.int64)
     base[face[::-1]] = np.arange(len(triangles))[::-1]
     height = [np.abs(((vertices[triangles[:, k]] - a[base[face]]) * unit[face]).sum(axis=1)) for k in range(3)]
-    uneven = np.bincount(face, np.max(height, axis=0) > 2.0 * _FLAT * tolerance, minlength=groups) > 0
+    uneven = np.bincount(face, np.max(height, axis=0) > 2.0 * FACE_FLAT * tolerance, minlength=groups) > 0
     inner = np.zeros(3 * len(triangles), dtype=bool)
     inner[edge[face[one] == face[two]]] = True
     outline, counts, simple = _outlines(triangles, face, inner, groups, vertices, unit)
@@ -247,10 +246,10 @@ def _outlines(
     edge = walk[row, column]
     last = walk[row, np.where(column > 0, column - 1, sizes[row] - 1)]
     along, before = vertices[end[edge]] - vertices[start[edge]], vertices[end[last]] - vertices[start[last]]
-    turn = (np.cross(before, along) * unit[row]).sum(axis=1) / np.maximum(_size(before) * _size(along), 1e-300)
-    folds = (turn < -_BENT) | ((np.abs(turn) <= _BENT) & ((before * along).sum(axis=1) < 0.0))
+    turn = (np.cross(before, along) * unit[row]).sum(axis=1) / np.maximum(_size(before) * _size(along), TINY)
+    folds = (turn < -BENT) | ((np.abs(turn) <= BENT) & ((before * along).sum(axis=1) < 0.0))
     simple[row[folds]] = False
-    corner = turn > _BENT
+    corner = turn > BENT
     row, vertex = row[corner], start[edge[corner]]
     counts = np.bincount(row, minlength=groups)
     simple &= _turns(row, turn[corner], (before * along).sum(axis=1)[corner], groups)

@@ -15,10 +15,9 @@ from slopekit.geometry.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.fit import Gaps, Overlaps
 from slopekit.geometry.patches import Assembly, Patches
-from slopekit.geometry.solid_faces import Pieces, Solids, clean_solids, convex_faces
+from slopekit.geometry.solid_faces import ClosedMeshes, Pieces, clean_solids, convex_faces
+from slopekit.geometry.tolerances import NEARLY_TOUCHES, OPPOSITE, TINY
 
-_OPPOSITE = -0.99  # cosine between faces that can lie on each other; how far apart they are decides
-_NEAR = 0.01  # of the mean block size: what is nearer than this and does not touch is reported
 _AT_ONCE = 100_000  # pairs of faces clipped in one go: bounds the memory
 _MOST_SUPPORTS = 100_000  # faces times vertices of a block whose faces are tried as separating planes
 
@@ -75,7 +74,7 @@ def mesh_assembly(
     solids, tolerance = clean_solids(meshes, tolerance, called)
     bedrock = np.asarray(fixed, dtype=bool)
     pieces = convex_faces(solids, tolerance)
-    reach = _NEAR * float(np.cbrt(solids.volumes).mean())
+    reach = NEARLY_TOUCHES * float(np.cbrt(solids.volumes).mean())
     faced = _facing(pieces, bedrock, max(reach, tolerance), tolerance)
     touches = (faced.most <= tolerance) & (faced.least >= -tolerance) & (faced.width > tolerance)
     patches = _patches(faced, touches, solids.origin)
@@ -102,7 +101,7 @@ def mesh_assembly(
 
 
 @dataclass(frozen=True, slots=True)
-class _Facing:
+class _FacingFaces:
     """Pairs of faces that look at each other: what they share, in the plane halfway between them.
 
     Attributes
@@ -125,11 +124,11 @@ class _Facing:
     most: Floats
 
 
-def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Facing:
+def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _FacingFaces:
     first, second = box_pairs(pieces.corners.min(axis=1) - reach / 2.0, pieces.corners.max(axis=1) + reach / 2.0)
     wanted = pieces.block[first] != pieces.block[second]
     first, second = first[wanted], second[wanted]
-    wanted = (pieces.normals[first] * pieces.normals[second]).sum(axis=1) < _OPPOSITE
+    wanted = (pieces.normals[first] * pieces.normals[second]).sum(axis=1) < OPPOSITE
     first, second = first[wanted], second[wanted]
     a, b = pieces.block[first], pieces.block[second]
     turned = np.where(fixed[a] == fixed[b], a > b, ~fixed[a])
@@ -145,14 +144,14 @@ def _facing(pieces: Pieces, fixed: Bools, reach: float, tolerance: float) -> _Fa
     def all_of(name: str) -> Floats:
         return np.concatenate([getattr(part, name) for part in parts])
 
-    return _Facing(
+    return _FacingFaces(
         np.concatenate([part.plus for part in parts]), np.concatenate([part.minus for part in parts]),
         all_of("normals"), np.concatenate(corners), np.concatenate([part.counts for part in parts]), all_of("areas"),
         all_of("centroids"), all_of("width"), all_of("least"), all_of("most"),
     )  # fmt: skip
 
 
-def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _Facing:
+def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: float) -> _FacingFaces:
     normal = pieces.normals[minus] - pieces.normals[plus]
     normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
     base = pieces.corners[minus, 0]
@@ -168,7 +167,7 @@ def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: fl
     upper = ((pieces.corners[plus] - base[:, None]) @ axes)[:, ::-1]  # seen from the other side
     corners, counts = clip_convex(lower, pieces.counts[minus], upper)
     areas, centres, around = polygon_sums(corners, counts)
-    width = areas / np.maximum(around / 2.0, 1e-300)
+    width = areas / np.maximum(around / 2.0, TINY)
     kept = (counts >= 3) & (width > tolerance)
     plus, minus, normal, base, axes = plus[kept], minus[kept], normal[kept], base[kept], axes[kept]
     areas, centres, width = areas[kept], centres[kept], width[kept]
@@ -188,13 +187,13 @@ def _shared(pieces: Pieces, plus: Ints, minus: Ints, reach: float, tolerance: fl
     middle = np.einsum("nij,nj->ni", axes, centres)[:, None]
     centroids = middle + ((height(plus, middle) + height(minus, middle)) / 2.0)[:, :, None] * normal[:, None]
     points = points + ((above + below) / 2.0)[:, :, None] * normal[:, None] + base[:, None]
-    return _Facing(
+    return _FacingFaces(
         pieces.block[plus], pieces.block[minus], normal, points, counts, areas, centroids[:, 0] + base, width,
         np.where(there, apart, np.inf).min(axis=1), np.where(there, apart, -np.inf).max(axis=1),
     )  # fmt: skip
 
 
-def _patches(faced: _Facing, touches: Bools, origin: Floats) -> Patches:
+def _patches(faced: _FacingFaces, touches: Bools, origin: Floats) -> Patches:
     counts = faced.counts[touches]
     corners = faced.corners[touches][np.arange(faced.corners.shape[1]) < counts[:, None]]
     return Patches(
@@ -204,7 +203,7 @@ def _patches(faced: _Facing, touches: Bools, origin: Floats) -> Patches:
     )  # fmt: skip
 
 
-def _overlaps(solids: Solids, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Overlaps, Ints]:
+def _overlaps(solids: ClosedMeshes, pieces: Pieces, fixed: Bools, tolerance: float) -> tuple[Overlaps, Ints]:
     """Volumes that pairs of blocks share, and the pairs for which there is none to be had."""
     count = len(fixed)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
@@ -220,7 +219,7 @@ def _overlaps(solids: Solids, pieces: Pieces, fixed: Bools, tolerance: float) ->
         apart = _behind(solids, pieces, supports, pair[here], pair[there], tolerance)
         first, second = first[~apart], second[~apart]
     bodies = {int(k): _manifold(solids, int(k)) for k in np.unique(np.concatenate([first, second]))}
-    found, unchecked = [], []
+    overlapping, unchecked = [], []
     for a, b in sorted(zip(first.tolist(), second.tolist(), strict=True)):
         one, two = bodies[a], bodies[b]
         if one is None or two is None:
@@ -230,13 +229,13 @@ def _overlaps(solids: Solids, pieces: Pieces, fixed: Bools, tolerance: float) ->
         volume, surface = float(shared.volume()), float(shared.surface_area())
         depth = volume / (surface / 2.0) if surface > 0.0 else 0.0
         if depth > tolerance / 2.0:
-            found.append((a, b, volume, depth))
-    table = np.array(found, dtype=np.float64).reshape(-1, 4)
+            overlapping.append((a, b, volume, depth))
+    table = np.array(overlapping, dtype=np.float64).reshape(-1, 4)
     failed: Ints = np.array(unchecked, dtype=np.int64).reshape(-1, 2)
     return Overlaps(table[:, :2].astype(np.int64), frozen(table[:, 2]), frozen(table[:, 3])), failed
 
 
-def _supports(solids: Solids, pieces: Pieces, tolerance: float) -> Ints:
+def _supports(solids: ClosedMeshes, pieces: Pieces, tolerance: float) -> Ints:
     """Faces that have all of their block behind them, in the order of the blocks."""
     vertices, sizes = _block_rows(solids.vertex_block, len(solids.volumes))
     cost = np.bincount(pieces.block, minlength=len(sizes)) * sizes
@@ -249,7 +248,7 @@ def _supports(solids: Solids, pieces: Pieces, tolerance: float) -> Ints:
     return np.asarray(order[np.bincount(row, out > tolerance, minlength=len(order)) == 0], dtype=np.int64)
 
 
-def _behind(solids: Solids, pieces: Pieces, supports: Ints, own: Ints, other: Ints, tolerance: float) -> Bools:
+def _behind(solids: ClosedMeshes, pieces: Pieces, supports: Ints, own: Ints, other: Ints, tolerance: float) -> Bools:
     """Whether block `other` lies wholly in front of some face behind which all of block `own` lies."""
     apart = np.zeros(len(own), dtype=bool)
     faces, face_counts = _block_rows(pieces.block[supports], len(solids.volumes))
@@ -270,7 +269,7 @@ def _block_rows(block: Ints, count: int) -> tuple[Ints, Ints]:
     return np.cumsum(sizes) - sizes, sizes
 
 
-def _manifold(solids: Solids, block: int) -> Manifold | None:
+def _manifold(solids: ClosedMeshes, block: int) -> Manifold | None:
     own = slice(*np.searchsorted(solids.block, [block, block + 1]).tolist())
     used, corners = np.unique(solids.triangles[own], return_inverse=True)
     mesh = Mesh64(np.ascontiguousarray(solids.vertices[used]), corners.reshape(-1, 3).astype(np.uint64))

@@ -12,29 +12,23 @@ from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
-from slopekit.geometry.combs import Comb, Soup, ascending, combs_of_planes, cut_with_combs
 from slopekit.geometry.joint_sets import SetPlanes
 from slopekit.geometry.patches import Assembly, Patches
+from slopekit.geometry.plane_stacks import PlaneStack, Soup, ascending, cut_with_stacks, stacks_of_planes
+from slopekit.geometry.tolerances import CUT_BALANCE, INSIDE, NO_AREA, NUMERICAL_SLIVER, OFF_PLANE, PARALLEL, STRAIGHT
 
 _CLEARLY = 1.5  # planes through one line or point cut fewer cells than are counted: refuse before cutting above this
 _ENOUGH = 50  # times max_blocks: stop counting
-_INSIDE = 1e-9  # of the body: lines and points that touch it no deeper are outside
-_PARALLEL = 1e-9
-_NUMERICAL_SLIVER = 1e-9  # of the body's volume: cells that rounding made or may unmake
-_NO_AREA = 1e-12  # of the square of half the body's size
-_STRAIGHT = 1e-11  # of half the body's size: corners as near as this to a straight edge are none
-_OFF_PLANE = 1e-9  # of half the body's size
-_BALANCE = 1e-6  # what volumes and areas may be off before the cut is refused
 
 
 def refuse_too_many(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], max_blocks: int
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], max_blocks: int
 ) -> None:
     """Refuse planes that cut many more blocks than allowed.
 
     Parameters
     ----------
-    normals (p, 3), offsets (p,) : of the planes; combs : those that do not meet within the body
+    normals (p, 3), offsets (p,) : of the planes; stacks : those that do not meet within the body
     faces : normals (k, 3) and offsets (k,) of the body, `normal · x <= offset`
 
     Raises
@@ -42,9 +36,9 @@ def refuse_too_many(
     GeometryError
         E220 more blocks than `max_blocks`.
     """
-    if math.prod(len(comb.planes) + 1 for comb in combs) <= max_blocks:
+    if math.prod(len(stack.planes) + 1 for stack in stacks) <= max_blocks:
         return
-    count = count_cells(normals, offsets, faces, combs, _ENOUGH * max_blocks)
+    count = count_cells(normals, offsets, faces, stacks, _ENOUGH * max_blocks)
     if count > _CLEARLY * max_blocks:
         raise too_many(count, max_blocks, "more than " if count > _ENOUGH * max_blocks else "about ")
 
@@ -58,35 +52,35 @@ def too_many(count: int, max_blocks: int, about: str = "") -> GeometryError:
 
 
 def count_cells(
-    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], combs: list[Comb], enough: int = 2**62
+    normals: Floats, offsets: Floats, faces: tuple[Floats, Floats], stacks: list[PlaneStack], enough: int = 2**62
 ) -> int:
     """Cells of a convex body cut by planes: 1 + planes + lines + points in which they meet within the body.
 
     Exact for planes in general position (Zaslavsky 1975); an upper bound where more planes share a line or a point.
     Counting stops when there are more than `enough`.
     """
-    order = np.concatenate([*(comb.planes for comb in combs), np.zeros(0, dtype=np.int64)]).astype(np.int64)
-    comb = np.repeat(np.arange(len(combs)), [len(part.planes) for part in combs])
+    order = np.concatenate([*(stack.planes for stack in stacks), np.zeros(0, dtype=np.int64)]).astype(np.int64)
+    stack = np.repeat(np.arange(len(stacks)), [len(part.planes) for part in stacks])
     normals, offsets = normals[order], offsets[order]
     total = 1 + len(order)
     for i in range(len(order)):
-        rest = int(np.searchsorted(comb, comb[i], side="right"))  # planes of its own comb do not meet it
+        rest = int(np.searchsorted(stack, stack[i], side="right"))  # planes of its own stack do not meet it
         across = np.cross(normals[i], normals[rest:])
         squared = (across * across).sum(axis=1)
-        meets = squared > _PARALLEL**2
+        meets = squared > PARALLEL**2
         j, across, squared = rest + np.flatnonzero(meets), across[meets], squared[meets, None]
         point = (offsets[i] * np.cross(normals[j], across) + offsets[j, None] * np.cross(across, normals[i])) / squared
         along = across / np.sqrt(squared)
         low, high = _clip(point, along, *faces)
-        hit = high - low > _INSIDE
+        hit = high - low > INSIDE
         j, point, along, low, high = j[hit], point[hit], along[hit], low[hit], high[hit]
         total += len(j)
         if len(j):
             rate = along @ normals[rest:].T
             with np.errstate(divide="ignore", invalid="ignore"):
                 at = (offsets[rest:] - point @ normals[rest:].T) / rate
-            third = (np.abs(rate) > _PARALLEL) & (comb[rest:] > comb[j, None])
-            total += int((third & (at > low[:, None] + _INSIDE) & (at < high[:, None] - _INSIDE)).sum())
+            third = (np.abs(rate) > PARALLEL) & (stack[rest:] > stack[j, None])
+            total += int((third & (at > low[:, None] + INSIDE) & (at < high[:, None] - INSIDE)).sum())
         if total > enough:
             break
     return total
@@ -99,9 +93,9 @@ def _clip(point: Floats, along: Floats, normals: Floats, offsets: Floats) -> tup
         rate, room = along @ normal, offset - point @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
             at = room / rate
-        high = np.where(rate > _PARALLEL, np.minimum(high, at), high)
-        low = np.where(rate < -_PARALLEL, np.maximum(low, at), low)
-        high = np.where((np.abs(rate) <= _PARALLEL) & (room < _INSIDE), -math.inf, high)
+        high = np.where(rate > PARALLEL, np.minimum(high, at), high)
+        low = np.where(rate < -PARALLEL, np.maximum(low, at), low)
+        high = np.where((np.abs(rate) <= PARALLEL) & (room < INSIDE), -math.inf, high)
     return low, high
 
 
@@ -187,7 +181,7 @@ def _merged(root: Ints, volume: Floats, cells: Floats, going: Ints, to: Ints) ->
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class BenchCut:
     """A body cut into blocks, with the evidence that nothing is lost.
 
     Attributes
@@ -223,7 +217,7 @@ class Cut:
     min_volume: float
 
 
-def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> Cut:
+def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_volume: float = 0.0) -> BenchCut:
     """Cut a convex body into blocks along planes that all go through it.
 
     Cells smaller than `min_volume` (m³; at least 1e-9 of the body) are joined to the neighbour with which they share
@@ -250,11 +244,11 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     corners = (body.corners - middle) / half
     normals, offsets = ascending(planes.normals, (planes.offsets - planes.normals @ middle) / half, planes.joint)
     faces_at = (body.offsets - body.normals @ middle) / half
-    combs = combs_of_planes(normals, offsets, planes.joint, corners)
-    refuse_too_many(normals, offsets, (body.normals, faces_at), combs, max_blocks)
+    stacks = stacks_of_planes(normals, offsets, planes.joint, corners)
+    refuse_too_many(normals, offsets, (body.normals, faces_at), stacks, max_blocks)
 
-    whole, soup = cut_with_combs((body.normals, faces_at), normals, offsets, combs, corners)
-    cells = cells_of(soup, normals, offsets, combs)
+    whole, soup = cut_with_stacks((body.normals, faces_at), normals, offsets, stacks, corners)
+    cells = cells_of(soup, normals, offsets, stacks)
     faces = faces_of(soup, cells.of_triangle, normals)
     other = facing(cells, faces, len(offsets))
     body_volume = float(whole.volume())
@@ -265,7 +259,7 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     area_error = float(differences.sum()) / (2.0 * joint_area) if joint_area else 0.0
     volume_error = abs(float(cells.volumes.sum()) - body_volume) / body_volume
     away = plane_error(soup, normals, offsets)
-    if max(volume_error, area_error) > _BALANCE or away > _OFF_PLANE:
+    if max(volume_error, area_error) > CUT_BALANCE or away > OFF_PLANE:
         message = (
             f"the blocks do not add up to the bench (volume to {volume_error:.2g}, joints to {area_error:.2g}, "
             f"corners {away * half:.2g} m off their planes)"
@@ -274,9 +268,9 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
 
     at_far = np.zeros(len(cells.volumes), dtype=np.bool_)
     is_far = np.concatenate([np.zeros(len(offsets), dtype=np.bool_), body.is_far])
-    at_far[faces.cell[is_far[faces.plane] & (faces.areas > _NO_AREA)]] = True
+    at_far[faces.cell[is_far[faces.plane] & (faces.areas > NO_AREA)]] = True
     below = np.flatnonzero(faces.is_below & (other >= 0))
-    least = max(min_volume / half**3, _NUMERICAL_SLIVER * body_volume)
+    least = max(min_volume / half**3, NUMERICAL_SLIVER * body_volume)
     sides = faces.cell[below], faces.cell[other[below]]
     joined = join_slivers(cells.volumes, at_far, *sides, faces.areas[below], least)
     if joined.count > max_blocks:
@@ -288,7 +282,7 @@ def cut_bench(body: ConvexBody, planes: SetPlanes, max_blocks: int = 20000, min_
     patches = _patches(soup, faces, below, other[below], joined.block, planes.joint, normals, where)
     assembly = _assembly(soup, cells, faces, other, joined, patches, where)
     left_out = float(cells.volumes[joined.block < 0].sum()) * half**3
-    return Cut(
+    return BenchCut(
         assembly, body_volume * half**3, float(assembly.volumes.sum()), volume_error, area_error,
         away * half, joint_area * half**2, joined.count, int(joined.fixed.sum()), joined.joined,
         int((joined.block < 0).sum()), left_out, planes.merged, planes.on_body_faces, least * half**3,
@@ -301,9 +295,9 @@ def _patches(
 ) -> Patches:  # fmt: skip
     """The patches between different blocks; `below`, `above` are the faces on the two sides of each."""
     minus, plus = block[faces.cell[below]], block[faces.cell[above]]
-    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > _NO_AREA)
+    kept = (minus != plus) & (minus >= 0) & (plus >= 0) & (faces.areas[below] > NO_AREA)
     below = below[kept]
-    corners, first = corners_of_faces(soup, faces.of_triangle, below, _STRAIGHT)
+    corners, first = corners_of_faces(soup, faces.of_triangle, below, STRAIGHT)
     middle, half = where
     plane = faces.plane[below]
     return Patches(

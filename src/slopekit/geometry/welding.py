@@ -3,8 +3,7 @@
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
-
-_NEAR = 1e-6  # of a block's size: corners of its cells nearer than this are one
+from slopekit.geometry.tolerances import SAME_CORNER
 
 
 def open_edges(triangles: Ints, block: Ints) -> tuple[Ints, Ints]:
@@ -64,7 +63,7 @@ def _closed(points: Floats, triangles: Ints) -> Ints:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    near = _NEAR * float(np.ptp(points, axis=0).max())
+    near = SAME_CORNER * float(np.ptp(points, axis=0).max())
     rim = np.unique(open_edges(triangles, np.zeros(len(triangles), dtype=np.int64))[0])
     pairs = rim[cKDTree(points[rim]).query_pairs(near, output_type="ndarray")]
     graph = coo_array((np.ones(len(pairs), dtype=np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)

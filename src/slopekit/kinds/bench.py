@@ -105,5 +105,5 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "bench", OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    told=lambda design: {one.name for one in design.sets},
+    with_areas=lambda design: {one.name for one in design.sets},
 )  # fmt: skip

@@ -132,19 +132,19 @@ def _fit(
     """What a reader must know of overlaps, gaps and blocks that touch nothing."""
     notices = []
     if len(overlaps):
-        found = [
+        apart_or_over = [
             f"{names[a]}/{names[b]} {size:.2g} {amount}"
             for (a, b), size in zip(pairs.tolist(), overlaps.tolist(), strict=True)
         ]
-        notices.append(Notice("W333", f"{len(found)} pairs of blocks overlap a little: {_some(found)}"))
+        notices.append(Notice("W333", f"{len(apart_or_over)} pairs of blocks overlap a little: {_some(apart_or_over)}"))
     places = getattr(gaps, "pairs").tolist()  # noqa: B009  (Gaps of geometry.fit)
     if places:
         most, long = getattr(gaps, "most").tolist(), getattr(gaps, "amounts").tolist()  # noqa: B009
-        found = [
+        apart_or_over = [
             f"{names[a]} and {names[b]} are {1e3 * apart:.3g} mm apart over {size:.3g} {along}"
             for (a, b), apart, size in zip(places, most, long, strict=True)
         ]
-        notices.append(Notice("W334", f"faces that do not touch: {_some(found)}; they carry nothing "
+        notices.append(Notice("W334", f"faces that do not touch: {_some(apart_or_over)}; they carry nothing "
                               "(contact_tolerance closes such gaps)"))  # fmt: skip
     if len(untouching):
         notices.append(Notice("W346", f"blocks that touch no other: {_listed(names, untouching)}"))

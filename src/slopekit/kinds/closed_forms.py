@@ -90,7 +90,7 @@ class OnArrays(Generic[D]):
             found = self.closed_forms(arguments | self.of_strengths(lines), bolts)
             return found.of(), found.tractions_kpa()
 
-        (found, _), _ = on_secants(strengths, on_lines, lambda told: told[1])
+        (found, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
         return found
 
     def answers(self, designs: Sequence[D], nothing: str) -> list[tuple[float | None, str]]:
@@ -102,15 +102,15 @@ class OnArrays(Generic[D]):
         ----------
         nothing : the status of planes that cut no block
         """
-        found: dict[int, tuple[float | None, str]] = {}
+        answer_of: dict[int, tuple[float | None, str]] = {}
 
         def keep(number: int, ask: Callable[[], ClosedForm]) -> None:
             try:
                 form = ask()
             except GeometryError:
-                found[number] = None, nothing
+                answer_of[number] = None, nothing
             else:
-                found[number] = form.factor, form.status
+                answer_of[number] = form.factor, form.status
 
         given = [self.arguments(design) for design in designs]
         alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
@@ -128,7 +128,7 @@ class OnArrays(Generic[D]):
             forms = self.closed_forms(columns, bolts)
             for place, number in enumerate(numbers):
                 keep(number, partial(forms.of, place if forms.outcome.size > 1 else 0))
-        return [found[number] for number in range(len(designs))]
+        return [answer_of[number] for number in range(len(designs))]
 
 
 def force_on(design: Design) -> Arguments:

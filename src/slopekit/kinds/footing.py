@@ -39,14 +39,14 @@ def cut(design: FootingDesign) -> Cut:
 def closed_form(design: FootingDesign) -> ClosedForm:
     """The design by limit equilibrium."""
     weight = design.unit_weight_kn_m3 * _block(design)[0].block.volume
-    found, _ = on_secants(
+    strip, _ = on_secants(
         [design.strength],
         lambda lines: footing(
             design.load_kn, design.dip_deg, design.length_m, lines[0].cohesion_kpa, lines[0].friction_angle_deg, weight
         ),
-        lambda told: [told.normal_kn / design.length_m],
+        lambda answer: [answer.normal_kn / design.length_m],
     )
-    return on_one_plane(found.factor, found.status, design.strength)
+    return on_one_plane(strip.factor, strip.status, design.strength)
 
 
 def _block(design: FootingDesign) -> tuple[Section, float]:

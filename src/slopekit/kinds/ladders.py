@@ -1,4 +1,4 @@
-"""Ladders of effort: a design with fewer and more passes, looser and tighter tolerances, coarser and finer node pairs.
+"""Convergence ladders: a design with fewer and more passes, looser and tighter tolerances, coarser and finer pairs.
 
 Each rung is one way to a factor of safety with the time that it took. What the rungs are worth, `check` says; which of
 them a kind has, its file.
@@ -48,7 +48,7 @@ class Rung:
     ----------
     method : a key of `METHODS`; setting : in words
     node_pairs : None for a closed form
-    effort : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
+    setting_value : passes, tolerance, or level of the mesh (0 the coarsest); None where there is nothing to vary
     factor : None where there is none; seconds : median of a few runs
     edge_m : mean edge of the triangles of a curved slip surface, None for what has none
     """
@@ -56,7 +56,7 @@ class Rung:
     method: str
     setting: str
     node_pairs: int | None
-    effort: float | None
+    setting_value: float | None
     factor: float | None
     seconds: float
     edge_m: float | None = None
@@ -105,13 +105,13 @@ class Ladder:
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:
     """What `work` returns and the seconds it takes: the median of several runs where they are short."""
-    found: Any = None
+    answer: Any = None
     taken: list[float] = []
     while not taken or (len(taken) < _REPEATS and min(taken) < _SHORT_S) or (len(taken) < 2 and taken[0] < _ONCE_S):
         began = time.perf_counter()
-        found = work()
+        answer = work()
         taken.append(time.perf_counter() - began)
-    return found, sorted(taken)[(len(taken) - 1) // 2]
+    return answer, sorted(taken)[(len(taken) - 1) // 2]
 
 
 def ladder_of_block(
@@ -178,7 +178,7 @@ def limit_rung(scene: Scene, analyse: Callable[[Model], LimitAnalysis], setting:
 
 def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
     model = made.scene_at(max(made.refine, result.model.refined)).model
-    found = []
+    factors = []
     for k in (OTHER_STRENGTH, result.fos.limit or 1.0):
         say("other strengths, divided by", k, head=True)
         other = replace(
@@ -186,8 +186,8 @@ def _others(result: Result, made: Cut) -> tuple[float | None, ...]:
             bolt_capacity=model.bolt_capacity / k, lines=None if model.lines is None else model.lines.reduced(k),
         )  # fmt: skip
         limit = made.limit(other).governing
-        found.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)
-    return tuple(found)
+        factors.append(k * limit.factor if limit.factor and limit.outcome is not Outcome.NOT_CONVERGED else None)
+    return tuple(factors)
 
 
 def kept_bonds_factor(model: Model) -> float | None:

@@ -32,11 +32,12 @@ from slopekit.kinds.words import (
     weight_in_words,
 )
 from slopekit.loads import AssemblyLoads
-from slopekit.notices import MESH_CHANGE, SQUARE, common_notices
+from slopekit.notices import SQUARE, common_notices
 from slopekit.onlooker import say
+from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
-from slopekit.preie.bed import SHEAR_TO_NORMAL
 from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
     Failure,
@@ -48,7 +49,7 @@ from slopekit.preie.ravelling import (
     ravel,
     whole_model,
 )
-from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
+from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import (
     AllPairs,
     CurvedStrength,
@@ -65,7 +66,7 @@ if TYPE_CHECKING:
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
-_MOST_UNTIED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
+_MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
 _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
@@ -116,25 +117,25 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
 
 def kind_of_many_blocks(
     name: str, own: Blocks[A], slope: Callable[[A, Result], SheetPart],
-    pressures: Callable[[A], Sequence[tuple[str, float]]], *, told: Callable[[A], Container[str]] = lambda _: (),
+    pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None,
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
     Parameters
     ----------
-    slope : what the blocks are made from, with the label of that; `told`: the joints whose areas it tells
+    slope : what the blocks are made from, with the label of that; `with_areas`: the joints whose areas it has
     pressures : mean water pressures (kPa) by what they act on
     """
 
     def factors(design: A) -> Factors:
         scene = own.cut(design)
         ravelling = ravel(scene.assembly, scene_loads(scene), joint_strength(scene.strengths), ranged=False)
-        found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
-        status = found[0].status if found else "no_driving_force"
-        settled = status != "not_converged" and not (found and found[0].change > design.stop_when)
-        factor = found[0].fos if found and settled else None
-        closed, _ = own.closed_form(design, found[0] if found else None)
+        mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+        status = mechanisms[0].status if mechanisms else "no_driving_force"
+        settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > design.stop_when)
+        factor = mechanisms[0].fos if mechanisms and settled else None
+        closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
         difference, agree = compare(factor, status, closed, design.agree_within)
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
 
@@ -142,7 +143,11 @@ def kind_of_many_blocks(
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
         wet, in_section = _water(pressures(design)), geometry.thickness_m is not None
-        return slope(design, result), _size(result, told(design)), loads_part(wet, result, in_section, _MOST_LOADS)
+        return (
+            slope(design, result),
+            _size(result, with_areas(design)),
+            loads_part(wet, result, in_section, _MOST_LOADS),
+        )
 
     return Kind(
         name, own.words, lambda design: solved(own, design).result, factors, lambda design: _ladder(own, design),
@@ -182,25 +187,25 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("solve"):
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
     with clock("mechanisms"):
-        found = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+        mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
     with clock("all_pairs"):
-        untied = None
-        if design.criterion == "all-pairs" and found and found[0].fos:
-            untied = _untied_search(design, scene, loads, found[0].fos)
-    status = found[0].status if found else "no_driving_force"
-    sure = bool(found) and found[0].status != "not_converged"
-    limit = found[0].fos if sure else None
-    bound = found[0].static_bound if found else None
+        all_pairs = None
+        if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
+            all_pairs = _all_pairs_search(design, scene, loads, mechanisms[0].fos)
+    status = mechanisms[0].status if mechanisms else "no_driving_force"
+    sure = bool(mechanisms) and mechanisms[0].status != "not_converged"
+    limit = mechanisms[0].fos if sure else None
+    bound = mechanisms[0].static_bound if mechanisms else None
     governing = ravelling.failures[0].limit if ravelling.failures else None
     low, high = (governing.lowest, governing.highest) if governing is not None and sure else (None, None)
     with clock("displacements"):
         stands = status == "no_driving_force" or (limit is not None and limit > 1.0)
         settled = at_full_strength(design, scene, loads) if stands else None
     with clock("closed_form"):
-        closed, table = own.closed_form(design, found[0] if found else None)
+        closed, table = own.closed_form(design, mechanisms[0] if mechanisms else None)
     difference, agree = compare(limit, status, closed, design.agree_within)
     findings = Findings(
-        found, _factors(ravelling, scene, found), _standing(ravelling, scene), len(assembly),
+        mechanisms, _factors(ravelling, scene, mechanisms), _standing(ravelling, scene), len(assembly),
         int(assembly.fixed.sum()), len(assembly.patches), len(ravelling.parts), _checks(scene, ravelling), table,
         SHEAR_TO_NORMAL,
     )  # fmt: skip
@@ -213,24 +218,24 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
         sum(part.model.joint_pairs.stop for part in parts), max(split, default=0),
         max((part.mesh_change for part in first if part.mesh_change is not None), default=None),
         _left_out(design, scene, parts),
-        max((part.limit.steps for part in first), default=0), found[0].change if found else 0.0,
+        max((part.limit.steps for part in first), default=0), mechanisms[0].change if mechanisms else 0.0,
     )  # fmt: skip
     result = Result(
         design=design, words=own.words, status=status,
-        fos=FactorsOfSafety(limit, closed.factor, bound, untied.factor if untied else None, low, high),
+        fos=FactorsOfSafety(limit, closed.factor, bound, all_pairs.factor if all_pairs else None, low, high),
         difference=difference, agree=agree, moments_govern=False, forces_only=None,
         static_bound_proved=bound is not None,
         geometry=_geometry(scene), forces=_forces(scene, loads, parts),
         model=size, mechanism=None, at_factor_one=settled, governs=(),
-        all_pairs=None if untied is None else _all_pairs(untied),
-        warnings=tuple(_notices(own, design, scene, ravelling, found, closed)),
+        all_pairs=None if all_pairs is None else _all_pairs(all_pairs),
+        warnings=tuple(_notices(own, design, scene, ravelling, mechanisms, closed)),
         node_pairs=assembly_pair_state(scene, parts), acting=assembly_arrows(scene, loads, parts),
         findings=findings, balance=balanced, curved_strength=_curved(scene, parts), timing_s=clock.done(),
     )  # fmt: skip
     return SolvedAssembly(result, scene, loads, ravelling)
 
 
-def _untied_search(
+def _all_pairs_search(
     design: AssemblyDesign, scene: AssemblyScene, loads: AssemblyLoads, limit: float
 ) -> AllPairsFailed | None:
     """The paper's criterion for many blocks: the factor at which a block first has no chain of sticking pairs."""
@@ -243,14 +248,14 @@ def _all_pairs(search: AllPairsFailed) -> AllPairs:
     return AllPairs(search.bracket, search.lost_equilibrium, search.history)
 
 
-def _factors(ravelling: Ravelling, scene: AssemblyScene, found: Sequence[Mechanism]) -> dict[str, float | None]:
+def _factors(ravelling: Ravelling, scene: AssemblyScene, mechanisms: Sequence[Mechanism]) -> dict[str, float | None]:
     """The factor at which each block fails as strength is reduced; None where no strength holds it.
 
     A block that only the one before it held fails together with it, however low its own factor is then.
     """
     out: dict[str, float | None] = {}
     reached: float | None = None
-    for failure, one in zip(ravelling.failures, found, strict=True):
+    for failure, one in zip(ravelling.failures, mechanisms, strict=True):
         reached = one.fos if reached is None else max(reached, one.fos or 0.0)
         if one.status == "not_converged":
             break
@@ -383,14 +388,14 @@ def _drawn_out(part: Part) -> bool:
 
 
 def _notices(
-    own: Blocks[A], design: A, scene: AssemblyScene, ravelling: Ravelling, found: Sequence[Mechanism],
+    own: Blocks[A], design: A, scene: AssemblyScene, ravelling: Ravelling, mechanisms: Sequence[Mechanism],
     closed: ClosedForm,
 ) -> Iterator[Notice]:  # fmt: skip
     yield from scene.notices
     yield from common_notices(design, scene.strengths)
-    if not found:
+    if not mechanisms:
         return
-    first, limit = found[0], ravelling.failures[0].limit
+    first, limit = mechanisms[0], ravelling.failures[0].limit
     limit = replace(limit, bond=limit.bond[ravelling.failures[0].parts[0].model.joint_pairs])
     if any(bolt.head_m is None for bolt in design.bolts):
         yield Notice("W311", "bolts without a head act through the centroid: their moments are not checked")
@@ -452,26 +457,26 @@ def _ladder(own: Blocks[A], design: A) -> "Ladder":
     """The result with its all-pairs factor, the rungs, the limit at other strengths."""
     from slopekit.kinds.ladders import Ladder
 
-    found = solved(own, design)
-    result = found.result
-    few = result.model.moving_blocks <= _MOST_UNTIED
+    solution = solved(own, design)
+    result = solution.result
+    few = result.model.moving_blocks <= _MOST_SEARCHED
     if few and result.fos.limit and result.all_pairs is None:
         say("all pairs", head=True)
-        search = _untied_search(design, found.scene, found.loads, result.fos.limit)
+        search = _all_pairs_search(design, solution.scene, solution.loads, result.fos.limit)
         if search is not None:
             fos = replace(result.fos, all_pairs_failed=search.factor)
             result = replace(result, fos=fos, all_pairs=_all_pairs(search))
-    unrefined = "" if _refines(found) else "a flat contact of a section slips as one, and its ends turn it"
+    unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with threadpool_limits(1):  # as the analysis: bands are narrow
-        rungs = tuple(_rungs(found))
-    return Ladder(result, rungs, _others(found), unrefined)
+        rungs = tuple(_rungs(solution))
+    return Ladder(result, rungs, _others(solution), unrefined)
 
 
-def _others(found: SolvedAssembly) -> tuple[float | None, ...]:
+def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:
     """The same F of the blocks that fail first, with their strength divided."""
     from slopekit.kinds.ladders import OTHER_STRENGTH
 
-    failures = found.ravelling.failures
+    failures = solution.ravelling.failures
     if not failures or not failures[0].limit.factor:
         return ()
     model, factors = failures[0].parts[0].model, []
@@ -484,11 +489,11 @@ def _others(found: SolvedAssembly) -> tuple[float | None, ...]:
     return tuple(factors)
 
 
-def _rungs(found: SolvedAssembly) -> "Iterator[Rung]":
+def _rungs(solution: SolvedAssembly) -> "Iterator[Rung]":
     """Rungs of the blocks that fail first; those that were held stay so."""
     from slopekit.kinds.ladders import MOST_PAIRS, Rung, often, timed
 
-    result, scene, failures = found.result, found.scene, found.ravelling.failures
+    result, scene, failures = solution.result, solution.scene, solution.ravelling.failures
     if result.agree is not None and result.fos.closed_form is not None:
         taken = result.timing_s["closed_form"]
         yield Rung("closed form", "closed form", None, None, result.fos.closed_form, taken)
@@ -499,34 +504,34 @@ def _rungs(found: SolvedAssembly) -> "Iterator[Rung]":
         say(f"ladder, k_t/k_n {ratio:g}", head=True)
         limit, seconds = timed(partial(limit_of_blocks, part.model, ranged=False, ratio=ratio))
         yield Rung("stiffness", f"k_t / k_n {ratio:g}", part.model.joint_pairs.stop, ratio, limit.factor, seconds)
-    for level in range(3 if _refines(found) else 1):
+    for level in range(3 if _refines(solution) else 1):
         model = part.model
         if level:
-            model = finer_model(scene.assembly, found.loads, joint_strength(scene.strengths), part, level)
+            model = finer_model(scene.assembly, solution.loads, joint_strength(scene.strengths), part, level)
         if level and len(model.control_area) > MOST_PAIRS:
             break
         say(f"ladder, parts split {often(level)}", head=True)
         (_, limit), seconds = timed(partial(component_limit, model, False))
-        setting = f"parts split {often(level)}" if _refines(found) else "as analysed"
+        setting = f"parts split {often(level)}" if _refines(solution) else "as analysed"
         yield Rung("mesh", setting, model.joint_pairs.stop, level, limit.factor, seconds)
 
 
-def _refines(found: SolvedAssembly) -> bool:
+def _refines(solution: SolvedAssembly) -> bool:
     """Whether finer node pairs mean anything: in a section a flat contact slips as one, and its ends turn it."""
-    return not found.scene.assembly.in_section
+    return not solution.scene.assembly.in_section
 
 
 # -- words ------------------------------------------------------------------------------------------------------------
 
 
-def _size(result: Result, told: Container[str]) -> SheetPart:
-    """Blocks, height, volume and weight, and the areas of the joints that were not told."""
+def _size(result: Result, with_areas: Container[str]) -> SheetPart:
+    """Blocks, height, volume and weight, and the areas of the joints that it does not have yet."""
     geometry, findings = result.geometry, result.findings
     assert findings is not None
     moving = findings.blocks - findings.fixed
     bedrock = f" and {findings.fixed} of bedrock" if findings.fixed else ""
     groups = f", in {findings.components} groups that touch only through bedrock" if findings.components > 1 else ""
-    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in told]
+    areas = [f"{name} {size_number(area)} m²" for name, area in geometry.areas_m2.items() if name not in with_areas]
     shown, rest, _ = first_and_last(areas, 6, 0)
     listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
     height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)

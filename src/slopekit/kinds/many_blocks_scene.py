@@ -80,7 +80,7 @@ def _pushes(
     design: AssemblyDesign, scene: AssemblyScene
 ) -> tuple[tuple[tuple[int, PointForce], ...], PassiveBolts, tuple[str, ...]]:
     """Forces and active bolts with the index of the block that each acts on, and passive bolts with their names."""
-    found, faults = [], []
+    pushes, faults = [], []
     passive: list[tuple[int, int, PointForce]] = []
     names: list[str] = []
     finder = _finder(scene)
@@ -98,7 +98,7 @@ def _pushes(
         elif scene.assembly.fixed[block]:
             faults.append(Fault("E250", f"{name} acts on {scene.names[block]}, which is bedrock"))
         elif isinstance(given, Force) or given.acts == "active":
-            found.append((block, push))
+            pushes.append((block, push))
         else:
             toe = _toe(scene, given, block, finder)
             if toe == block:
@@ -109,7 +109,7 @@ def _pushes(
             names.append(name)
     if faults:
         raise DesignError(faults)
-    return tuple(found), _passive(scene, passive), tuple(names)
+    return tuple(pushes), _passive(scene, passive), tuple(names)
 
 
 def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | None, Floats | None], int | None]) -> int:
@@ -117,12 +117,12 @@ def _toe(scene: AssemblyScene, bolt: Bolt, head: int, finder: Callable[[str | No
     if bolt.head_m is None or bolt.length_m is None:
         return BEDROCK
     end = np.array(bolt.head_m) + bolt.length_m * bolt.toward.vector() - scene.origin
-    found = finder(None, end)
+    toe = finder(None, end)
     if scene.assembly.in_section:
         shown = [outline for name, outline in scene.outlines.items() if name != "bedrock"]
         inside = [k for k, outline in enumerate(shown) if _holds(outline, end[[0, 2]])]
-        found = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
-    return BEDROCK if found is None or scene.assembly.fixed[found] else found
+        toe = inside[0] + head // len(shown) * len(shown) if inside else None  # of its own row of columns
+    return BEDROCK if toe is None or scene.assembly.fixed[toe] else toe
 
 
 def _holds(outline: Floats, point: Floats) -> bool:
@@ -133,14 +133,14 @@ def _holds(outline: Floats, point: Floats) -> bool:
     return bool(np.count_nonzero(((z0 > point[1]) != (z1 > point[1])) & (crossing > point[0])) % 2)
 
 
-def _passive(scene: AssemblyScene, found: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
+def _passive(scene: AssemblyScene, bolts: Sequence[tuple[int, int, PointForce]]) -> PassiveBolts:
     """Passive bolts of blocks of their heads and toes, capacities and points; without a point through the centroid."""
-    if not found:
+    if not bolts:
         return NO_BOLTS
-    points = [scene.assembly.centroids[head] if push.at is None else push.at for head, _, push in found]
+    points = [scene.assembly.centroids[head] if push.at is None else push.at for head, _, push in bolts]
     return PassiveBolts(
-        np.array([head for head, _, _ in found]), np.array([toe for _, toe, _ in found]),
-        frozen(np.array([push.force for _, _, push in found])), frozen(np.array(points)),
+        np.array([head for head, _, _ in bolts]), np.array([toe for _, toe, _ in bolts]),
+        frozen(np.array([push.force for _, _, push in bolts])), frozen(np.array(points)),
     )  # fmt: skip
 
 

@@ -125,7 +125,7 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
     area = np.bincount(model.pair_contact, model.control_area, len(model.plus)) * model.area_scale
     open_area = np.bincount(model.pair_contact, model.control_area * opened, len(model.plus)) * model.area_scale
     chosen = np.argsort(-work, kind="stable")[: 4 * _MOST_INTERFACES]
-    found: dict[tuple[str, str], list[float]] = {}
+    sums: dict[tuple[str, str], list[float]] = {}
     patches = scene.assembly.patches
     bolts: list[GoverningInterface] = []
     for k in chosen[work[chosen] > 1e-6 * work.max(initial=0.0)].tolist():
@@ -137,12 +137,12 @@ def _interfaces(part: Part, scene: AssemblyScene) -> tuple[list[GoverningInterfa
             continue
         patch = int(part.patch[k])
         name = _pair_name(scene, int(patches.plus[patch]), int(patches.minus[patch]))
-        entry = found.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
+        entry = sums.setdefault((name, scene.joints[int(patches.joint[patch])]), [0.0, 0.0, 0.0, 0.0])
         for at, value in enumerate((work[k], normal[k], area[k], open_area[k])):
             entry[at] += float(value)
     return [
         GoverningInterface(name, joint, "open" if gone > _OPENS * area_ else "slip", share, force, area_)
-        for (name, joint), (share, force, area_, gone) in found.items()
+        for (name, joint), (share, force, area_, gone) in sums.items()
     ] + bolts, float(work.sum())
 
 
@@ -265,12 +265,12 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     if model is None:
         return None
     with threadpool_limits(1):
-        found = settlement(model, joint_stiffness(design))
-    if found is None:
+        settled = settlement(model, joint_stiffness(design))
+    if settled is None:
         return None
     every = np.zeros((len(assembly), 6))
-    every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = found.displacement
+    every[model.moving[:, None], [0, 2, 4] if assembly.in_section else range(6)] = settled.displacement
     size = np.sqrt((every[:, :3] ** 2).sum(axis=1))
     most = int(np.argmax(size))
     movement = Movement(frozen(every[most, :3]), frozen(every[most, 3:]))
-    return AtFactorOne(movement, found.failed_pairs, found.residual, scene.names[most], frozen(every))
+    return AtFactorOne(movement, settled.failed_pairs, settled.residual, scene.names[most], frozen(every))

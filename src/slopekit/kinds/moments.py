@@ -19,10 +19,11 @@ from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base
-from slopekit.preie.limit import MOMENTS, LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
+from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.polygon_bed import Bed, PointForces, bed_of
+from slopekit.preie.polygon_bed import PointForces, PolygonBed, bed_of
+from slopekit.preie.tolerances import MOMENTS
 from slopekit.result import ContactOpening
 
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
@@ -58,19 +59,19 @@ class CohesionRules:
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class CohesionLimit:
     """The limit by the headline's rule and the node pairs that carry it.
 
     `change`: what the last refinement did to it, or what finer triangles would do; None where that is not known.
-    `found`, `gone`, `motion`: the cracked base, the limit with the bond gone, and that by mechanism.
+    `base`, `without_bond`, `motion`: the cracked base, the limit with the bond gone, and that by mechanism.
     """
 
     scene: Scene
     analysis: LimitAnalysis
     change: float | None
     rules: CohesionRules
-    found: CrackedBase
-    gone: Limit | None
+    base: CrackedBase
+    without_bond: Limit | None
     motion: Limit
 
 
@@ -81,7 +82,7 @@ def opens_cohesive(scene: Scene, analysis: LimitAnalysis) -> bool:
     return bool(_opens_bonds(analysis.governing, scene.model).any())
 
 
-def vouched(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
+def checked_by_path(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
     """The analysis with the limit that the elastic path comes to, where moments govern a block on flat contacts."""
     if scene.bedding is None or not analysis.moments_govern:
         return analysis
@@ -90,7 +91,7 @@ def vouched(scene: Scene, analysis: LimitAnalysis) -> LimitAnalysis:
     return _by_path(scene.model, analysis)
 
 
-def locked_in(
+def locked_in_range(
     analysis: LimitAnalysis, scene: Scene, rules: CohesionRules | None
 ) -> tuple[float | None, float | None]:  # fmt: skip
     """The range of the mechanism where moments govern; none for the cracked base, whose forces are the bed's."""
@@ -124,7 +125,7 @@ def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     return analysis if one and other and abs(other / one - 1.0) < MOMENTS else found
 
 
-def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -> Judged:
+def limit_by_rules(scene: Scene, analysis: LimitAnalysis, before: CohesionLimit | None = None) -> CohesionLimit:
     """The limit by the three rules.
 
     Parameters
@@ -136,48 +137,48 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
     model, bedding = scene.model, scene.bedding
     alone, motion = analysis.forces_only, analysis.governing
     assert bedding is not None
-    gone, without_path = _bond_gone(model)
-    if gone is None and before is not None:
+    without_bond, without_path = _bond_gone(model)
+    if without_bond is None and before is not None:
         return before
     bed = bed_of(model, bedding.polygons, bedding.centroid)
-    found = before.found if before is not None else cracked_base(bed, motion.factor or 1.0)
-    cracked, bare = found.factor, None if gone is None else gone.factor
-    if found.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
+    base = before.base if before is not None else cracked_base(bed, motion.factor or 1.0)
+    cracked, bare = base.factor, None if without_bond is None else without_bond.factor
+    if base.creeps and cracked and bare and cracked < bare < cracked * (1.0 + _SAME_END):
         cracked = bare  # the line of contact that the path creeps to
-    judged, change, rule = motion, None, "by_mechanism"
-    if gone is not None and bare:
-        judged, rule = gone, "bond_gone"
-        last = None if before is None or before.gone is None else before.gone.factor
+    headline, change, rule = motion, None, "by_mechanism"
+    if without_bond is not None and bare:
+        headline, rule = without_bond, "bond_gone"
+        last = None if before is None or before.without_bond is None else before.without_bond.factor
         change = None if last is None else abs(bare / last - 1.0)
-    assert judged.factor is not None
+    assert headline.factor is not None
     own = scene
-    if cracked is not None and found.forces is not None and cracked < judged.factor * (1.0 - MOMENTS):
-        own, judged = _on_its_pairs(scene, bed, found, found.forces, cracked, motion)
-        change, rule = found.change, "cracked_base"
+    if cracked is not None and base.forces is not None and cracked < headline.factor * (1.0 - MOMENTS):
+        own, headline = _on_its_pairs(scene, bed, base, base.forces, cracked, motion)
+        change, rule = base.change, "cracked_base"
         alone = forces_only_limit(own.model)
-    assert judged.factor is not None
-    govern = alone.factor is None or judged.factor < alone.factor * (1.0 - MOMENTS)
-    governing = judged if govern else replace(alone, velocity=alone.velocity_of(own.model))
+    assert headline.factor is not None
+    govern = alone.factor is None or headline.factor < alone.factor * (1.0 - MOMENTS)
+    governing = headline if govern else replace(alone, velocity=alone.velocity_of(own.model))
     assert governing.factor is not None
     rules = CohesionRules(
-        rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, found.runs,
-        _evidence(bed, found, model, bedding.centroid), found.why_not,
+        rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, base.runs,
+        _evidence(bed, base, model, bedding.centroid), base.why_not,
     )  # fmt: skip
     without_path = without_path and govern and rule == "bond_gone"
-    found_limit = LimitAnalysis(governing, alone, judged, govern, govern, without_path)
-    return Judged(own, found_limit, change, rules, found, gone, motion)
+    by_rules = LimitAnalysis(governing, alone, headline, govern, govern, without_path)
+    return CohesionLimit(own, by_rules, change, rules, base, without_bond, motion)
 
 
 def with_finer_motion(
-    judged: Judged, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
-) -> Judged:
+    by_rules: CohesionLimit, scene: Scene, analyse: Callable[[Model], LimitAnalysis], most_passes: int
+) -> CohesionLimit:
     """The same with the factor by mechanism on the pairs of the last refinement, where its passes are not too many."""
-    if judged.motion.passes > most_passes or len(judged.motion.bond) == len(scene.pairs):
-        return judged
+    if by_rules.motion.passes > most_passes or len(by_rules.motion.bond) == len(scene.pairs):
+        return by_rules
     again = analyse(scene.model).governing
     if not again.factor or again.passes > most_passes:
-        return judged
-    return replace(judged, rules=replace(judged.rules, by_mechanism=again.factor))
+        return by_rules
+    return replace(by_rules, rules=replace(by_rules.rules, by_mechanism=again.factor))
 
 
 def _bond_gone(model: Model) -> tuple[Limit | None, bool]:
@@ -217,11 +218,11 @@ def _opens_bonds(limit: Limit, model: Model) -> Bools:
 
 
 def _on_its_pairs(
-    scene: Scene, bed: Bed, found: CrackedBase, forces: PointForces, factor: float, motion: Limit
+    scene: Scene, bed: PolygonBed, base: CrackedBase, forces: PointForces, factor: float, motion: Limit
 ) -> tuple[Scene, Limit]:
     """The points of the bed as node pairs, with a model of their own, and the limit on them."""
     assert scene.bedding is not None
-    assert found.velocity is not None
+    assert base.velocity is not None
     model, bedding = scene.model, scene.bedding
     count = len(forces.area)
     keys = bed.keys[forces.contact]
@@ -236,7 +237,7 @@ def _on_its_pairs(
         from slopekit.preie.strength_lines import drawn
 
         own = drawn(own, forces.normal)
-    velocity = found.velocity.copy()
+    velocity = base.velocity.copy()
     velocity[model.translations :] *= own.length_scale / model.length_scale  # turns are per length of the model
     velocity /= np.sqrt(velocity @ velocity)
     limit = Limit(
@@ -246,15 +247,15 @@ def _on_its_pairs(
     return Scene(pairs, own, bedding), limit
 
 
-def _evidence(bed: Bed, found: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
-    forces, out = found.forces, dict[int, ContactOpening]()
-    if forces is None or found.opening is None:
+def _evidence(bed: PolygonBed, base: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
+    forces, out = base.forces, dict[int, ContactOpening]()
+    if forces is None or base.opening is None:
         return out
     for k, key in enumerate(bed.keys.tolist()):
         on = forces.contact == k
         push, area = forces.normal[on], forces.area[on]
         total, pressed = float(push.sum()), float(area[forces.pressed[on]].sum())
-        gaps = bed.corner_rows(k)[:, 0] @ found.opening
+        gaps = bed.corner_rows(k)[:, 0] @ base.opening
         most = int(np.argmax(gaps))
         out[key] = ContactOpening(
             pressed / float(area.sum()), total * model.force_scale,

@@ -14,7 +14,14 @@ from slopekit.design.common import Design, Strength
 from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
-from slopekit.kinds.moments import CohesionRules, judge, locked_in, opens_cohesive, vouched, with_finer_motion
+from slopekit.kinds.moments import (
+    CohesionRules,
+    checked_by_path,
+    limit_by_rules,
+    locked_in_range,
+    opens_cohesive,
+    with_finer_motion,
+)
 from slopekit.kinds.one_block_states import (
     Scene,
     arrows,
@@ -31,15 +38,16 @@ from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
 from slopekit.loads import Loads
-from slopekit.notices import MESH_CHANGE, Facts, Interface, notices
+from slopekit.notices import Facts, Interface, notices
 from slopekit.onlooker import say
+from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.limit import LimitAnalysis, limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.untied import AllPairsFailed, all_pairs_failed
+from slopekit.preie.tolerances import MESH_CHANGE
 from slopekit.result import (
     AllPairs,
     AtFactorOne,
@@ -179,15 +187,15 @@ def kind_of_one_block(
         solved = solve(design, made, clock)
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
-        told = tuple(notices(design))
-        return result(words, design, made, solved, status, closed, forces, clock, governs=governs, extra=told)
+        of_design = tuple(notices(design))
+        return result(words, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
-        found = find_limit(design, made.scene_at, made.refine, Clock())
-        limit, governs = found.analysis.governing, found.analysis.moments_govern
-        status = block_status(limit, found.analysis, found.scene, made.joints)
-        compared = comparable(found.analysis, found.scene.model)
+        found_limit = find_limit(design, made.scene_at, made.refine, Clock())
+        limit, governs = found_limit.analysis.governing, found_limit.analysis.moments_govern
+        status = block_status(limit, found_limit.analysis, found_limit.scene, made.joints)
+        compared = comparable(found_limit.analysis, found_limit.scene.model)
         difference, agree = compare(compared, status, closed, design.agree_within)
         return Factors(
             status, limit.factor or None, closed.status, closed.factor or None, difference, agree, governs,
@@ -222,7 +230,7 @@ def _governs(
 
     designs = [design for _, design in changes]
     found = on_arrays.answers(designs, nothing) if on_arrays is not None else [answer(design) for design in designs]
-    return tuple((change, *told) for (change, _), told in zip(changes, found, strict=True))
+    return tuple((change, *change_does) for (change, _), change_does in zip(changes, found, strict=True))
 
 
 def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:
@@ -245,16 +253,16 @@ def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
 
 def solve(design: Design, made: Cut, clock: Clock) -> Solved:
     """Mesh, limit, refinement where it is needed, static bound, displacements, and what else the design asks for."""
-    found = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
-    scene, analysis = found.scene, found.analysis
+    found_limit = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
+    scene, analysis = found_limit.scene, found_limit.analysis
     limit, model = analysis.governing, scene.model
     with clock("bound"):
         bound = None
         if limit.factor:
             velocity = limit.velocity_of(model)
-            bound = static_bound(found.bounded.model, velocity, limit.factor, found.rules is None).factor
+            bound = static_bound(found_limit.bounded.model, velocity, limit.factor, found_limit.rules is None).factor
     with clock("solve"):
-        span = locked_in(found.analysis, scene, found.rules)
+        span = locked_in_range(found_limit.analysis, scene, found_limit.rules)
     stiffness = joint_stiffness(design)
     with clock("displacements"):
         at_rest = None
@@ -266,7 +274,9 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)
-    return Solved(scene, analysis, found.refined, found.change, bound, at_rest, pairs, series, found.rules, span)
+    return Solved(
+        scene, analysis, found_limit.refined, found_limit.change, bound, at_rest, pairs, series, found_limit.rules, span
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,48 +311,48 @@ def find_limit(
     Where moments govern, the elastic path says which limit state is the number; where it is another than the passes
     found, it is followed from the coarsest pairs on.
     """
-    found = _refined(design, scene_at, refine, clock, lambda scene: analyse(scene.model), most_refined)
+    at_limit = _refined(design, scene_at, refine, clock, lambda scene: analyse(scene.model), most_refined)
     with clock("solve"):
-        told = None if opens_cohesive(found.scene, found.analysis) else _told(found, analyse)
-    if told is not None and not told.without_path:
-        found = _refined(
-            design, scene_at, refine, clock, lambda scene: vouched(scene, analyse(scene.model)), most_refined
+        by_path = None if opens_cohesive(at_limit.scene, at_limit.analysis) else _other_by_path(at_limit, analyse)
+    if by_path is not None and not by_path.without_path:
+        at_limit = _refined(
+            design, scene_at, refine, clock, lambda scene: checked_by_path(scene, analyse(scene.model)), most_refined
         )
-    elif told is not None:
-        found = replace(found, analysis=replace(found.analysis, without_path=True))
-    scene, bounded, analysis, refined = found.scene, found.bounded, found.analysis, found.refined
+    elif by_path is not None:
+        at_limit = replace(at_limit, analysis=replace(at_limit.analysis, without_path=True))
+    scene, bounded, analysis, refined = at_limit.scene, at_limit.bounded, at_limit.analysis, at_limit.refined
     if not opens_cohesive(scene, analysis):
-        return found
+        return at_limit
     with clock("solve"):
-        judged = judge(scene, analysis)
-    settled = judged.gone is None or (judged.change is not None and judged.change < MESH_CHANGE)
+        by_rules = limit_by_rules(scene, analysis)
+    settled = by_rules.without_bond is None or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
     while refined < most_refined and not settled:
         with clock("mesh"):
             scene = scene_at(refined + 1)
         with clock("solve"):
-            last, judged = judged, judge(scene, analysis, judged)
-        settled = judged is last or (judged.change is not None and judged.change < MESH_CHANGE)
-        settled = settled or (judged.gone is not None and judged.gone.passes > _MOST_PASSES)
+            last, by_rules = by_rules, limit_by_rules(scene, analysis, by_rules)
+        settled = by_rules is last or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
+        settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes > _MOST_PASSES)
         refined += 1
         bounded = scene if refined <= _BOUND_REFINED else bounded
     with clock("solve"):
-        judged = with_finer_motion(judged, scene, analyse, _MOST_PASSES)
-    return FoundLimit(judged.scene, bounded, judged.analysis, refined, judged.change, judged.rules)
+        by_rules = with_finer_motion(by_rules, scene, analyse, _MOST_PASSES)
+    return FoundLimit(by_rules.scene, bounded, by_rules.analysis, refined, by_rules.change, by_rules.rules)
 
 
-def _told(found: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis | None:
+def _other_by_path(at_limit: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis | None:
     """What the elastic path says otherwise, None where it says the same.
 
     It is asked on pairs refined twice, where the finest do not jump.
     """
-    coarse, limit = found.analysis, found.analysis.governing
-    if found.bounded is not found.scene and found.analysis.moments_govern:
-        coarse = analyse(found.bounded.model)
+    coarse, limit = at_limit.analysis, at_limit.analysis.governing
+    if at_limit.bounded is not at_limit.scene and at_limit.analysis.moments_govern:
+        coarse = analyse(at_limit.bounded.model)
         if abs((limit.factor or 0.0) / (coarse.governing.factor or math.inf) - 1.0) > _JUMPS:
-            told = vouched(found.scene, found.analysis)
-            return None if told is found.analysis else told
-    told = vouched(found.bounded, coarse)
-    return None if told is coarse else told
+            by_path = checked_by_path(at_limit.scene, at_limit.analysis)
+            return None if by_path is at_limit.analysis else by_path
+    by_path = checked_by_path(at_limit.bounded, coarse)
+    return None if by_path is coarse else by_path
 
 
 def _refined(

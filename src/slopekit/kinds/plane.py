@@ -161,13 +161,13 @@ def _strongest(design: PlaneDesign) -> float:
 
 def arguments(design: PlaneDesign) -> Arguments:
     """What Hoek & Bray's plane failure is given of a design, but for its passive bolts."""
-    found: Arguments = {}
+    columns: Arguments = {}
     for name, plane in {"plane": design.joint, "face": design.face, "upper": design.upper}.items():
-        found |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
+        columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
     water, crack = design.water, design.crack
     given = water.mode == "pressures"
     pressures = [*water.pressures_kpa, 0.0] if given else [None, None]
-    return found | force_on(design) | {
+    return columns | force_on(design) | {
         "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
@@ -204,11 +204,11 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     east, north, up = (given.pop(f"force_{name}") for name in ("east", "north", "up"))
     turned = np.radians(face)
     given["force_kn"] = None if up is None else (east * np.sin(turned) + north * np.cos(turned), up)
-    found = plane_failures(PlaneArrays(**given, passive_kn=bolts))
-    count = max(found.outcome.size, np.size(across))
-    outcome, factor = np.broadcast_to(found.outcome, count).copy(), np.broadcast_to(found.factor, count).copy()
+    failures = plane_failures(PlaneArrays(**given, passive_kn=bolts))
+    count = max(failures.outcome.size, np.size(across))
+    outcome, factor = np.broadcast_to(failures.outcome, count).copy(), np.broadcast_to(failures.factor, count).copy()
     outcome[np.broadcast_to(across, count)], factor[np.broadcast_to(across, count)] = _OUTCOMES.index("E213"), np.nan
-    return ClosedForms(_OUTCOMES, outcome, factor, [found.normal_kn], [found.length_m])
+    return ClosedForms(_OUTCOMES, outcome, factor, [failures.normal_kn], [failures.length_m])
 
 
 def _strikes_across(dip: Any, direction: Any, face: Any) -> Any:
@@ -248,18 +248,18 @@ def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
-    found = []
+    notices = []
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
             message = f"{name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
-            found.append(Notice("W321", message))
+            notices.append(Notice("W321", message))
     if design.seismic.coefficient and abs(_seismic(design)) < design.seismic.coefficient * (1.0 - 1e-6):
         share = _seismic(design) / design.seismic.coefficient * 100
         message = (
             f"the seismic load acts off the section: {share:.0f} % of it acts out of the slope, the rest is left out"
         )
-        found.append(Notice("W323", message))
+        notices.append(Notice("W323", message))
     along = _axes(design.face)[1]
     aside = [bolt.toward.vector() @ along for bolt in design.bolts]
     aside += [np.array(force.components_kn) @ along / np.linalg.norm(force.components_kn) for force in design.forces
@@ -267,8 +267,8 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     most = max((abs(float(part)) for part in aside), default=0.0)
     if most > 1e-6:
         message = f"bolts or forces act along the slope (up to {most * 100:.0f} % of one): that part is left out"
-        found.append(Notice("W323", message))
-    return tuple(found)
+        notices.append(Notice("W323", message))
+    return tuple(notices)
 
 
 def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:

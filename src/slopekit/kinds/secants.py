@@ -50,14 +50,14 @@ def on_secants(
             )
             for strength, line in zip(strengths, lines, strict=True)
         ]  # fmt: skip
-        found = closed(given)
-        before, lines = lines, [secant_of(*pair) for pair in zip(strengths, tractions(found), strict=True)]
+        answer = closed(given)
+        before, lines = lines, [secant_of(*pair) for pair in zip(strengths, tractions(answer), strict=True)]
         if all(
             new is None or old is None or abs(new.traction_kpa - old.traction_kpa) <= _STEADY * new.traction_kpa
             for new, old in zip(lines, before, strict=True)
         ):
             break
-    return found, tuple(lines)
+    return answer, tuple(lines)
 
 
 def secant_of(strength: Strength, traction_kpa: float) -> Secant | None:
@@ -87,17 +87,17 @@ def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
 
 
 def _larger(law: Any) -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
+    changes: list[tuple[str, Any]] = []
     for part in fields(law):
         value, sign = getattr(law, part.name), part.metadata.get("sign")
         if hasattr(value, "resistance"):
-            found += [(name, replace(law, **{part.name: other})) for name, other in _larger(value)]
+            changes += [(name, replace(law, **{part.name: other})) for name, other in _larger(value)]
         elif sign and value is not None:
             step = part.metadata.get("step")
             larger = value * 1.1 if step is None else value + step
             angle = "°" if part.metadata["unit"] == "angle" else ""
             if larger != value and not larger >= part.metadata.get("below", math.inf):
-                found.append((f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
+                changes.append((f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
                     law, **{part.name: larger}
                 )))  # fmt: skip
-    return found
+    return changes

@@ -92,8 +92,8 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
     forces = forces_of(made, solved, pressed, driven=status != "rotates")
     moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
-    told = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
-    notes = [*told, *_columns_below(design, solved, methods), *extra]
+    of_cut = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
+    notes = [*of_cut, *_columns_below(design, solved, methods), *extra]
     return result(WORDS, design, made, solved, status, closed, forces, clock, methods=methods, extra=notes)
 
 
@@ -127,11 +127,11 @@ def _block(mass: SlidingMass) -> Block:
 
 
 def _factors(design: SurfaceDesign) -> Factors:
-    found = analyse_surface(design)
-    settled = found.status != "not_converged" and found.model.residual <= design.stop_when
+    result = analyse_surface(design)
+    settled = result.status != "not_converged" and result.model.residual <= design.stop_when
     return Factors(
-        found.status, found.fos.limit, None, found.fos.closed_form, found.difference, found.agree,
-        found.moments_govern, settled,
+        result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,
+        result.moments_govern, settled,
     )  # fmt: skip
 
 
@@ -285,11 +285,11 @@ def _rotation(design: SurfaceDesign, cut: _Mass) -> ClosedForm | None:
         or cut.mass.pieces
     ):
         return None
-    found = rotational_failure(
+    rotation = rotational_failure(
         slip.centre_m, slip.radii_m[0], slip.radii_m[1], profile, strength.cohesion_kpa, design.unit_weight_kn_m3,
         "cylinder" if slip.shape == "cylinder" else "ellipsoid", seismic=float(_seismic(design)[0]),
     )  # fmt: skip
-    return ClosedForm(found.factor, found.status, _why_not(design))
+    return ClosedForm(rotation.factor, rotation.status, _why_not(design))
 
 
 def _sideways(design: SurfaceDesign) -> bool:
@@ -349,50 +349,50 @@ def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str
 def _columns_below(design: SurfaceDesign, solved: Solved, methods: Mapping[str, float | None]) -> list[Notice]:
     """A rule that the limit meets and a method of columns does not is worth a second look."""
     limit = solved.limit.factor
-    found = []
+    notices = []
     for rule in design.rules:
         below = [f"{name.capitalize()} {value:.3f}" for name, value in methods.items()
                  if value is not None and name in ("bishop", "janbu", "fellenius") and not rule.met(value)]  # fmt: skip
         if rule.name in ("fos", "fos.limit") and rule.met(limit) and below:
-            found.append(Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not"))
-    return found
+            notices.append(Notice("W330", f"the limit meets {rule}, {', '.join(below)} would not"))
+    return notices
 
 
 def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> list[Notice]:
-    found = []
+    notices = []
     if design.slip.normals == "facet":
         message = "facet normals interlock like a ratchet, facets that open lose cohesion: a study, not an answer"
-        found.append(Notice("W326", message))
+        notices.append(Notice("W326", message))
     elif left:
         message = f"no motion follows this surface within {misfit:.1f}°: it must dilate to slip, and the limit says so"
-        found.append(Notice("W325", message))
+        notices.append(Notice("W325", message))
     elif misfit > 0.5:
         message = (
             f"the normals were turned by {misfit:.2g}° (root mean square) to let the mass slip without dilating: the "
             "surface itself opens by that"
         )
-        found.append(Notice("W325", message))
+        notices.append(Notice("W325", message))
     if design.profile_m is not None:
         ends = [x for x, _ in design.profile_m]
         low, high = (float(cut.mass.vertices[:, 0].min()), float(cut.mass.vertices[:, 0].max()))
         beyond = max(min(ends) - low - float(cut.origin[0]), high + float(cut.origin[0]) - max(ends))
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
-            found.append(Notice("W331", message))
+            notices.append(Notice("W331", message))
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
             f"{sum(cut.mass.pieces):.4g} m³ are left out"
         )
-        found.append(Notice("W322", message))
+        notices.append(Notice("W322", message))
     if float(np.abs(cut.origin).max()) > _FAR_M:
         message = "map coordinates: computed about the slip surface and put back, no digits lost"
         if cut.grain:
             message = (
                 f"map coordinates in a mesh file of single precision: its corners are rounded to {cut.grain:.2g} m"
             )
-        found.append(Notice("W305", message))
-    return found
+        notices.append(Notice("W305", message))
+    return notices
 
 
 # -- what check looks at ----------------------------------------------------------------------------------------------
@@ -456,7 +456,7 @@ def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]
     if own == "facet":
         return ()
     assert isinstance(geometry, SurfaceGeometry)
-    found = [
+    rungs = [
         NormalsRung(own, rung.edge_m, rung.node_pairs, rung.factor)
         for rung in ladder if rung.edge_m is not None and rung.node_pairs is not None
     ] or [NormalsRung(own, geometry.edge_m, result.model.node_pairs, result.fos.limit)]  # fmt: skip
@@ -467,8 +467,8 @@ def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]
         edges.append(edge)
         limit = curved_limit_analysis(scene.model).governing
         factor = limit.factor if limit.outcome is not Outcome.NOT_CONVERGED else None
-        found.append(NormalsRung("facet", edge, len(scene.pairs), factor, kept_bonds_factor(scene.model)))
-    return tuple(found)
+        rungs.append(NormalsRung("facet", edge, len(scene.pairs), factor, kept_bonds_factor(scene.model)))
+    return tuple(rungs)
 
 
 def _slope(design: SurfaceDesign, result: Result) -> tuple[SheetPart, ...]:

@@ -51,7 +51,7 @@ def cut(design: ToppleDesign) -> AssemblyScene:
     return with_loads(design, scene, 270.0)
 
 
-def goodman_bray(design: ToppleDesign, found: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
+def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
     why = _why_not(design)
     if why:
@@ -65,7 +65,7 @@ def goodman_bray(design: ToppleDesign, found: Mechanism | None) -> tuple[ClosedF
         return ClosedForm(
             None, "", f"Goodman & Bray's method does not take these columns: {error.faults[0].message}"
         ), ()
-    ways = {block.name: _MODES[block.how] for block in found.blocks} if found is not None else {}
+    ways = {block.name: _MODES[block.how] for block in mechanism.blocks} if mechanism is not None else {}
     columns = tuple(_columns(design, table, ways))
     rough = math.tan(math.radians(base.friction_angle_deg)) * math.tan(math.radians(sides.friction_angle_deg))
     if closed.factor and rough >= closed.factor**2:

@@ -101,21 +101,21 @@ def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, Water
     water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
     if water.mode == "dry" and not water.crack_fill:
         return {}
-    found: dict[int, WaterPressure] = {}
+    pressures: dict[int, WaterPressure] = {}
     if water.mode == "pressures":
-        found = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
+        pressures = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
     if CRACK in block.faces and (water.mode == "full" or water.crack_fill is not None):
         # mean γ_w h₅/3, highest where the crack meets the line of intersection, h₅ below the upper slope
         bottom = rock.back * float(rock.offsets[CRACK] / (rock.normals[CRACK] @ rock.back))
         depth = float((rock.offsets[3] - rock.normals[3] @ bottom) / rock.normals[3][2])
         full = design.water_unit_weight_kn_m3 * depth / 3.0
         if water.mode == "full":
-            found = {face: WaterPressure(water.fill * full, bottom) for face in faces}
+            pressures = {face: WaterPressure(water.fill * full, bottom) for face in faces}
         if water.crack_fill is not None:
-            found[CRACK] = WaterPressure(water.crack_fill * full, bottom)
-        return found
+            pressures[CRACK] = WaterPressure(water.crack_fill * full, bottom)
+        return pressures
     if water.mode == "pressures":
-        return found
+        return pressures
     # mean γ_w H/6, highest halfway along the line of intersection
     mean = water.fill * design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
     return {face: WaterPressure(mean, (rock.toe + rock.back) / 2.0) for face in faces}
@@ -126,14 +126,14 @@ def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, Water
 
 def arguments(design: WedgeDesign) -> Arguments:
     """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
-    found: Arguments = {}
+    columns: Arguments = {}
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
-        found |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
+        columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     water, crack = design.water, design.crack
     given = water.mode == "pressures"
     pressures = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
-    return found | force_on(design) | {
+    return columns | force_on(design) | {
         "height_m": design.height_m, **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
@@ -163,14 +163,14 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     given = dict(arguments)
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
-    found = hoek_bray_wedges(
+    wedges = hoek_bray_wedges(
         WedgeArrays(
             **given, passive_kn=bolts,
             pressures_kpa=() if pressures[0] is None else pressures,
             force_kn=None if force[0] is None else force,
         )
     )  # fmt: skip
-    return ClosedForms(OUTCOMES, found.outcome, found.factor, list(found.normal_kn), list(found.areas_m2[:2]))
+    return ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
 
 
 ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms)

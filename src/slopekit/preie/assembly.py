@@ -24,11 +24,10 @@ from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, Model, local_axes
 from slopekit.preie.patch_pairs import polygon_pairs, segment_pairs
+from slopekit.preie.tolerances import LIGHTEST_MEASURED
 
 if TYPE_CHECKING:
     from slopekit.preie.strength_lines import StrengthLines
-
-_LIGHTEST = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +181,7 @@ class AssemblyModel:
         """What forces leave of the loads, (n, u), in parts of each block's load (at least 1e-6 of the largest)."""
         weights = np.sqrt((self.load * self.load).sum(axis=1))
         left: Floats = self.forces_on_blocks(normal, friction) + self.load
-        parts: Floats = left / np.maximum(weights, _LIGHTEST * float(weights.max()))[:, None]
+        parts: Floats = left / np.maximum(weights, LIGHTEST_MEASURED * float(weights.max()))[:, None]
         return parts
 
 

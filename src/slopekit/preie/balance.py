@@ -13,13 +13,11 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY
 from slopekit.strength.mohr_coulomb import line
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
-
-_SOUND = 1e-6  # of the heaviest block's load: less is rounding
-_LEAST = 1e-300  # kept from a division by nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +75,7 @@ def balance(parts: Sequence[Carried]) -> Balance | None:
         min(part.factor for part in parts),
         max(float(np.abs(part.unbalanced[:, : part.translations]).max()) for part in parts),
         max(float(np.abs(part.unbalanced[:, part.translations :]).max(initial=0.0)) for part in parts),
-        max(max(0.0, -float(part.normal.min())) / max(float(np.abs(part.normal).mean()), _LEAST) for part in parts),
+        max(max(0.0, -float(part.normal.min())) / max(float(np.abs(part.normal).mean()), TINY) for part in parts),
         max(max(float(part.beyond.max()), 0.0) for part in parts),
         sum(len(part.normal) for part in parts),
     )  # fmt: skip
@@ -99,7 +97,7 @@ def of_one_block(model: Model, analysis: LimitAnalysis) -> list[Carried]:
 def of_blocks(model: "AssemblyModel", factor: float, normal: Floats, friction: Floats, bond: Floats) -> Carried:
     """What many blocks carry: N (m,), T (g, t), and what bonds are left (m,)."""
     own = _sizes(model.load)
-    weights = np.append(np.maximum(own, _SOUND * float(own.max())), np.inf)  # bedrock is the last
+    weights = np.append(np.maximum(own, LIGHTEST_MEASURED * float(own.max())), np.inf)  # bedrock is the last
     beside = np.minimum(weights[model.plus], weights[model.minus])[model.group_contact]
     allowed = line(model.by_group(bond * model.cohesion), model.tan_friction, model.by_group(normal))
     over = np.maximum(_sizes(friction) - allowed / factor, np.where(model.bolted, -friction[:, 0], 0.0))

@@ -23,25 +23,29 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.patterns import ContactPattern
-from slopekit.preie.stiffness import Stiffness
+from slopekit.preie.stiffness import SparseStiffness
+from slopekit.preie.tolerances import (
+    DIAGONAL_SHIFT,
+    EACH_BALANCED,
+    LIGHTEST_ON_BED,
+    ROUGHLY_SETTLED,
+    SETTLED,
+    SPRING_ROUNDING,
+    TINY,
+)
 from slopekit.strength.mohr_coulomb import line
 
-#: k_t / k_n of the path, as the definition has it: from 0.1 to 1 the limit is the same to 1 % in 635 of 683 sections.
-SHEAR_TO_NORMAL = 0.4
 _DENSE = 20_000  # entries: below, B as a dense matrix multiplies faster than as a sparse one
-_SHIFT = 1e-13  # of the stiffness, on its diagonal: blocks that nothing holds have a stiffness
-_ROUNDING = 2e-15  # of the springs' forces: what cannot be balanced any better
-_SETTLED, _SETTLED_ENOUGH = 1e-10, 1e-8  # unbalanced force in parts of the largest force
 _SHORTEST = 0.02  # step of a line search
-_EACH, _LIGHTEST = 1e-6, 1e-7  # and in parts of the load of each block, of blocks no lighter than that of the heaviest
 _TRIES = 12  # Newton steps
 _POLISHES = 3  # of a state that is at rest
 _KINKS = 8  # of the law of a joint that dilates: a flat contact has a few node pairs
 
 
 @dataclass(slots=True)
-class Forces:
+class BedForces:
     """What the joints carry at a displacement.
 
     Attributes
@@ -67,11 +71,11 @@ class Forces:
         """Largest unbalanced generalised force."""
         return float(np.abs(self.unbalanced).max())
 
-    def balanced(self, off: float, part: float = _SETTLED) -> bool:
+    def balanced(self, off: float, part: float = SETTLED) -> bool:
         """Whether an unbalanced force is as small as it should be."""
         return off <= max(part * self.largest, self.rounding)
 
-    def same_modes(self, other: "Forces") -> bool:
+    def same_modes(self, other: "BedForces") -> bool:
         """Whether the same pairs touch and the same joints slip."""
         return bool((self.slips == other.slips).all() and (self.touching == other.touching).all())
 
@@ -141,7 +145,7 @@ class Bed:
         self.friction = model.tan_friction
         self.bolted: Bools | None = model.bolted if len(model.bolts) else None
         self.dilates = bool(model.tan_dilation.any())
-        self.stiffness = Stiffness(model)
+        self.stiffness = SparseStiffness(model)
         self.contacts = len(model.plus)
         self._pattern = ContactPattern(model)
         self._pressing = self.area[:, None] * model.normal_rows
@@ -158,8 +162,8 @@ class Bed:
         self.evaluations = self.factorisations = 0
         self.load_size = float(np.abs(drive.load).max())
         own = np.sqrt((drive.load.reshape(model.load.shape) ** 2).sum(axis=1))
-        own = np.maximum(own, _LIGHTEST * float(own.max(initial=0.0)))
-        self.unbalanced_at_most = _EACH * np.repeat(own, model.unknowns)
+        own = np.maximum(own, LIGHTEST_ON_BED * float(own.max(initial=0.0)))
+        self.unbalanced_at_most = EACH_BALANCED * np.repeat(own, model.unknowns)
         self.elastic_solver = self.factored(self.elastic)
         self.elastic_displacement: Floats = self.elastic_solver(drive.load)
         self.working = self._working()
@@ -187,7 +191,9 @@ class Bed:
 
     # -- the law ------------------------------------------------------------------------------------------------------
 
-    def forces(self, at: Floats, parameter: float, frozen: Floats | None = None, modes: Forces | None = None) -> Forces:
+    def forces(
+        self, at: Floats, parameter: float, frozen: Floats | None = None, modes: BedForces | None = None
+    ) -> BedForces:
         """Forces at the displacement (N,).
 
         Parameters
@@ -206,7 +212,7 @@ class Bed:
         size = np.abs(elastic[:, 0]) if self.tangents == 1 else np.sqrt((elastic * elastic).sum(axis=1))
         touching = opening < 0.0 if modes is None else modes.touching
         normal = np.where(touching, pressing, 0.0)
-        direction = elastic / np.maximum(size, 1e-300)[:, None] if modes is None else modes.direction
+        direction = elastic / np.maximum(size, TINY)[:, None] if modes is None else modes.direction
         cohesion = self.cohesion
         if self.bolted is not None:
             slack = self.bolted & (direction[:, 0] > 0.0)
@@ -228,13 +234,13 @@ class Bed:
         if modes is not None:
             friction = np.where(slips[:, None], friction, -elastic)
         unbalanced = self.columns @ np.concatenate([normal, friction.ravel()]) + load
-        return Forces(
+        return BedForces(
             normal, friction, strength, touching, slips, direction, size / self.spring, unbalanced,
             max(self.load_size, float(normal.max())),
-            _ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
+            SPRING_ROUNDING * (float(np.abs(pressing).max()) + float(size.max())),
         )  # fmt: skip
 
-    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> Forces:
+    def _compiled_forces(self, at: Floats, reduction: float, load: Floats, frozen: Floats | None) -> BedForces:
         normal, strength, slip = np.empty(self.pairs), np.empty(self.groups), np.empty(self.groups)
         friction, direction = np.empty((self.groups, self.tangents)), np.empty((self.groups, self.tangents))
         touching, slips = np.empty(self.pairs, dtype=bool), np.empty(self.groups, dtype=bool)
@@ -243,9 +249,9 @@ class Bed:
             self._law, np.ascontiguousarray(at), reduction, load, frozen,
             normal, friction, strength, touching, slips, direction, slip, unbalanced,
         )  # fmt: skip
-        return Forces(
+        return BedForces(
             normal, friction, strength, touching, slips, direction, slip, unbalanced, max(self.load_size, highest),
-            _ROUNDING * (pressed + longest),
+            SPRING_ROUNDING * (pressed + longest),
         )  # fmt: skip
 
     def _dilation(self, reduction: float) -> Floats:
@@ -254,7 +260,7 @@ class Bed:
 
     def _dilated(
         self, pressing: Floats, size: Floats, reduction: float, touching: Bools, carried: Floats,
-        modes: Forces | None, cohesion: Floats,
+        modes: BedForces | None, cohesion: Floats,
     ) -> tuple[Floats, Bools, Floats]:  # fmt: skip
         """Normal forces, touching pairs and friction where slip presses the joints: piecewise linear in p."""
         dilation, of_pair = self._dilation(reduction), self.group_of_pair
@@ -282,7 +288,7 @@ class Bed:
         return sums
 
     def tangent(
-        self, there: Forces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
+        self, there: BedForces, parameter: float, viscosity: float = 0.0, coupled: bool = True, turning: bool = True
     ) -> Floats:
         """Stiffness (k, u, u) of the contacts at some forces.
 
@@ -339,7 +345,7 @@ class Bed:
         coupled = self._by_contact(dragged[:, :, None] * (follows[:, None] * pressing)[:, None, :])
         return self._local(touching, -tangent) + coupled
 
-    def by_parameter(self, there: Forces, parameter: float) -> Floats:
+    def by_parameter(self, there: BedForces, parameter: float) -> Floats:
         """How the unbalanced force changes with the parameter, (N,)."""
         if self.drive.ramp is not None:
             return self.drive.ramp
@@ -368,7 +374,7 @@ class Bed:
             E505 it is singular.
         """
         self.factorisations += 1
-        return self.stiffness.factored(local, _SHIFT, symmetric)
+        return self.stiffness.factored(local, DIAGONAL_SHIFT, symmetric)
 
     def motion(self, velocity: Floats, parameter: float) -> tuple[Floats, Floats]:
         """Opening (m,) beyond what slip opens by itself, and slip (g, t), of a motion (N,)."""
@@ -380,12 +386,12 @@ class Bed:
             opening = opening - (self._dilation(reduction) * size)[self.group_of_pair]
         return opening, slip
 
-    def turned(self, modes: Forces, velocity: Floats) -> Forces:
+    def turned(self, modes: BedForces, velocity: Floats) -> BedForces:
         """The modes with the directions of slip of a motion (N,), where it slips."""
         _, slip = self.motion(velocity, 1.0)
         size = np.sqrt((slip * slip).sum(axis=1))
         clear = modes.slips & (size > 1e-6 * float(size.max()))
-        direction = np.where(clear[:, None], slip / np.maximum(size, 1e-300)[:, None], modes.direction)
+        direction = np.where(clear[:, None], slip / np.maximum(size, TINY)[:, None], modes.direction)
         return replace(modes, direction=direction)
 
     def viscous(self, moved: Floats) -> Floats:
@@ -425,7 +431,7 @@ class Bed:
         other.dilates = True
         return other
 
-    def polished(self, at: Floats, parameter: float) -> tuple[Floats, Forces]:
+    def polished(self, at: Floats, parameter: float) -> tuple[Floats, BedForces]:
         """A state at rest nearer to balance, so that slivers are too, and its forces."""
         there = self.forces(at, parameter)
         for _ in range(_POLISHES):
@@ -439,7 +445,7 @@ class Bed:
             at, there = trial, seen
         return at, there
 
-    def onward(self, step: "Step") -> Floats | None:
+    def onward(self, step: "NewtonStep") -> Floats | None:
         """How the blocks go on from a state at rest as work is done, (N,) per unit of work; None where they do not."""
         try:
             solver = self.factored(self.tangent(step.forces, step.parameter))
@@ -453,9 +459,9 @@ class Bed:
         """Whether, in space, where there are slivers, forces (N,) are small in parts of the load of each block."""
         return self.tangents == 1 or bool((np.abs(off) < self.unbalanced_at_most).all())
 
-    def off(
+    def unbalanced_parts(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, frozen: Floats | None = None
-    ) -> tuple[Forces, Floats]:
+    ) -> tuple[BedForces, Floats]:
         there = self.forces(at, parameter, frozen)
         if not viscosity:
             return there, there.unbalanced
@@ -463,9 +469,9 @@ class Bed:
 
     def newton(
         self, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None, downhill: bool
-    ) -> "Step":
+    ) -> "NewtonStep":
         working = self.working
-        there, off = self.off(at, before, parameter, viscosity)
+        there, off = self.unbalanced_parts(at, before, parameter, viscosity)
         size = best = float(np.abs(off).max())
         stalled = 0
 
@@ -474,7 +480,7 @@ class Bed:
 
         for taken in range(_TRIES + 1):
             if there.balanced(size) and self._each_balanced(off) and worked(at, 1e-9):
-                return Step(at, parameter, there, True, taken)
+                return NewtonStep(at, parameter, there, True, taken)
             if taken == _TRIES or not np.isfinite(size):
                 break
             try:
@@ -493,10 +499,10 @@ class Bed:
             if not np.isfinite(way).all():
                 break
             length = 1.0 if abs(change) <= 0.5 * abs(parameter) else 0.5 * abs(parameter) / abs(change)
-            nearest: tuple[float, Floats, float, Forces, Floats] | None = None
+            nearest: tuple[float, Floats, float, BedForces, Floats] | None = None
             while True:
                 trial, tried = at + length * way, parameter + length * change
-                seen, left = self.off(trial, before, tried, viscosity)
+                seen, left = self.unbalanced_parts(trial, before, tried, viscosity)
                 now = float(np.abs(left).max())
                 if nearest is None or now < nearest[0]:
                     nearest = now, trial, tried, seen, left
@@ -511,16 +517,16 @@ class Bed:
             if not downhill and size > 1e4 * best:
                 break
             best = min(best, size)
-        good = there.balanced(size, _SETTLED_ENOUGH) and self._each_balanced(off) and worked(at, 1e-6)
-        return Step(at, parameter, there, good, _TRIES)
+        good = there.balanced(size, ROUGHLY_SETTLED) and self._each_balanced(off) and worked(at, 1e-6)
+        return NewtonStep(at, parameter, there, good, _TRIES)
 
 
 @dataclass(slots=True)
-class Step:
+class NewtonStep:
     """Where Newton's method ended: displacement (N,), parameter, forces, whether they balance, steps taken."""
 
     at: Floats
     parameter: float
-    forces: Forces
+    forces: BedForces
     settled: bool
     taken: int

@@ -22,27 +22,32 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import SHEAR_TO_NORMAL, Bed, Drive
+from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
+from slopekit.preie.tolerances import (
+    BOUND_ACCURACY,
+    LIMIT_BALANCED,
+    LOADS_BRACKET,
+    LOADS_FIT,
+    NO_MOTION,
+    OPENS_ROUGHLY,
+    TINY,
+)
 
 _START = 2.0  # the path starts at this times the strength of the static bound
 _STRONGEST = 100.0  # and not above this times what friction angles and cohesions suggest
-_OPENS, _OPENS_ROUGHLY = 1e-6, 1e-4  # of the fastest motion: exact limit states, and settled ones
 _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
-_ABOVE = 1e-4  # a factor this far above the static bound is none
-_BALANCED = 1e-5  # largest unbalanced force in parts of the load of the block it acts on
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
-_BRACKET = 1e-3  # how near strengths at which they do and do not are brought
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
-_FITS = 1e-3  # loads that fit on up to this part decide with the modes found
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
@@ -133,7 +138,7 @@ def limit_of_blocks(
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
         settled = None if proposal is None else proposal.limit(bond, bound.factor or math.inf)
-        if settled is not None and _off(model, settled) < _BALANCED:
+        if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
             return settled
         found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
@@ -159,44 +164,44 @@ def limit_of_blocks(
 
 
 def _limit(
-    model: AssemblyModel, found: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads_last: bool,
+    model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads_last: bool,
     carried: float | None,
 ) -> BlocksLimit:  # fmt: skip
     """What the path says, once every block has vouched for it."""
-    factor = 1.0 / found.parameter if found.parameter else None
+    factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
-    normal = np.maximum(found.normal, 0.0)  # a limit state may pull by what it is admissible to
+    normal = np.maximum(path_end.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
-    if found.outcome is PathOutcome.STANDS:
+    if path_end.outcome is PathOutcome.STANDS:
         outcome = Outcome.NO_DRIVING_FORCE
-    elif found.outcome is PathOutcome.NO_REST or factor is None:
-        outcome = Outcome.NO_REST if found.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
+    elif path_end.outcome is PathOutcome.NO_REST or factor is None:
+        outcome = Outcome.NO_REST if path_end.outcome is PathOutcome.NO_REST else Outcome.NOT_CONVERGED
     else:
-        basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(found.outcome, Basis.PEAK)
-        if found.peak is not None and basis is Basis.PEAK:
-            change = abs(found.peak[0] / found.peak[1] - 1.0)  # to the factor at which they run
-        off = _off(model, found)
-        if top is not None and factor > top > factor * (1.0 - _ABOVE):
+        basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
+        if path_end.peak is not None and basis is Basis.PEAK:
+            change = abs(path_end.peak[0] / path_end.peak[1] - 1.0)  # to the factor at which they run
+        off = _off(model, path_end)
+        if top is not None and factor > top > factor * (1.0 - BOUND_ACCURACY):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
-        if found.outcome is PathOutcome.GAVE_UP or off > _BALANCED or (top is not None and factor > top):
+        if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
     if outcome is not Outcome.SLIDES:
         factor, basis = None, Basis.NONE
-    velocity = frozen(found.motion.reshape(model.load.shape))
+    velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
-        outcome, factor, basis, change, velocity, frozen(normal), frozen(found.friction), frozen(bond), top,
-        None, None, carried, loads_last, steps, bound.steps, found.group, found.width,
+        outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
+        None, None, carried, loads_last, steps, bound.steps, path_end.group, path_end.width,
     )  # fmt: skip
 
 
-def _off(model: AssemblyModel, found: PathLimit) -> float:
+def _off(model: AssemblyModel, path_end: PathLimit) -> float:
     """Largest unbalanced force in parts of the load of the block it acts on."""
-    return float(np.abs(model.unbalanced(np.maximum(found.normal, 0.0), found.friction)).max())
+    return float(np.abs(model.unbalanced(np.maximum(path_end.normal, 0.0), path_end.friction)).max())
 
 
 def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: StaticBound, steps: int = 0) -> BlocksLimit:
     """No factor, and how the blocks set off."""
-    fastest = max(float(np.abs(motion).max(initial=0.0)), 1e-300)
+    fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     pairs = len(model.control_area)
     return BlocksLimit(
         outcome, None, Basis.NONE, 0.0, frozen(motion.reshape(model.load.shape) / fastest), frozen(np.zeros(pairs)),
@@ -224,11 +229,11 @@ def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tu
     lost, times = np.zeros(contacts, dtype=bool), np.zeros(contacts, dtype=np.int64)
     bond, whole = np.ones(len(model.control_area)), None
     for _ in range(_MOST_ROUNDS):
-        found = once(bond)
-        whole = found.parameter if whole is None else whole
-        if not found.found or not bonded.any():
-            return found, bond, whole
-        opens = _opens(model, found)
+        path_end = once(bond)
+        whole = path_end.parameter if whole is None else whole
+        if not path_end.found or not bonded.any():
+            return path_end, bond, whole
+        opens = _opens(model, path_end)
         breaks = opens & bonded & ~lost
         back = lost & ~opens & (times < 2)
         if breaks.any():
@@ -236,17 +241,17 @@ def _with_bonds(model: AssemblyModel, once: Callable[[Floats], PathLimit]) -> tu
         elif back.any():
             lost = lost & ~back
         else:
-            return found, bond, whole
+            return path_end, bond, whole
         bond = np.where(lost[model.pair_contact], 0.0, 1.0)
-    return replace(found, outcome=PathOutcome.GAVE_UP), bond, whole
+    return replace(path_end, outcome=PathOutcome.GAVE_UP), bond, whole
 
 
-def _opens(model: AssemblyModel, found: PathLimit) -> Bools:
+def _opens(model: AssemblyModel, path_end: PathLimit) -> Bools:
     """Contacts (k,) that a motion opens anywhere, beyond what slip opens by itself."""
-    opening, slip = model.opening_and_slip(found.motion)
+    opening, slip = model.opening_and_slip(path_end.motion)
     size = np.sqrt((slip * slip).sum(axis=1))
-    dilation = np.minimum(model.tan_dilation, found.reduction * model.tan_friction)
-    least = _OPENS if found.outcome is PathOutcome.LIMIT else _OPENS_ROUGHLY
+    dilation = np.minimum(model.tan_dilation, path_end.reduction * model.tan_friction)
+    least = NO_MOTION if path_end.outcome is PathOutcome.LIMIT else OPENS_ROUGHLY
     fastest = max(float(np.abs(opening).max()), float(size.max()))
     apart = opening - (dilation * size)[model.group_of_pair] > least * fastest
     opens: Bools = np.bincount(model.pair_contact, apart, len(model.plus)) > 0
@@ -261,12 +266,12 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
-    found, bond, _ = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
-    basis = Basis.LIMIT if found.outcome is PathOutcome.LIMIT else Basis.SETTLED
-    return found, BlocksLimit(
-        Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(found.motion.reshape(model.load.shape)),
-        frozen(found.normal), frozen(found.friction), frozen(bond), None, None, None, None, False,
-        found.factorisations, 0,
+    path_end, bond, _ = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
+    basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
+    return path_end, BlocksLimit(
+        Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
+        frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,
+        path_end.factorisations, 0,
     )  # fmt: skip
 
 
@@ -275,8 +280,8 @@ def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
     bound = static_bound(model)
     if bound.lifted:
         return None
-    found, *_ = _on_path(model, bond, bound, SHEAR_TO_NORMAL)
-    return found if found.parameter else None
+    path_end, *_ = _on_path(model, bond, bound, SHEAR_TO_NORMAL)
+    return path_end if path_end.parameter else None
 
 
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
@@ -291,27 +296,29 @@ def _on_path(
     start = _START / min(bound.factor or strongest, strongest)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
-    found = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
-    found = found or follow(bed, start, brief=live and bed.tangents == 1)
-    peak = found.outcome is PathOutcome.BRACKET and bed.tangents > 1
-    if (found.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
-        found = _at_once(bed, bond, ratio, 0.0 if found.peak is None else found.peak[1]) or found
-    if found.found or found.outcome is PathOutcome.STANDS:
-        return found, False, None, bed.factorisations
+    path_end = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
+    path_end = path_end or follow(bed, start, brief=live and bed.tangents == 1)
+    peak = path_end.outcome is PathOutcome.BRACKET and bed.tangents > 1
+    if (path_end.outcome is PathOutcome.GAVE_UP or peak) and not live and bed.size <= _PROPOSED:
+        path_end = _at_once(bed, bond, ratio, 0.0 if path_end.peak is None else path_end.peak[1]) or path_end
+    if path_end.found or path_end.outcome is PathOutcome.STANDS:
+        return path_end, False, None, bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
-    if live and (bed.tangents == 1 or found.outcome is not PathOutcome.BRACKET):
+    if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
         last, carried, work = _loads_last(model, bond, bound, ratio)
         return last, True, carried, work + bed.factorisations
-    locked = (found.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
-    if found.outcome is PathOutcome.BRACKET and locked:
-        found = replace(found, outcome=PathOutcome.NO_REST, parameter=None)  # a rest that needs many times the bound
-    return found, False, None, bed.factorisations
+    locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
+    if path_end.outcome is PathOutcome.BRACKET and locked:
+        path_end = replace(
+            path_end, outcome=PathOutcome.NO_REST, parameter=None
+        )  # a rest that needs many times the bound
+    return path_end, False, None, bed.factorisations
 
 
 def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimit | None:
     """The limit that is proposed, in balance, and not below the λ at which the blocks have run."""
     limit = proposed(bed, bond, ratio)
-    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > _BALANCED:
+    if limit is None or (limit.parameter or 0.0) < ran or _off(bed.model, limit) > LIMIT_BALANCED:
         return None
     return limit
 
@@ -331,35 +338,35 @@ def _loads_last(
     def carried(reduction: float) -> PathLimit:
         nonlocal work
         bed = Bed(model, Drive(whole - live, live, reduction), bond, ratio)
-        found = follow(bed, _FIRST_LOAD)
+        overloaded = follow(bed, _FIRST_LOAD)
         work += bed.factorisations
-        return found
+        return overloaded
 
-    def exact(found: PathLimit, reduction: float) -> PathLimit | None:
+    def exact(path_end: PathLimit, reduction: float) -> PathLimit | None:
         """The limit state in λ, at the whole load, of the modes of one in the load."""
-        if not found.found or abs((found.parameter or 0.0) - 1.0) > _FITS:
+        if not path_end.found or abs((path_end.parameter or 0.0) - 1.0) > LOADS_FIT:
             return None
         bed = Bed(model, Drive(whole), bond, ratio)
-        return limit_state(bed, found.displacement, found.motion, reduction)
+        return limit_state(bed, path_end.displacement, path_end.motion, reduction)
 
-    def fits_on(found: PathLimit) -> bool:
-        return found.outcome is PathOutcome.STANDS or (found.parameter or 0.0) >= 1.0
+    def fits_on(path_end: PathLimit) -> bool:
+        return path_end.outcome is PathOutcome.STANDS or (path_end.parameter or 0.0) >= 1.0
 
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
-    found: PathLimit | None = None
+    overloaded: PathLimit | None = None
     for times in STRONGER:
         last = carried(times * least)
         if fits_on(last):
             fits = times * least
             break
-        fails, found = times * least, last
+        fails, overloaded = times * least, last
     if fits is None:
-        assert found is not None
+        assert overloaded is not None
         full = carried(1.0)
-        return replace(found, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
-    while fits / fails - 1.0 > _BRACKET:
-        state = None if found is None else exact(found, fails)
+        return replace(overloaded, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
+    while fits / fails - 1.0 > LOADS_BRACKET:
+        state = None if overloaded is None else exact(overloaded, fails)
         if state is not None and fails * (1.0 - 1e-9) <= (state.parameter or 0.0) <= fits * (1.0 + 1e-9):
             return state, None, work
         middle = math.sqrt(fits * fails)
@@ -367,7 +374,7 @@ def _loads_last(
         if fits_on(trial):
             fits, last = middle, trial
         else:
-            fails, found = middle, trial
+            fails, overloaded = middle, trial
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
@@ -378,10 +385,10 @@ def _loads_last(
             break
         rested = flow.at
     forces = bed.forces(rested, fits)
-    settled = forces.residual < _BALANCED * bed.load_size
+    settled = forces.residual < LIMIT_BALANCED * bed.load_size
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
-        found or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
+        overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
         friction=forces.friction, residual=forces.residual / bed.load_size,
     )  # fmt: skip
     return peak, None, work

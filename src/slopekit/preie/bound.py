@@ -17,13 +17,10 @@ from slopekit.arrays import Floats
 from slopekit.preie.distance import StaticBound, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import BOUND_BEYOND, BOUND_LACKS, BOUND_PROVED, NO_OPENING
 
 _MOST_STEPS = 40  # of Newton's method
 _MOST_PAIRS = 7_500  # beyond, cone programs take minutes
-_BEYOND = 1e3  # times the limit: joints that dilate lock the block, there is no bound worth a number
-_LACKS = 1e-6  # of the limit: where the bound is lower by more, its search or that of the limit has lost its way
-_PROVED = 1e-9  # of the load: forces that leave no more balance it
-_TANGENT = 1e-9  # opening below this part of the slip is none
 
 
 def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bool = True) -> StaticBound:
@@ -43,7 +40,7 @@ def static_bound(model: Model, velocity: Floats, limit: float, of_its_motion: bo
         return _by_programs(model, velocity, limit)
     if not model.tan_friction.any():
         slip = float(model.slip(velocity).max())
-        if float(np.abs(model.normal_rows @ velocity).max()) <= _TANGENT * slip:
+        if float(np.abs(model.normal_rows @ velocity).max()) <= NO_OPENING * slip:
             # no friction, and nothing opens: the limit's mechanism is the bound's, and its forces balance
             return StaticBound(limit, False, False, velocity, np.zeros(len(model.control_area)), 0)
     if not len(model.bolt_capacity):
@@ -111,7 +108,7 @@ def _two_joint_bound(model: Model, velocity: Floats, limit: float) -> StaticBoun
         v, reduction = v + step[:3], reduction + float(step[3])
     else:
         return None
-    if not 0.0 < reduction <= (1.0 + _PROVED) / limit:
+    if not 0.0 < reduction <= (1.0 + BOUND_PROVED) / limit:
         return None
     normal_force = _balancing(model, v, reduction)
     if normal_force is None:
@@ -128,7 +125,7 @@ def _balancing(model: Model, v: Floats, reduction: float) -> Floats | None:
     columns = model.normal_rows - (reduction * model.tan_friction)[:, None] * against
     target = -model.load + (reduction * model.cohesion) @ against
     normal_force, rest = bounded_least_squares(columns.T, target, np.full(len(columns), np.inf))
-    return normal_force if float(np.abs(rest).max()) < _PROVED else None
+    return normal_force if float(np.abs(rest).max()) < BOUND_PROVED else None
 
 
 def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
@@ -138,8 +135,8 @@ def _by_programs(model: Model, velocity: Floats, limit: float) -> StaticBound:
         return none
     from slopekit.preie.assembly import one_block  # only a bound that moments govern pays for SciPy and Clarabel
 
-    found = bound_by_programs(one_block(model), 1.0 / limit)
-    if found is None or found.factor is None or not (1.0 - _LACKS) * limit < found.factor < _BEYOND * limit:
+    bound = bound_by_programs(one_block(model), 1.0 / limit)
+    if bound is None or bound.factor is None or not (1.0 - BOUND_LACKS) * limit < bound.factor < BOUND_BEYOND * limit:
         return none
-    normal = found.normal_force[: len(model.control_area)]
-    return replace(found, factor=max(found.factor, limit), normal_force=normal)
+    normal = bound.normal_force[: len(model.control_area)]
+    return replace(bound, factor=max(bound.factor, limit), normal_force=normal)

@@ -20,20 +20,26 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.distance import NEAR, NOTHING, Distance, StaticBound, bound_by_programs
+from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
+from slopekit.preie.tolerances import (
+    BOUND_BALANCED,
+    CARRIES,
+    CLOSE,
+    HARDLY_MOVES,
+    LEAST_REDUCTION,
+    LIFTED_BALANCED,
+    LIFTED_SHED,
+    NEAR,
+    REACHES,
+    WIDEST_RANGE,
+)
 from slopekit.strength.mohr_coulomb import line
 
-_CLOSE = 3e-7  # complementarity of a settled load factor, in parts of it
-_BALANCES = 1e-4  # unbalanced force of a bound, in parts of the load of the block it acts on
 _STEPS = 150  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
-_SHED = 1e-3  # of the load: nothing balances it
-_BALANCED = 2e-2  # largest unbalanced force of a bound that says so
-_HARDLY_MOVES, _CARRIES, _CLEANED = 1e-3, 1e-6, 1500  # parts that are none: of motions, forces; unknowns cleaned
-_REACHES = 1e-9  # distance from the mechanism's forces, in parts of the load, that is none
-_WIDEST = 50.0  # times the factor: a range that goes on is cut there
+_CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
 
 
 def static_bound(model: AssemblyModel) -> StaticBound:
@@ -41,35 +47,35 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     say("static bound")
     size = len(model.load)
     if model.unknowns == 6 and _FEW < size <= _MOST_PROGRAMS:
-        found = bound_by_programs(model)
-        if found is not None:
-            return found
+        exact_bound = bound_by_programs(model)
+        if exact_bound is not None:
+            return exact_bound
     program = BlockProgram(model)
     program.elastic *= _HARDLY
-    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, _CLOSE, _STEPS)
+    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, _STEPS)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
         return StaticBound(None, True, False, program.release(), at.normal, steps)
-    if at_once.settled and at_once.unbalanced < _BALANCES:
-        locked = at.load_factor < NOTHING
+    if at_once.settled and at_once.unbalanced < BOUND_BALANCED:
+        locked = at.load_factor < LEAST_REDUCTION
         known = StaticBound(None if locked else 1.0 / at.load_factor, False, locked, at.velocity, at.normal, steps)
         if model.unknowns == 3 or locked or size > _MOST_PROGRAMS:
             return known
         # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
-        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - _BALANCES) / at.load_factor else known
-    found = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
-    if found is not None:
-        return found
+        return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_BALANCED) / at.load_factor else known
+    exact_bound = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
+    if exact_bound is not None:
+        return exact_bound
     summed = model.by_group(program.start.normal)
     dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
-    lifted = _is_lifted(program.solve(dilating, program.start, _CLOSE, _STEPS))
+    lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 
-def _is_lifted(found: ProgramResult) -> bool:
+def _is_lifted(solution: ProgramResult) -> bool:
     """Whether no strength however high balances the loads."""
-    return found.at.shed > _SHED and found.unbalanced < _BALANCED
+    return solution.at.shed > LIFTED_SHED and solution.unbalanced < LIFTED_BALANCED
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------
@@ -90,7 +96,7 @@ def mechanism_range(
     """
     say("range of the mechanism")
     away = Distance(model, _cleaned(model, velocity, forces, factor), bond)
-    if away.at(1.0 / factor).distance > 1e3 * _REACHES:
+    if away.at(1.0 / factor).distance > 1e3 * REACHES:
         return None
     ends = []
     for way in (1.0, -1.0):  # λ up: the lowest factor
@@ -105,10 +111,10 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
     while True:
         outside *= stride**way
         far = away.at(outside)
-        if far.distance > _REACHES:
+        if far.distance > REACHES:
             break
         inside = outside
-        if not 1.0 / _WIDEST < outside * stride**way / inside < _WIDEST or stride > _WIDEST:
+        if not 1.0 / WIDEST_RANGE < outside * stride**way / inside < WIDEST_RANGE or stride > WIDEST_RANGE:
             return None
         stride = stride * stride
     while abs(outside / inside - 1.0) > NEAR:
@@ -118,7 +124,7 @@ def _end(away: Distance, inside: float, way: float) -> float | None:
         if not min(inside, outside) < trial < max(inside, outside):
             trial = math.sqrt(inside * outside)
         there = away.at(trial)
-        if there.distance > _REACHES:
+        if there.distance > REACHES:
             outside, far = trial, there
         else:
             inside = trial
@@ -135,13 +141,13 @@ def _cleaned(model: AssemblyModel, velocity: Floats, forces: tuple[Floats, Float
     if model.tan_dilation.any() or model.load.size > _CLEANED:
         return velocity
     normal, friction = forces
-    pressed = normal > _CARRIES * float(normal.max(initial=0.0))
+    pressed = normal > CARRIES * float(normal.max(initial=0.0))
     opening, slip = model.opening_and_slip(velocity)
     size, carried = (np.sqrt((of * of).sum(axis=1)) for of in (slip, friction))
-    hardly = _HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
+    hardly = HARDLY_MOVES * max(float(np.abs(opening).max()), float(size.max()))
     strength = line(model.by_group(model.cohesion), model.tan_friction, model.by_group(normal)) / factor
-    sticks = (carried < (1.0 - _HARDLY_MOVES) * strength) & (size < hardly)
-    sticks &= ~model.bolted | (carried > _HARDLY_MOVES * strength)  # a slack bolt may get shorter
+    sticks = (carried < (1.0 - HARDLY_MOVES) * strength) & (size < hardly)
+    sticks &= ~model.bolted | (carried > HARDLY_MOVES * strength)  # a slack bolt may get shorter
     still = np.concatenate([pressed & (np.abs(opening) < hardly), np.repeat(sticks, slip.shape[1])])
     rows = model.kinematics[np.flatnonzero(still)].toarray()
     change, *_ = np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)

@@ -10,8 +10,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.kernels import compiled
-
-_LEAST = 1e-300
+from slopekit.preie.tolerances import TINY
 
 
 def along_rows(a: Floats, b: Floats) -> Floats:
@@ -51,7 +50,7 @@ def longest_step_to_zero(point: Floats, step: Floats) -> float:
 
 def determinant(point: Floats) -> Floats:
     """x0² - |x1|² of each row, kept above zero."""
-    size: Floats = np.maximum(point[:, 0] ** 2 - along_rows(point[:, 1:], point[:, 1:]), _LEAST)
+    size: Floats = np.maximum(point[:, 0] ** 2 - along_rows(point[:, 1:], point[:, 1:]), TINY)
     return size
 
 

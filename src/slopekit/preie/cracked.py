@@ -20,28 +20,31 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.linear import split_space
-from slopekit.preie.polygon_bed import Bed, PointForces, Springs, Unbalanced
+from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
+from slopekit.preie.tolerances import (
+    BED_BALANCED,
+    FINER_PRESSED,
+    LEVEL,
+    PATH_ENDS,
+    SAME_FOLD,
+    SAME_RUN,
+    SHORTEST_PATH_STEP,
+    STILL,
+    TINY,
+)
 
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
-_FINER = 3e-4  # what splitting once more would do to F: beyond it, it is done
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
-_BALANCED = 1e-11  # unbalanced force in parts of the load
 _MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
-_SHORTEST = 1e-6  # a step along the path as short as this, in parts of the displacement, meets a corner
 _MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
-_LEAST_PART = 1e-6  # of λ: no rest even at so little less strength is the end of the path
 _BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
-_LEVEL = 1e-7  # slope of ln λ along the path that counts as none: λ is within its square of the least
 _STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
 _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _FLOWS = 30.0  # times the displacement: what flows so far runs
 _MOST_FLOW = 40  # steps of viscous flow
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
-_NEAR = 0.05  # a running state farther from the λ of a path that runs than this part is another one
-_SAME = 1e-5  # the same, from a least λ: rounding may show one on a path that is level because it runs
-_STILL = 1e-9  # motion along the path, per change of ln λ, that is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,7 @@ class CrackedBase:
     points: int = 0
 
 
-def cracked_base(bed: Bed, guess: float) -> CrackedBase:
+def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
     """Follow the block on its elastic bed from a strength that holds it to the least that does.
 
     Parameters
@@ -80,13 +83,13 @@ def cracked_base(bed: Bed, guess: float) -> CrackedBase:
     guess : a factor of safety of about the right size; the path starts at a quarter of it or less
     """
     for split in range(_SPLIT, _MOST_SPLIT + 1):
-        found = cracked_limit(bed, guess, split)
-        if found.factor is None or found.change < _FINER:
+        base = cracked_limit(bed, guess, split)
+        if base.factor is None or base.change < FINER_PRESSED:
             break
-    return found
+    return base
 
 
-def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
+def cracked_limit(bed: PolygonBed, guess: float, split: int) -> CrackedBase:
     """The same, on triangles that are split in four `split` times."""
     path = _Path(bed, split)
     begun = path.start(_STRONG / guess)
@@ -96,7 +99,7 @@ def cracked_limit(bed: Bed, guess: float, split: int) -> CrackedBase:
 
 
 @dataclass(frozen=True, slots=True)
-class _Point:
+class _PathPoint:
     """A point of the path: u, ln λ, and the unit tangent of the two."""
 
     u: Floats
@@ -107,9 +110,9 @@ class _Point:
 class _Path:
     """The elastic path of one bed."""
 
-    def __init__(self, bed: Bed, split: int) -> None:
+    def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed, self.split = bed, split
-        self.springs = Springs(bed, split)
+        self.springs = BedSprings(bed, split)
         self.points = self.work = 0
 
     def forces(
@@ -126,12 +129,12 @@ class _Path:
         most = reduction * _HARDEST
         while reduction < most:
             for guess in (bonded, stuck):
-                found = None if guess is None else self._rest(guess, reduction)
-                if found is not None:
-                    return found, reduction
-            found = self._flow(bonded, reduction)
-            if found is not None:
-                return found, reduction
+                rest = None if guess is None else self._rest(guess, reduction)
+                if rest is not None:
+                    return rest, reduction
+            rest = self._flow(bonded, reduction)
+            if rest is not None:
+                return rest, reduction
             reduction *= 4.0
         return None
 
@@ -142,7 +145,7 @@ class _Path:
         out = at.out
         size = float(np.abs(out).max())
         for _ in range(2 * _MOST_NEWTON):
-            if size < _BALANCED * max(1.0, reduction):
+            if size < BED_BALANCED * max(1.0, reduction):
                 return u
             try:
                 step = -np.linalg.solve(at.by_opening + at.by_slip - drag, out)
@@ -168,14 +171,14 @@ class _Path:
         for _ in range(_MOST_FLOW):
             if self.work > _MOST_WORK:
                 return None
-            found = self._rest(u, reduction, slow=slow)
-            if found is None:
+            at_rest = self._rest(u, reduction, slow=slow)
+            if at_rest is None:
                 slow *= 4.0
                 if slow > _STIFFEST:
                     return None
                 continue
-            moved = found - u
-            u, slow = found, slow * 0.2
+            moved = at_rest - u
+            u, slow = at_rest, slow * 0.2
             rest = self._rest(u, reduction)
             if rest is not None:
                 return rest
@@ -196,7 +199,7 @@ class _Path:
             return None
         return np.asarray(tangent / math.sqrt(float(tangent @ tangent)), dtype=np.float64)
 
-    def _step(self, point: _Point, length: float) -> tuple[_Point, int] | None:
+    def _step(self, point: _PathPoint, length: float) -> tuple[_PathPoint, int] | None:
         """The point of the path that lies `length` along the tangent, in parts of the displacement so far."""
         scale = math.sqrt(float(point.u @ point.u))
         count = len(point.u)
@@ -209,14 +212,14 @@ class _Path:
             u, reduction = y[:count] * scale, math.exp(float(y[count]))
             at = self.forces(u, u, reduction, False)
             size = float(np.abs(at.out).max())
-            if size < _BALANCED * max(1.0, reduction):
+            if size < BED_BALANCED * max(1.0, reduction):
                 tangent = self._tangent(at, reduction, scale, point.tangent)
                 if tangent is None or float(tangent @ point.tangent) < 0.0:
                     return None
                 # the next step is measured in this point's own displacement
                 renewed = np.append(tangent[:count] * scale, tangent[count])
                 renewed[:count] /= math.sqrt(float(u @ u))
-                return _Point(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
+                return _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
             if used > 4 and size > last:
                 return None
             last = size
@@ -243,10 +246,10 @@ class _Path:
             if self.work > _MOST_WORK:
                 is_fold = True
                 break
-            found = self._step(point, length)
-            if found is None:
+            stepped = self._step(point, length)
+            if stepped is None:
                 length /= 4.0
-                if length > _SHORTEST:
+                if length > SHORTEST_PATH_STEP:
                     continue
                 onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
                 if onward is None:
@@ -254,7 +257,7 @@ class _Path:
                     break
                 after, length = onward, 0.01
             else:
-                after, used = found
+                after, used = stepped
                 if point.tangent[-1] < 0.0 < after.tangent[-1]:
                     fold = self._least(point, length)
                     if fold.log_reduction < best.log_reduction:
@@ -270,17 +273,17 @@ class _Path:
                 if onward is not None:
                     point = best = onward
                     length, is_fold = 0.01, False
-        running = self._running(best, _SAME if is_fold else _NEAR)
+        running = self._running(best, SAME_FOLD if is_fold else SAME_RUN)
         return running or self._at_rest(best, not is_fold)
 
-    def _begin(self, u: Floats, reduction: float) -> _Point | None:
+    def _begin(self, u: Floats, reduction: float) -> _PathPoint | None:
         """A state of rest as a point of the path that goes on toward less strength."""
         at = self.forces(u, u, reduction, False)
         down = np.append(np.zeros(len(u)), -1.0)
         tangent = self._tangent(at, reduction, math.sqrt(float(u @ u)), down)
-        return None if tangent is None else _Point(u, math.log(reduction), tangent)
+        return None if tangent is None else _PathPoint(u, math.log(reduction), tangent)
 
-    def _march(self, point: _Point, least: float = _LEAST_PART) -> _Point | None:
+    def _march(self, point: _PathPoint, least: float = PATH_ENDS) -> _PathPoint | None:
         """On from a state of rest by lowering λ alone: the farthest state that is found; None where there is none."""
         part = _MARCH
         while part > least:
@@ -292,32 +295,32 @@ class _Path:
             part /= 5.0
         return None
 
-    def _least(self, point: _Point, length: float) -> _Point:
+    def _least(self, point: _PathPoint, length: float) -> _PathPoint:
         """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
         low, high, best = 0.0, length, point
         at_low, at_high = float(point.tangent[-1]), 1.0
         side = 0
         for count in range(30):
             at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
-            found = self._step(point, at)
-            if found is None:
+            stepped = self._step(point, at)
+            if stepped is None:
                 break
-            turns = float(found[0].tangent[-1])
-            if found[0].log_reduction < best.log_reduction:
-                best = found[0]
+            turns = float(stepped[0].tangent[-1])
+            if stepped[0].log_reduction < best.log_reduction:
+                best = stepped[0]
             if turns > 0.0:
                 high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
                 side = 1
             else:
                 low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
                 side = -1
-            if abs(turns) < _LEVEL or high - low < _LEVEL * length:
+            if abs(turns) < LEVEL or high - low < LEVEL * length:
                 break
         return best
 
     # -- the running state --------------------------------------------------------------------------------
 
-    def _running(self, point: _Point, near: float) -> CrackedBase | None:
+    def _running(self, point: _PathPoint, near: float) -> CrackedBase | None:
         """The state that the path settles to, by Newton's method; None where there is none as near as that in λ."""
         motion = _motion(point)
         closed = []
@@ -345,7 +348,7 @@ class _Path:
             matrix[:count, first:count] = at.by_opening @ rest
             matrix[:count, count] = at.by_reduction
             matrix[count, :first] = along
-            unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+            unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
             try:
                 step = -np.linalg.solve(matrix * unit, out) * unit
             except np.linalg.LinAlgError:
@@ -366,7 +369,7 @@ class _Path:
             change / reduction, size, self.points,
         )  # fmt: skip
 
-    def _at_rest(self, point: _Point, creeps: bool) -> CrackedBase:
+    def _at_rest(self, point: _PathPoint, creeps: bool) -> CrackedBase:
         """A limit at a point of the path."""
         u, reduction = point.u, math.exp(point.log_reduction)
         scale, count = math.sqrt(float(u @ u)), len(u)
@@ -382,19 +385,19 @@ class _Path:
             float(np.abs(at.out).max()), self.points,
         )  # fmt: skip
 
-    def _change(self, forces: Callable[[Springs], Unbalanced], matrix: Floats) -> float:
+    def _change(self, forces: Callable[[BedSprings], Unbalanced], matrix: Floats) -> float:
         """What the last unknown moves by when triangles are split once more, to first order."""
-        finer = forces(Springs(self.bed, self.split + 1)).out
+        finer = forces(BedSprings(self.bed, self.split + 1)).out
         try:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
 
 
-def _motion(point: _Point) -> Floats:
+def _motion(point: _PathPoint) -> Floats:
     """The unit motion on from a point; that so far where less strength does not move it (all of it sticks)."""
     motion = point.tangent[:-1]
     size = math.sqrt(float(motion @ motion))
-    if size < _STILL:
+    if size < STILL:
         motion, size = point.u, math.sqrt(float(point.u @ point.u))
     return np.asarray(motion / size, dtype=np.float64)

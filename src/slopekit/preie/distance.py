@@ -17,19 +17,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.preie.tolerances import (
+    CLOSE,
+    LEAST_REDUCTION,
+    LIGHTEST,
+    NEAR,
+    NO_MOTION,
+    ROUGHLY_CLOSE,
+    ROUGHLY_SOLVED,
+    SOLVED,
+    TINY,
+)
 
 if TYPE_CHECKING:  # one block needs no sparse matrices before it comes to programs
     from slopekit.preie.assembly import AssemblyModel
 
-SOLVED = 1e-9  # tolerance of a cone program
-NEAR = 1e-5  # a Newton step of λ this small ends a search: the next would be its square
-NOTHING = 1e-6  # λ below this: forces balance without friction; above its inverse: at none
-_ROUGH, _ROUGHLY = 1e-4, 2e-2  # tolerance of a cone program while λ changes by more than the second
-_LIGHTEST = 1e-9  # of the heaviest block's load: a lighter block balances to a part of this
-_MOVES = 1e-6  # opening or slip of a mechanism in parts of its fastest that is none
 _SPARE = -1.0  # of the lighter block's load, that friction may fall short of its strength everywhere
 _LEFT = 0.99  # of that: beyond it the distance says nothing of λ
-_CLOSE = 3e-7  # width of a bracket of λ, in parts of it
 _MOST_TRIALS, _MOST_DOUBTS = 60, 4  # of λ, and of a λ below which a program gave up
 
 
@@ -55,7 +59,7 @@ class StaticBound:
 
 
 @dataclass(frozen=True, slots=True)
-class Far:
+class DistanceAt:
     """The distance s in parts of the load, infinite where the program gave up, and ds/dλ; N (m,) and a motion (N,)."""
 
     distance: float
@@ -79,12 +83,12 @@ class Distance:
 
         opening, slip = model.opening_and_slip(velocity)
         size = np.sqrt((slip * slip).sum(axis=1))
-        fastest = max(float(np.abs(opening).max()), float(size.max()), 1e-300)
+        fastest = max(float(np.abs(opening).max()), float(size.max()), TINY)
         pairs, groups, tangents = len(opening), *slip.shape
-        opens = opening - (model.tan_dilation * size)[model.group_of_pair] > _MOVES * fastest
+        opens = opening - (model.tan_dilation * size)[model.group_of_pair] > NO_MOTION * fastest
         opens[model.joint_pairs.stop :] = True
-        slips = size > _MOVES * fastest
-        direction = np.where(slips[:, None], slip / np.maximum(size, 1e-300)[:, None], 0.0)
+        slips = size > NO_MOTION * fastest
+        direction = np.where(slips[:, None], slip / np.maximum(size, TINY)[:, None], 0.0)
         cohesion = model.by_group(model.cohesion * bond)
         cohesion = np.where(model.bolted, 0.5 * cohesion, cohesion)  # about the middle of what a bolt may pull
         gather = sparse.csr_matrix((np.ones(pairs), (model.group_of_pair, np.arange(pairs))), shape=(groups, pairs))
@@ -94,7 +98,7 @@ class Distance:
             shape=(groups * tangents, groups),
         )
         own = np.sqrt((model.load * model.load).sum(axis=1))
-        lightest = _LIGHTEST * float(own.max())
+        lightest = LIGHTEST * float(own.max())
         # each block balances in parts of its own load, each contact counts by that of the lighter block
         self.parts = 1.0 / np.repeat(np.maximum(own, lightest), model.unknowns)
         lighter = np.minimum(own[model.plus], np.where(model.minus < 0, np.inf, own[model.minus]))
@@ -137,7 +141,7 @@ class Distance:
         ]  # fmt: skip
         self.pairs = pairs
 
-    def at(self, reduction: float, tolerance: float = SOLVED) -> Far:
+    def at(self, reduction: float, tolerance: float = SOLVED) -> DistanceAt:
         """The distance at one λ."""
         import clarabel
 
@@ -150,13 +154,13 @@ class Distance:
         cost[-1] = 1.0
         self.matrix.data = self.of_still + reduction * self.of_grows
         right = self.right + reduction * self.right_grows
-        found = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
-        x, dual = np.array(found.x), np.array(found.z)
+        solution = clarabel.DefaultSolver(self.cost, cost, self.matrix, right, self.cones, settings).solve()
+        x, dual = np.array(solution.x), np.array(solution.z)
         motion = self.parts * dual[: len(self.parts)]
         normal = np.maximum(x[: self.pairs], 0.0)
-        if not str(found.status).startswith(("Solved", "AlmostSolved")):
-            return Far(math.inf, 0.0, normal, motion)
-        return Far(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
+        if not str(solution.status).startswith(("Solved", "AlmostSolved")):
+            return DistanceAt(math.inf, 0.0, normal, motion)
+        return DistanceAt(float(x[-1]), float(dual @ (self.grows @ x - self.right_grows)), normal, motion)
 
 
 def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0) -> StaticBound | None:
@@ -169,8 +173,8 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
     start : λ to begin with; steps : work done before
     """
     program = Distance(model, np.zeros(model.load.size), np.ones(len(model.control_area)), _SPARE)
-    reduction, tolerance, low, high = start, _ROUGH, 0.0, math.inf
-    best: Far | None = None
+    reduction, tolerance, low, high = start, ROUGHLY_SOLVED, 0.0, math.inf
+    best: DistanceAt | None = None
     doubts = 0
     motion = np.zeros(model.load.size)
 
@@ -183,30 +187,30 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
         far = program.at(reduction, tolerance)
         newton = far.slope < 0.0 and _LEFT * _SPARE < far.distance < math.inf
         trial = reduction - far.distance / far.slope if newton else 10.0 * reduction
-        if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < _ROUGHLY:
+        if tolerance > SOLVED and newton and abs(trial / reduction - 1.0) < ROUGHLY_CLOSE:
             reduction, tolerance, low, high = trial, SOLVED, 0.0, math.inf  # rough distances may have the wrong sign
             continue
         if far.distance > 0.0:  # also where the program gave up: it did not find any
             low, motion = reduction, far.motion
         else:
             high, best = reduction, far
-        if tolerance > SOLVED and high < low * (1.0 + _ROUGHLY):  # its ends are as rough as the programs were
-            low, high, tolerance = low / (1.0 + _ROUGHLY), high * (1.0 + _ROUGHLY), SOLVED
+        if tolerance > SOLVED and high < low * (1.0 + ROUGHLY_CLOSE):  # its ends are as rough as the programs were
+            low, high, tolerance = low / (1.0 + ROUGHLY_CLOSE), high * (1.0 + ROUGHLY_CLOSE), SOLVED
             reduction = math.sqrt(low * high)
             continue
         if newton and abs(trial / reduction - 1.0) < NEAR:
             best, motion = far, far.motion
             return bound(trial)
-        if high < low * (1.0 + _CLOSE):
-            spare = best is not None and _LEFT * _SPARE < best.distance < -_ROUGH and best.slope < 0.0
+        if high < low * (1.0 + CLOSE):
+            spare = best is not None and _LEFT * _SPARE < best.distance < -ROUGHLY_SOLVED and best.slope < 0.0
             if best is None or not spare or doubts == _MOST_DOUBTS:
                 return bound(high)
             # so much to spare, and nothing just below: a program had given up there
             reduction, low, doubts = high - best.distance / best.slope, 0.0, doubts + 1
             continue
-        if reduction < NOTHING:
+        if reduction < LEAST_REDUCTION:
             return bound(None, locked=True)
-        if low > 1.0 / NOTHING:
+        if low > 1.0 / LEAST_REDUCTION:
             break
         if not low < trial < high:
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high

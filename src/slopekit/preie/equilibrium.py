@@ -13,13 +13,12 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY
 
-_TOLERANCE = 1e-9  # unbalanced force in parts of the load; Newton aims at a thousandth of it
 _MOST_STEPS = 50  # of Newton's method: what needs more has lost its way
 _MOST_RELEASES = 30  # rounds of pairs that debond
 BOLT_GIVE_M = 1e-3  # a passive bolt carries its full capacity once it is drawn out by this much
 _RAMP = (0.03, 0.1, 0.3, 0.6, 1.0)  # parts of the load, where all of it at once is too much for Newton
-_SMALLEST_STEP = 1e-5  # of ln F: a factor that no shorter step reaches has no equilibrium
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +106,7 @@ def equilibrium(
             stride *= 2.0
         else:
             stride = min(stride, remaining) / 3.0
-            if stride < _SMALLEST_STEP:
+            if stride < SHORTEST_STRIDE:
                 return replace(trial, factor=factor)
     return state if remaining > 0.0 else replace(state, factor=factor)
 
@@ -117,17 +116,17 @@ def _settle(
 ) -> Equilibrium:
     """Newton until the forces balance, again while pairs debond (Table 2); a bond once broken stays so."""
     scaled = start
-    rounding = _TOLERANCE * model.force_scale / model.area_scale
+    rounding = EQUILIBRIUM * model.force_scale / model.area_scale
     for _ in range(_MOST_RELEASES):
         scaled, law, residual = _newton(model, physical, factor, stiffness, scaled, debonded)
         broken: Bools = ~debonded & breaks(law, physical.tension, factor, rounding)
-        if residual > _TOLERANCE or not broken.any():
+        if residual > EQUILIBRIUM or not broken.any():
             break
         debonded = debonded | broken
     forces = law.tractions * physical.area[:, None]
     to_metres = np.where(np.arange(model.unknowns) < model.translations, model.length_scale, 1.0)
     return Equilibrium(
-        residual <= _TOLERANCE, factor, scaled * to_metres, forces, law.modes, residual, scaled, debonded
+        residual <= EQUILIBRIUM, factor, scaled * to_metres, forces, law.modes, residual, scaled, debonded
     )
 
 
@@ -151,7 +150,7 @@ def _newton(
     out, law = unbalanced(scaled)
     size = float(np.abs(out).max())
     for _ in range(_MOST_STEPS):
-        if size <= _TOLERANCE * 1e-3:
+        if size <= EQUILIBRIUM * 1e-3:
             break
         slopes = law.slopes * (weight * model.length_scale)[:, None, None]
         matrix = model.flat_rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
@@ -159,7 +158,7 @@ def _newton(
             pull = -stretch * (model.bolt_rows @ scaled)
             springs = np.where((pull > 0.0) & (pull < bolts), stretch, 0.0)
             matrix = matrix - (model.bolt_rows.T * springs) @ model.bolt_rows
-        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
         try:
             step = -np.linalg.solve(matrix * unit, out) * unit
         except np.linalg.LinAlgError:

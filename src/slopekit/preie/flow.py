@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.errors import SolverError
-from slopekit.preie.bed import Bed, Forces, Step
+from slopekit.preie.bed import Bed, BedForces, NewtonStep
 
 EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not
 THICK = 1e-2  # viscosity in parts of the elastic stiffness, to go on with
@@ -29,20 +29,26 @@ class Flow:
     """Blocks in viscous flow: displacement, the one before, the viscosity of the last step, and how it ended."""
 
     at: Floats
-    forces: Forces
+    forces: BedForces
     ended: str  # rest, runs, slow, lost
     before: Floats
     viscosity: float
 
 
 def relaxed(
-    bed: Bed, at: Floats, parameter: float, viscosity: float, most: int = 80, far: float = 1e2, patience: int = 10000
+    bed: Bed,
+    at: Floats,
+    parameter: float,
+    viscosity: float,
+    most: int = 80,
+    runs_at: float = 1e2,
+    patience: int = 10000,
 ) -> Flow:
     """Let the blocks flow until they rest or run; viscosity 0 tries Newton's method first.
 
     Parameters
     ----------
-    far : work in parts of the elastic at which they run, in space from where they are
+    runs_at : work in parts of the elastic at which they run, in space from where they are
     patience : factorisations after which it is left for later
     """
     before, last, fails, least, begun = at, viscosity, 0, _THIN, 0.0
@@ -62,7 +68,7 @@ def relaxed(
         before, at, last, fails = at, step.at, viscosity, 0
         if viscosity == 0.0 or step.forces.balanced(step.forces.residual):
             return Flow(at, step.forces, "rest", before, last)
-        if abs(float(bed.working @ at)) > begun + far * bed.elastic_work:
+        if abs(float(bed.working @ at)) > begun + runs_at * bed.elastic_work:
             return Flow(at, step.forces, "runs", before, last)
         least = max(_GENTLY * least, _THIN)
         viscosity = max(EASES * viscosity, least)
@@ -71,7 +77,7 @@ def relaxed(
 
 def stepped(
     bed: Bed, at: Floats, before: Floats, parameter: float, viscosity: float, work: float | None = None
-) -> Step:
+) -> NewtonStep:
     """Balance of the forces and of viscous flow away from `before`.
 
     Newton downhill; where that stalls a few blocks by themselves, full steps, which may climb, and, without `work`,
@@ -81,26 +87,26 @@ def stepped(
     ----------
     work : of the driving load, to be met by changing the parameter as well; None: the parameter stays
     """
-    found = bed.newton(at, before, parameter, viscosity, work, downhill=True)
+    step = bed.newton(at, before, parameter, viscosity, work, downhill=True)
     many = bed.tangents > 1 and len(bed.model.load) >= _MANY
-    if many and work is None and not found.settled:
-        found = _eliminated(bed, found, before, viscosity)
-    if found.settled or (viscosity == 0.0 and work is None):
-        return found
-    found = bed.newton(at, before, parameter, viscosity, work, downhill=False)
-    if found.settled or work is not None or (many and viscosity < _THICKEST):
-        return found
+    if many and work is None and not step.settled:
+        step = _eliminated(bed, step, before, viscosity)
+    if step.settled or (viscosity == 0.0 and work is None):
+        return step
+    step = bed.newton(at, before, parameter, viscosity, work, downhill=False)
+    if step.settled or work is not None or (many and viscosity < _THICKEST):
+        return step
     return _by_passes(bed, before, parameter, viscosity)
 
 
-def _eliminated(bed: Bed, found: Step, before: Floats, viscosity: float) -> Step:
+def _eliminated(bed: Bed, last_step: NewtonStep, before: Floats, viscosity: float) -> NewtonStep:
     """Newton's method on all blocks, with those out of balance settled first while all others are held.
 
     By turns those alone, and with their neighbours.
     """
     size, last = bed.model.unknowns, np.inf
     for turn in range(_ROUNDS):
-        _, off = bed.off(found.at, before, found.parameter, viscosity)
+        _, off = bed.unbalanced_parts(last_step.at, before, last_step.parameter, viscosity)
         off = np.abs(off / bed.unbalanced_at_most).reshape(-1, size).max(axis=1)
         out = off > _ENOUGH
         worst = float(off.max())
@@ -113,26 +119,26 @@ def _eliminated(bed: Bed, found: Step, before: Floats, viscosity: float) -> Step
         if len(blocks) > _FEW * len(out):
             break
         those = (blocks[:, None] * size + np.arange(size)).ravel()
-        few = bed.among(blocks, found.at)
+        few = bed.among(blocks, last_step.at)
         if viscosity:
-            step = stepped(few, found.at[those], before[those], found.parameter, viscosity)
+            step = stepped(few, last_step.at[those], before[those], last_step.parameter, viscosity)
             settled, there = step.settled, step.at
         else:
-            flow = relaxed(few, found.at[those], found.parameter, 0.0, far=1e6, patience=_WORK)
+            flow = relaxed(few, last_step.at[those], last_step.parameter, 0.0, runs_at=1e6, patience=_WORK)
             settled, there = flow.ended == "rest", flow.at
         if not settled:
             if turn % 2:
                 break
             continue
-        at = found.at.copy()
+        at = last_step.at.copy()
         at[those] = there
-        found = bed.newton(at, before, found.parameter, viscosity, None, downhill=True)
-        if found.settled:
+        last_step = bed.newton(at, before, last_step.parameter, viscosity, None, downhill=True)
+        if last_step.settled:
             break
-    return found
+    return last_step
 
 
-def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> Step:
+def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> NewtonStep:
     """Friction frozen: a convex energy, Newton with a line search along its slope; then Newton on everything."""
     at = before
     reduction, _ = bed.drive.at(parameter)
@@ -141,16 +147,16 @@ def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> 
         if bed.bolted is not None:
             allowed = np.where(bed.bolted, reduction * bed.cohesion, allowed)
         for _ in range(25):
-            there, off = bed.off(at, before, parameter, viscosity, allowed)
+            there, off = bed.unbalanced_parts(at, before, parameter, viscosity, allowed)
             if there.balanced(float(np.abs(off).max()), 1e-6):
                 break
             try:
                 way = bed.factored(bed.tangent(there, parameter, viscosity, coupled=False), True)(off)
             except SolverError:
-                return Step(at, parameter, there, False, 0)
+                return NewtonStep(at, parameter, there, False, 0)
             slope, low, high, length = float(off @ way), 0.0, None, 1.0
             for _ in range(25):
-                _, left = bed.off(at + length * way, before, parameter, viscosity, allowed)
+                _, left = bed.unbalanced_parts(at + length * way, before, parameter, viscosity, allowed)
                 now = float(left @ way)
                 if abs(now) < 0.5 * abs(slope):
                     break
@@ -161,7 +167,7 @@ def _by_passes(bed: Bed, before: Floats, parameter: float, viscosity: float) -> 
                     high = length
                     length = 0.5 * (low + high)
             at = at + length * way
-        found = bed.newton(at, before, parameter, viscosity, None, downhill=True)
-        if found.settled:
-            return found
-    return Step(at, parameter, bed.forces(at, parameter), False, 0)
+        step = bed.newton(at, before, parameter, viscosity, None, downhill=True)
+        if step.settled:
+            return step
+    return NewtonStep(at, parameter, bed.forces(at, parameter), False, 0)

@@ -10,9 +10,9 @@ from slopekit.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.dissection import along_joints, dissection, touching_blocks
 from slopekit.preie.kernels import compiled
+from slopekit.preie.tolerances import PIVOT_GROWTH
 
 _LEAF = 96  # unknowns of pieces that are not halved again: half or twice as many take a tenth more time
-_GROWTH = 1e8  # of multipliers, where pivots of one front only no longer do
 _FRONT, _COMPILED_FRONT = 50e-6, 3e-6  # s that a front takes beside its work
 FINER = 4  # times smaller are pieces, and dissected is what takes so much less time, with compiled kernels
 
@@ -64,7 +64,7 @@ class Fronts:
             for i in range(len(counts))
         ]  # fmt: skip
         updates = others * others
-        taken = np.array([int(updates[kids].sum()) for kids in children])
+        taken = np.array([int(updates[below].sum()) for below in children])
         self.bytes = 8 * (self.size + int((np.cumsum(updates) - np.cumsum(taken) + taken).max()))
         p, q = own.astype(float), others.astype(float)
         self.flops = float((p**3 / 3.0 + p * p * q + p * q * q).sum())
@@ -76,8 +76,8 @@ class Fronts:
         """The fronts as the compiled kernels take them."""
         u, ends = self.u, np.cumsum(counts)
         starts, place = ends - counts, np.zeros(len(self.later_keys), dtype=np.int64)
-        for parent, kids in enumerate(children):
-            for child in kids:
+        for parent, below in enumerate(children):
+            for child in below:
                 blocks, first = later[child], int(self.later_first[child])
                 beyond = counts[parent] + np.searchsorted(later[parent], blocks)
                 place[first : first + len(blocks)] = np.where(blocks < ends[parent], blocks - starts[parent], beyond)
@@ -86,19 +86,19 @@ class Fronts:
         return self._kernels.fronts(
             u, self.symmetric, int(ends[-1]) * u, self.size, work, self.starts, self.own, self.others,
             np.ascontiguousarray(self.offsets), update, *numbers,
-            np.array([child for kids in children for child in kids], dtype=np.int64), np.concatenate(later), place,
+            np.array([child for below in children for child in below], dtype=np.int64), np.concatenate(later), place,
         )  # fmt: skip
 
     def _factored_by_kernels(self, entries: Floats) -> Solver | None:
         kernels, fronts, pivots = self._kernels, self._compiled, np.empty(len(self.place) * self.u, dtype=np.intc)
-        if not kernels.factored(fronts, _GROWTH, entries, pivots):
+        if not kernels.factored(fronts, PIVOT_GROWTH, entries, pivots):
             return None
 
         def solve(right: Floats) -> Floats:
-            found = right.T.copy()
-            for one in found if found.ndim == 2 else found[None]:
+            solution = right.T.copy()
+            for one in solution if solution.ndim == 2 else solution[None]:
                 kernels.solved(fronts, entries, pivots, one)
-            return found.T
+            return solution.T
 
         return solve
 
@@ -153,7 +153,7 @@ class Fronts:
                 beside = below
             elif q:
                 below = blas.dtrsm(1.0, factor, below, side=1, overwrite_b=1)
-                if not np.abs(below).max() < _GROWTH:
+                if not np.abs(below).max() < PIVOT_GROWTH:
                     return None
                 beside[:] = beside[:, swaps]
                 beside = blas.dtrsm(1.0, factor, beside, side=1, lower=1, trans_a=1, diag=1, overwrite_b=1)
@@ -161,21 +161,21 @@ class Fronts:
             done.append((start, start + p, later, factor, swaps, below, beside))
 
         def solve(right: Floats) -> Floats:
-            found = right.copy()
+            solution = right.copy()
             unit = 0 if symmetric else 1
             for start, end, later, factor, swaps, below, _ in done:
-                own = found[start:end]
+                own = solution[start:end]
                 if swaps is not None:
                     own[:] = own[swaps]
                 blas.dtrsv(factor, own, lower=1, diag=unit, overwrite_x=1)
                 if len(later):
-                    found[later] -= below @ own
+                    solution[later] -= below @ own
             for start, end, later, factor, _, _, beside in reversed(done):
-                own = found[start:end]
+                own = solution[start:end]
                 if len(later):
-                    own -= found[later] @ beside
+                    own -= solution[later] @ beside
                 blas.dtrsv(factor, own, lower=1 - unit, trans=1 - unit, overwrite_x=1)
-            return found
+            return solution
 
         # dtrsv is 4 to 6 times as fast as dtrsm of two columns
         return lambda right: solve(right) if right.ndim == 1 else np.stack([solve(b) for b in right.T], axis=1)

@@ -38,7 +38,7 @@ class Iterate:
 
 
 @dataclass(frozen=True, slots=True)
-class Step(Iterate):
+class IterateStep(Iterate):
     """A change of every part of an iterate."""
 
     def longest(self, at: Iterate) -> float:

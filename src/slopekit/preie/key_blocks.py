@@ -6,9 +6,7 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.model import JointStrength
-
-_PARALLEL = 1e-9
-_ALIKE = 1e-4  # factors so near are one: the heavier block comes first, slivers last
+from slopekit.preie.tolerances import PARALLEL, SAME_FACTOR, TINY
 
 
 def slide_alone(
@@ -38,7 +36,7 @@ def slide_alone(
     )  # fmt: skip
     slides = np.flatnonzero(np.isfinite(factors))
     heavier = -np.sqrt((loads.forces[blocks[slides]] ** 2).sum(axis=1))
-    alike = np.floor(np.log(np.maximum(factors[slides], 1e-300)) / _ALIKE)
+    alike = np.floor(np.log(np.maximum(factors[slides], TINY)) / SAME_FACTOR)
     slides = slides[np.lexsort((blocks[slides], heavier, alike))]
     return blocks[slides], factors[slides]
 
@@ -69,23 +67,23 @@ def sliding_factors(block: Ints, normals: Floats, forces: Floats, cohesion: Floa
     on_one = -(force * first).sum(axis=1)
     along = np.where(
         single[:, None], force + on_one[:, None] * first,
-        line * ((force * line).sum(axis=1) / np.where(single, 1.0, np.maximum(size, _PARALLEL)))[:, None],
+        line * ((force * line).sum(axis=1) / np.where(single, 1.0, np.maximum(size, PARALLEL)))[:, None],
     )  # fmt: skip
     # what the two faces carry: their normals span what is left of the force
     left, cosine = along - force, (first * second).sum(axis=1)
     of_first, of_second = (left * first).sum(axis=1), (left * second).sum(axis=1)
-    sine = np.where(single, 1.0, np.maximum(1.0 - cosine * cosine, _PARALLEL))
+    sine = np.where(single, 1.0, np.maximum(1.0 - cosine * cosine, PARALLEL))
     on_first = np.where(single, on_one, (of_first - cosine * of_second) / sine)
     on_second = np.where(single, 0.0, (of_second - cosine * of_first) / sine)
     pull, whole = np.sqrt((along * along).sum(axis=1)), np.sqrt((force * force).sum(axis=1))
-    slides = (single | (size >= _PARALLEL)) & (np.minimum(on_first, on_second) >= 0.0) & (pull > _PARALLEL * whole)
+    slides = (single | (size >= PARALLEL)) & (np.minimum(on_first, on_second) >= 0.0) & (pull > PARALLEL * whole)
     a, b, along, pull = a[slides], b[slides], along[slides], pull[slides]
     begins = np.searchsorted(block, block[a])
     way, other = _each(ends[block[a]] - begins)
     face = begins[way] + other
     opening = (normals[face] * along[way]).sum(axis=1) / pull[way]
-    blocked = np.bincount(way, opening < -_PARALLEL, len(a)) > 0
-    held = np.bincount(way, np.where(opening < _PARALLEL, cohesion[face], 0.0), len(a))
+    blocked = np.bincount(way, opening < -PARALLEL, len(a)) > 0
+    held = np.bincount(way, np.where(opening < PARALLEL, cohesion[face], 0.0), len(a))
     held += on_first[slides] * tan_friction[a] + on_second[slides] * tan_friction[b]
     factors = np.full(len(forces), np.inf)
     np.minimum.at(factors, block[a[~blocked]], held[~blocked] / pull[~blocked])

@@ -6,7 +6,7 @@ Four steps, each only where the one before does not settle it:
 2. the forces alone (no turning): the load splits in one way only into a pull along an admissible velocity and
    pushes on the joints (Moreau's decomposition), whatever their strength: this is what closed forms compute;
 3. the slide of the forces alone with its moments balanced, by Newton's method, exact;
-4. passes: friction frozen at the normal forces of the last pass, the cheapest mechanism of a convex program, new
+4. passes: friction frozen at the normal forces of the last pass, the mechanism of least work of a convex program, new
    normal forces. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes
    again; one that opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 
@@ -29,15 +29,13 @@ from slopekit.preie.limit_state import (
     settled_limit_state,
 )
 from slopekit.preie.linear import bounded_least_squares
-from slopekit.preie.mechanism import COLD, Stages, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, Stages, least_work_mechanism
 from slopekit.preie.model import Model
-from slopekit.preie.passes import NO_FORCE, NOTHING, Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.passes import Limit, Outcome, exact_limit, release, settle_by_passes, unit
+from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO_STRENGTH
 from slopekit.strength.mohr_coulomb import line
 
-MOMENTS = 1e-6  # a limit lower than that of the forces alone by more than this part is governed by moments
-_STRONGEST = 1e6  # strength multiplied by this much holds whatever can be held
 _STRIDE = 1.05  # steps of λ on the way to the first loss
-_NO_NUMBER = 0.5  # a range of factors wider than this part of the highest is none
 _MOST_TRIES = 40  # bonds let go and found again
 
 
@@ -160,7 +158,7 @@ def _curved_limit_on_lines(model: Model) -> LimitAnalysis:
     start = elastic_displacement(model)
     normal = np.maximum(-model.control_area * (model.normal_rows @ start), 0.0)
     limit = settle_by_passes(model, start, normal, bond)
-    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > _NO_NUMBER):
+    if model.dilates and (limit.outcome is Outcome.NO_STRENGTH or limit.change > NO_NUMBER):
         # dilation itself resists: the passes lost their way
         limit = replace(limit, outcome=Outcome.NOT_CONVERGED, factor=None)
     return _alike(limit)
@@ -184,15 +182,15 @@ def passes_limit(model: Model, passes: int, stages: Stages = COLD) -> float:
 
     Parameters
     ----------
-    stages : of the program, see `cheapest_mechanism`; fewer of them are a looser tolerance
+    stages : of the program, see `least_work_mechanism`; fewer of them are a looser tolerance
     """
     normal = np.maximum(-model.control_area * (model.normal_rows @ elastic_displacement(model)), 0.0)
     velocity, factor = model.load, 0.0
     for _ in range(passes):
         friction = line(model.cohesion, model.tan_friction, normal)
-        found = cheapest_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
-        velocity, factor, stages = found.velocity, found.load_factor, stages[-1:]
-        normal = found.normal_force / factor
+        mechanism = least_work_mechanism(model, friction, np.zeros(len(normal)), velocity, stages)
+        velocity, factor, stages = mechanism.velocity, mechanism.load_factor, stages[-1:]
+        normal = mechanism.normal_force / factor
     return factor
 
 
@@ -203,7 +201,7 @@ def _associated_limit(model: Model) -> Limit | None:
     if not without.factor:
         return None
     bound = static_bound(rigid, without.velocity_of(rigid), without.factor)
-    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
+    if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
         return None
     bond = np.ones(len(model.control_area))
     return Limit(Outcome.SLIDES, bound.factor, unit(bound.velocity), bound.normal_force, bond, 0, 0.0)
@@ -219,7 +217,7 @@ def _associated_curved_limit(model: Model) -> Limit | None:
         if not without.factor:
             return None
         bound = static_bound(rigid, without.velocity, without.factor)
-        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NOTHING)).any():
+        if bound.factor is None or (model.tan_dilation * bound.factor < model.tan_friction * (1.0 - NO_STRENGTH)).any():
             return None
         renewed, releases = release(model, bound.velocity, model.tan_friction / bound.factor, bond, releases)
         if (renewed == bond).all():
@@ -229,7 +227,7 @@ def _associated_curved_limit(model: Model) -> Limit | None:
 
 
 @dataclass(frozen=True, slots=True)
-class _Push:
+class _Resultant:
     """The load split at one reduction λ: velocity (3,) with the driving force as its length, pushes, bolt pulls."""
 
     pull: Floats
@@ -257,7 +255,7 @@ def forces_only_limit(model: Model) -> Limit:
     share = held.control_area / np.bincount(which, held.control_area)[which]
     columns = np.concatenate([normals, held.bolt_rows]).T
 
-    def at(reduction: float) -> _Push:
+    def at(reduction: float) -> _Resultant:
         upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
         pushes, rest = bounded_least_squares(columns, -held.load, upper)
         pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
@@ -266,9 +264,9 @@ def forces_only_limit(model: Model) -> Limit:
         normal = pushes[which] * share
         strength = line(touching * held.cohesion, held.tan_friction, normal)
         slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
-        return _Push(-rest, driving, float(strength @ slip), normal, touching, pulls)
+        return _Resultant(-rest, driving, float(strength @ slip), normal, touching, pulls)
 
-    def limit(outcome: Outcome, factor: float | None, push: _Push) -> Limit:
+    def limit(outcome: Outcome, factor: float | None, push: _Resultant) -> Limit:
         bond = push.touching.astype(np.float64)
         velocity = push.pull / push.driving if push.driving > NO_FORCE else np.zeros(held.unknowns)
         friction = pulls = None
@@ -294,8 +292,8 @@ def forces_only_limit(model: Model) -> Limit:
 
 
 def _first_loss(
-    at: Callable[[float], _Push],
-    limit: Callable[[Outcome, float | None, _Push], Limit],
+    at: Callable[[float], _Resultant],
+    limit: Callable[[Outcome, float | None, _Resultant], Limit],
     capacity: float,
     bare: float,
 ) -> Limit:
@@ -304,10 +302,10 @@ def _first_loss(
     `bare` is λ without bolts, 0 where there is none; far above it the walk takes longer steps.
     """
 
-    def stands(push: _Push, reduction: float) -> bool:
+    def stands(push: _Resultant, reduction: float) -> bool:
         return push.driving < NO_FORCE or reduction * push.resisting >= push.driving
 
-    low = high = _STRONGEST / capacity
+    low = high = FARTHEST / capacity
     push = top = at(high)
     # bolts so strong that they would lift the block off pull no more than keeps it on a joint
     hangs = bare > 0.0 and not top.touching.any() and not stands(top, high)
@@ -319,7 +317,7 @@ def _first_loss(
         return limit(outcome, None if outcome is Outcome.LIFTED else 0.0, top)
     while stands(at(low), low):
         high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
-        if low < 1.0 / _STRONGEST:
+        if low < 1.0 / FARTHEST:
             return limit(Outcome.NO_DRIVING_FORCE, None, at(low))
     for _ in range(200):
         middle = 0.5 * (low + high)

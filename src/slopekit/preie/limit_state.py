@@ -19,14 +19,13 @@ import numpy as np
 from slopekit.arrays import Bools, Floats
 from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import LOST_STEP, NOT_DRAWN, TINY
 from slopekit.strength.mohr_coulomb import line
 
 _EYE2 = np.eye(2)
 _MOST_STEPS = 30  # of Newton's method
 _MOST_CHANGES = 12  # of contact modes, on the way from approximate ones
 _MOST_TURNS = 200  # of the motion, whose slip opens the joints that dilate
-_SQUARE = 1e-5  # a bolt that the mechanism draws out by less, in parts of the movement, is square to it
-_LOST = 1e9  # a Newton step this long has lost the way (unknowns are of order one)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +105,13 @@ def dilating_limit_state(model: Model, start: LimitState) -> LimitState | None:
         tan_dilation = np.minimum(model.tan_dilation, state.reduction * model.tan_friction)
         along_slip = np.einsum("nt,ntu->nu", motion / size[:, None], model.rows[:, 1:, :])
         gap_rows = model.normal_rows - tan_dilation[:, None] * along_slip
-        found = limit_state(
+        next_state = limit_state(
             model, velocity, state.reduction, closed, hinged, np.ones(len(closed)), state.displacement, gap_rows
         )
-        if found is None or found.reduction <= 0.0:
+        if next_state is None or next_state.reduction <= 0.0:
             return None
-        moved = float(np.abs(found.velocity - velocity).max()) + abs(found.reduction / state.reduction - 1.0)
-        velocity, state = found.velocity, found
+        moved = float(np.abs(next_state.velocity - velocity).max()) + abs(next_state.reduction / state.reduction - 1.0)
+        velocity, state = next_state.velocity, next_state
         if moved < 1e-13:
             pulled = closed & (state.normal_force < 0.0)
             if not pulled.any():
@@ -177,7 +176,7 @@ def limit_state(
         return None
     normal_rows = model.normal_rows if gap_rows is None else gap_rows
     drawn = -model.bolt_rows @ velocity
-    square = np.abs(drawn) <= _SQUARE * math.sqrt(float(velocity @ velocity))
+    square = np.abs(drawn) <= NOT_DRAWN * math.sqrt(float(velocity @ velocity))
     held_bolts, full = model.bolt_rows[square], (drawn > 0.0) & ~square
     free, rest = split_space(
         np.concatenate([normal_rows[closed], *(model.rows[hinges, k] for k in (1, 2)), held_bolts])
@@ -239,7 +238,7 @@ def limit_state(
         matrix[:unknowns, count:unknowns] += held_bolts.T @ bolt_springs
         matrix[:unknowns, unknowns] += bolts
         matrix[unknowns, :count] = along
-        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), 1e-300)
+        unit = 1.0 / np.maximum(np.abs(matrix).max(axis=0), TINY)
         try:
             step = -np.linalg.solve(matrix * unit, np.append(out, norm)) * unit
         except np.linalg.LinAlgError:
@@ -247,7 +246,7 @@ def limit_state(
         along = along + step[:count]
         elastic = elastic + step[count:unknowns]
         reduction = reduction + float(step[unknowns])
-        if not np.abs(step).max() < _LOST:
+        if not np.abs(step).max() < LOST_STEP:
             return None
     else:
         if residual > 1e-9 * scale:
@@ -256,7 +255,7 @@ def limit_state(
     spare = 1e-9 * (1.0 + reduction * model.bolt_capacity[square])
     if (carried < -spare).any() or (carried > reduction * model.bolt_capacity[square] + spare).any():
         return None
-    if (speed[full] < -_SQUARE).any() or (speed[~full & ~square] > _SQUARE).any():
+    if (speed[full] < -NOT_DRAWN).any() or (speed[~full & ~square] > NOT_DRAWN).any():
         return None
     at_hinges = hinge_forces.reshape(-1, 3)
     shear = np.sqrt((at_hinges[:, 1:] ** 2).sum(axis=1))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
+from slopekit.preie.tolerances import TINY
 
 
 def split_space(rows: Floats, relative: float = 1e-9) -> tuple[Floats, Floats]:
@@ -52,7 +53,7 @@ def bounded_least_squares(matrix: Floats, target: Floats, upper: Floats, most: i
     count = matrix.shape[1]
     solution = np.zeros(count)
     free: Bools = np.zeros(count, dtype=bool)
-    scale = np.maximum(np.sqrt((matrix * matrix).sum(axis=0) * float(target @ target)), 1e-300)
+    scale = np.maximum(np.sqrt((matrix * matrix).sum(axis=0) * float(target @ target)), TINY)
     for _ in range(most):
         gain = (matrix.T @ (target - matrix @ solution)) / scale
         gain = np.where(free, -np.inf, np.where(solution >= upper, -gain, gain))
@@ -75,7 +76,7 @@ def bounded_least_squares(matrix: Floats, target: Floats, upper: Floats, most: i
             if above.any():
                 step = min(step, float(((upper - solution)[above] / (trial - solution)[above]).min()))
             solution = solution + max(step, 0.0) * (trial - solution)
-            size = max(float(solution.max()), 1e-300)
+            size = max(float(solution.max()), TINY)
             at_floor, at_top = solution <= 1e-14 * size, solution >= upper * (1.0 - 1e-14)
             solution = np.where(at_floor, 0.0, np.where(at_top, upper, solution))
             free &= ~at_floor & ~at_top

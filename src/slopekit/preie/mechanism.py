@@ -19,6 +19,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import TINY
 
 Stages = Sequence[tuple[float, float, float]]
 
@@ -36,7 +37,7 @@ _LONGEST = 30.0  # a step is at most this many times the velocity: flat directio
 
 
 @dataclass(frozen=True, slots=True)
-class Mechanism:
+class LeastWorkMechanism:
     """A velocity (u,) with P·v = 1 and its load factor.
 
     `normal_force` (n,), `friction_force` (n, 2) and `bolt_pull` (b,) are those at that factor.
@@ -50,7 +51,7 @@ class Mechanism:
 
 
 @dataclass(frozen=True, slots=True)
-class _Point:
+class _TrialVelocity:
     """The program at one velocity."""
 
     gradient: Floats
@@ -63,9 +64,9 @@ class _Point:
     pull_slope: Floats
 
 
-def cheapest_mechanism(
+def least_work_mechanism(
     model: Model, friction: Floats, tan_dilation: Floats, start: Floats, stages: Stages = COLD
-) -> Mechanism:
+) -> LeastWorkMechanism:
     """Solve the program of this module.
 
     Parameters
@@ -94,7 +95,7 @@ def cheapest_mechanism(
             solved = np.linalg.solve(bordered, np.append(-at.gradient * unit, 0.0))
             step, factor = solved[:unknowns] * unit, float(solved[unknowns])
             longest = _LONGEST * math.sqrt(float(velocity @ velocity))
-            step *= min(1.0, longest / max(math.sqrt(float(step @ step)), 1e-300))
+            step *= min(1.0, longest / max(math.sqrt(float(step @ step)), TINY))
             forces = float(at.strength.sum() + at.normal_force.sum() + at.pull.sum())
             if float(np.abs(at.gradient - factor * load).max()) < residual * forces:
                 break
@@ -109,12 +110,12 @@ def cheapest_mechanism(
                 length *= min(0.6, max(0.1, -slope / (slope_after - slope)))
             velocity, at = velocity + length * step, after
     friction_force = -at.strength[:, None] * at.direction
-    return Mechanism(velocity, factor, at.normal_force, friction_force, at.pull)
+    return LeastWorkMechanism(velocity, factor, at.normal_force, friction_force, at.pull)
 
 
 def _evaluate(
     model: Model, friction: Floats, tan_dilation: Floats, velocity: Floats, kappa: float, rounding: float
-) -> _Point:
+) -> _TrialVelocity:
     motion = model.relative(velocity)
     tangential = motion[:, 1:]
     slip = np.sqrt((tangential * tangential).sum(axis=1) + rounding * rounding)
@@ -128,15 +129,17 @@ def _evaluate(
     gradient = forces.ravel() @ model.flat_rows
     bolts = model.bolt_capacity
     if len(bolts) == 0:
-        return _Point(gradient, normal_force, strength, direction, slip, overlap, bolts, bolts)
+        return _TrialVelocity(gradient, normal_force, strength, direction, slip, overlap, bolts, bolts)
     drawn = -model.bolt_rows @ velocity
     rounded = np.sqrt(drawn * drawn + rounding * rounding)
     pull = bolts * 0.5 * (1.0 + drawn / rounded)
     pull_slope = bolts * 0.5 * rounding * rounding / rounded**3
-    return _Point(gradient - pull @ model.bolt_rows, normal_force, strength, direction, slip, overlap, pull, pull_slope)
+    return _TrialVelocity(
+        gradient - pull @ model.bolt_rows, normal_force, strength, direction, slip, overlap, pull, pull_slope
+    )
 
 
-def _curvature(model: Model, at: _Point, tan_dilation: Floats, kappa: float) -> Floats:
+def _curvature(model: Model, at: _TrialVelocity, tan_dilation: Floats, kappa: float) -> Floats:
     touching = np.where(at.overlap > 0.0, kappa * model.control_area, 0.0)
     across = at.direction[:, :, None] * at.direction[:, None, :]
     blocks = np.empty((len(touching), 3, 3))

@@ -21,12 +21,12 @@ from slopekit.arrays import Floats, Ints, cross, frozen
 from slopekit.errors import Fault, SolverError
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
+from slopekit.preie.tolerances import ORTHONORMAL
 
 if TYPE_CHECKING:
     from slopekit.preie.strength_lines import StrengthLines
     from slopekit.strength.protocol import StrengthLaw
 
-_RIGID_TOLERANCE = 1e-9
 _SECTION = [0, 2, 4]  # of the six unknowns of a block those that stay in its x-z section
 
 
@@ -155,7 +155,7 @@ def build_model(
     arms = arms / length
     axes = local_axes(pairs.normals)
     rows = np.concatenate([axes, cross(arms[:, None, :], axes)], axis=2)
-    if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > _RIGID_TOLERANCE:
+    if float(np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max()) > ORTHONORMAL:
         raise SolverError([Fault("E503", "a rigid translation does not move the node pairs by its own length")])
     bolt_arms = (loads.passive_points - centroid) / length
     bolt_axes = np.concatenate([loads.passive_forces, cross(bolt_arms, loads.passive_forces)], axis=1)

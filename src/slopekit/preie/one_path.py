@@ -20,12 +20,10 @@ from slopekit.preie.model import Model, local_axes
 from slopekit.preie.passes import Limit, Outcome, exact_limit, unit
 from slopekit.preie.path import ROUGHER, follow
 from slopekit.preie.path_limit import PathOutcome
+from slopekit.preie.tolerances import POLISHED, SAME_FACTOR, STEADY, TINY
 
 _START = 2.0  # times the strength that is needed: gravity comes on there, or at ever more
 STRONGEST = _START * 2.0**ROUGHER  # times that strength is the most that is tried
-_STEADY = 1e-6  # of the factor: where forces of the path stopped changing, no state being exact
-_SAME = 1e-4  # of the factor: the two agree to what is printed; node pairs move it by more
-_POLISHED = 1e-5  # an exact state farther than this from where the path settled is another one
 _RANGED = 400  # node pairs up to which the range of a mechanism is found in a fraction of a second
 
 
@@ -42,14 +40,14 @@ def by_path(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     limit = analysis.governing
     lost = np.isin(model.interface, model.interface[limit.bond == 0.0]) & (limit.outcome is Outcome.NO_STRENGTH)
     held = replace(model, cohesion=frozen(np.where(lost, 0.0, model.cohesion)))
-    found = path_limit(held, limit.factor)
-    if found is None or (found.factor is None and limit.factor is None):
+    path_end = path_limit(held, limit.factor)
+    if path_end is None or (path_end.factor is None and limit.factor is None):
         return analysis if limit.factor is None else replace(analysis, without_path=True)
-    if found.factor is None:
-        return LimitAnalysis(found, analysis.forces_only, found, True)
-    if limit.factor is not None and abs(found.factor / limit.factor - 1.0) < _SAME:
+    if path_end.factor is None:
+        return LimitAnalysis(path_end, analysis.forces_only, path_end, True)
+    if limit.factor is not None and abs(path_end.factor / limit.factor - 1.0) < SAME_FACTOR:
         return analysis
-    return governed(model, analysis.forces_only, replace(found, bond=np.where(lost, 0.0, 1.0), passes=limit.passes))
+    return governed(model, analysis.forces_only, replace(path_end, bond=np.where(lost, 0.0, 1.0), passes=limit.passes))
 
 
 def path_limit(model: Model, guess: float | None) -> Limit | None:
@@ -64,21 +62,21 @@ def path_limit(model: Model, guess: float | None) -> Limit | None:
     known = guess or static_bound(whole).factor
     if not known:
         return None
-    found = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
+    path_end = follow(Bed(whole, Drive(model.load)), _START / known, brief=guess is None)
     pairs, bond = len(model.control_area), np.ones(len(model.control_area))
-    velocity = unit(found.motion)
-    if found.outcome is PathOutcome.NO_REST:
+    velocity = unit(path_end.motion)
+    if path_end.outcome is PathOutcome.NO_REST:
         return Limit(Outcome.NO_REST, None, velocity, np.zeros(pairs), bond, 0, 0.0)
-    if not found.found or found.parameter is None:
+    if not path_end.found or path_end.parameter is None:
         return None
-    normal = np.maximum(found.normal[:pairs], 0.0)
-    state = settled_limit_state(model, velocity, found.parameter, normal, bond)
-    if state is not None and abs(state.reduction / found.parameter - 1.0) < _POLISHED:
+    normal = np.maximum(path_end.normal[:pairs], 0.0)
+    state = settled_limit_state(model, velocity, path_end.parameter, normal, bond)
+    if state is not None and abs(state.reduction / path_end.parameter - 1.0) < POLISHED:
         return exact_limit(state, bond, 0)
-    change = 0.0 if found.outcome is PathOutcome.LIMIT else _STEADY
+    change = 0.0 if path_end.outcome is PathOutcome.LIMIT else STEADY
     return Limit(
-        Outcome.SLIDES, 1.0 / found.parameter, velocity, normal, bond, 0, change, found.friction[:pairs],
-        found.friction[pairs:, 0],
+        Outcome.SLIDES, 1.0 / path_end.parameter, velocity, normal, bond, 0, change, path_end.friction[:pairs],
+        path_end.friction[pairs:, 0],
     )  # fmt: skip
 
 
@@ -113,7 +111,7 @@ def on_flat_contacts(model: Model) -> AssemblyModel:
         minus_motion=np.zeros_like(motion), pair_contact=at, group_contact=at,
         normal_rows=np.einsum("mu,muv->mv", whole.normal_rows, back[at]),
         slip_rows=np.einsum("mtu,muv->mtv", whole.slip_rows, back[at]), patch=np.arange(len(keys)),
-        control_area=np.append(model.control_area, model.bolt_capacity / max(float(model.bolt_capacity.sum()), 1e-300)),
+        control_area=np.append(model.control_area, model.bolt_capacity / max(float(model.bolt_capacity.sum()), TINY)),
     )  # fmt: skip
 
 

@@ -1,6 +1,6 @@
 """Frozen-friction passes: the third step to the limit factor, where neither an exact state nor forces alone settle it.
 
-The friction is frozen at the normal forces of the last pass, the cheapest mechanism of a convex program gives new
+The friction is frozen at the normal forces of the last pass, the mechanism of least work of a convex program gives new
 ones. A pair that the mechanism opens loses its cohesion in the next pass and gets it back if it closes again; one that
 opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` ends them.
 """
@@ -13,20 +13,17 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
-from slopekit.preie.mechanism import COLD, WARM, Mechanism, cheapest_mechanism
+from slopekit.preie.mechanism import COLD, WARM, LeastWorkMechanism, least_work_mechanism
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import NO_FORCE, NO_STRENGTH, OPENS_IN_PASSES, PASSES_STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 
-_OPENS = 1e-5  # opening above this part of the largest slip is the mechanism's, not the penalty's
-_MOST_PASSES = 300  # swift, and as many patient: two random wedges in 400 need the second
+_MOST_PASSES = 300  # steered, and as many damped: two random wedges in 400 need the second
 _STAGE_PASSES = 120  # passes with the same bonds before what opens is let go all the same
 MOST_RELEASES = 2  # a pair that opens so often has lost its cohesion; with 1 some factors move by 20 %
 _AITKEN_PASSES = 30  # steered by his rule, before longer and shorter steps feel the way
-_PATIENT_STEP = 0.1  # part of the way to the new friction that a patient pass takes
+_DAMPED_STEP = 0.1  # part of the way to the new friction that a damped pass takes
 _WINDOW = 20  # passes over which the factor must keep still ...
-_STEADY = 1e-5  # ... to this part, where the normal forces do not settle
-NO_FORCE = 1e-12  # a force this small (in parts of the load) is none
-NOTHING = 1e-9  # strength, or work, that counts as none (in parts of the load)
 
 
 class Outcome(Enum):
@@ -74,16 +71,16 @@ class Limit:
 
 
 def settle_by_passes(model: Model, velocity: Floats, normal_force: Floats, bond: Floats) -> Limit:
-    """Passes steered by Aitken's rule, and where those do not settle, patient ones."""
-    swift = _steered(model, velocity, normal_force, bond, patient=False)
-    if swift.outcome is not Outcome.NOT_CONVERGED:
-        return swift
-    slow = _steered(model, velocity, normal_force, bond, patient=True)
-    return replace(slow, passes=swift.passes + slow.passes)
+    """Passes steered by Aitken's rule, and where those do not settle, damped ones."""
+    plain = _run_passes(model, velocity, normal_force, bond, damped=False)
+    if plain.outcome is not Outcome.NOT_CONVERGED:
+        return plain
+    slow = _run_passes(model, velocity, normal_force, bond, damped=True)
+    return replace(slow, passes=plain.passes + slow.passes)
 
 
-def _steered(
-    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, patient: bool
+def _run_passes(
+    model: Model, velocity: Floats, normal_force: Floats, bond: Floats, damped: bool
 ) -> Limit:  # fmt: skip
     """Frozen-friction passes from a first guess.
 
@@ -99,15 +96,15 @@ def _steered(
     recent: list[float] = []
     for count in range(1, _MOST_PASSES + 1):
         total = float(friction.sum() + model.bolt_capacity.sum())
-        if total < NOTHING * NOTHING:
+        if total < NO_STRENGTH * NO_STRENGTH:
             return Limit(Outcome.NO_STRENGTH, None, unit(velocity), normal_force, bond, count, 0.0)
         tan_dilation = np.minimum(model.tan_dilation, model.tan_friction / max(factor, NO_FORCE))
-        found = cheapest_mechanism(model, friction, tan_dilation, velocity, stages)
-        velocity, stages = found.velocity, WARM
-        factor_before, factor = factor, found.load_factor
-        without = not factor > NOTHING * total
+        mechanism = least_work_mechanism(model, friction, tan_dilation, velocity, stages)
+        velocity, stages = mechanism.velocity, WARM
+        factor_before, factor = factor, mechanism.load_factor
+        without = not factor > NO_STRENGTH * total
         if not without:
-            normal_force = found.normal_force / factor
+            normal_force = mechanism.normal_force / factor
         # the program adds N tan ψ at the load factor by itself: what is frozen is the rest of c A + N tan φ
         rest = np.maximum(model.tan_friction - factor * tan_dilation, 0.0)
         excess = bond * model.cohesion + rest * normal_force - friction
@@ -119,8 +116,12 @@ def _steered(
         settled = (change < 1e-7 and (moved < 1e-7 or not model.dilates)) or quiet >= 3
         if settled and change < 1e-7 and not model.dilates:
             moved = change  # the strength is what the program took: its factor is exact, whatever the last bonds gave
-        recent = [*recent[1 - (5 * _WINDOW if patient else _WINDOW) :], factor]
-        if calm > 2 * _WINDOW and change < 3e-3 and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < _STEADY * factor:
+        recent = [*recent[1 - (5 * _WINDOW if damped else _WINDOW) :], factor]
+        if (
+            calm > 2 * _WINDOW
+            and change < 3e-3
+            and max(recent[-_WINDOW:]) - min(recent[-_WINDOW:]) < PASSES_STEADY * factor
+        ):
             # averaging creeps: the normal forces still trade places, the factor no longer moves
             settled, moved = True, (max(recent[-_WINDOW:]) - min(recent[-_WINDOW:])) / factor
         if not settled and not without and not model.dilates and change < 0.3 and (calm < 4 or calm % 4 == 0):
@@ -138,7 +139,7 @@ def _steered(
                 if settled:
                     return Limit(
                         Outcome.SLIDES, factor, unit(velocity), normal_force, bond, count, moved,
-                        *_carried(found),
+                        *_carried(mechanism),
                     )  # fmt: skip
             else:
                 if state is not None:
@@ -148,22 +149,22 @@ def _steered(
                 last, calm, quiet, weight = None, 0, 0, 1.0
                 continue
         if last is not None:
-            if patient:
-                weight = _PATIENT_STEP
+            if damped:
+                weight = _DAMPED_STEP
             elif calm <= _AITKEN_PASSES:
                 turn = excess - last
-                weight = -weight * float(last @ turn) / max(float(turn @ turn), 1e-300)
+                weight = -weight * float(last @ turn) / max(float(turn @ turn), TINY)
                 weight = min(max(weight, 0.1), 20.0) if weight > 0.0 else 0.5
             else:  # feel the way: longer steps while they agree, shorter where they turn about
                 weight = min(max(weight * (1.5 if float(last @ excess) > 0.0 else 0.5), 0.02), 5.0)
         last = excess
         friction = np.maximum(friction + weight * excess, 0.0)
     lowest, highest = min(recent), max(recent)
-    if patient and lowest > NOTHING and (bond == 0.0).any():
+    if damped and lowest > NO_STRENGTH and (bond == 0.0).any():
         # what opens and what holds keep trading places: the lowest factor they came to, and how far they swing
         return Limit(
             Outcome.SLIDES, lowest, unit(velocity), normal_force, bond, _MOST_PASSES, 1.0 - lowest / highest,
-            *_carried(found),
+            *_carried(mechanism),
         )  # fmt: skip
     return Limit(Outcome.NOT_CONVERGED, None, unit(velocity), normal_force, bond, _MOST_PASSES, change)
 
@@ -177,9 +178,9 @@ def exact_limit(state: LimitState, bond: Floats, passes: int) -> Limit:
     )  # fmt: skip
 
 
-def _carried(found: Mechanism) -> tuple[Floats, Floats]:
+def _carried(mechanism: LeastWorkMechanism) -> tuple[Floats, Floats]:
     """Friction and bolt pulls of a pass: those of its program balance the load times its load factor."""
-    return found.friction_force / found.load_factor, found.bolt_pull / found.load_factor
+    return mechanism.friction_force / mechanism.load_factor, mechanism.bolt_pull / mechanism.load_factor
 
 
 def release(
@@ -187,7 +188,7 @@ def release(
 ) -> tuple[Floats, Floats]:
     """Bonds after a pass: gone where the mechanism opens a pair beyond its dilation, back where it is closed again."""
     motion, slip = model.relative(velocity)[:, 0], model.slip(velocity)
-    opened = motion - tan_dilation * slip > _OPENS * max(float(slip.max()), float(motion.max()))
+    opened = motion - tan_dilation * slip > OPENS_IN_PASSES * max(float(slip.max()), float(motion.max()))
     renewed = np.where(opened | (releases >= MOST_RELEASES), 0.0, 1.0)
     return renewed, releases + ((bond > 0.0) & (renewed == 0.0))
 

@@ -21,17 +21,8 @@ from slopekit.arrays import Floats
 from slopekit.onlooker import say
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
-from slopekit.preie.path_limit import (
-    BORDERED,
-    FARTHEST,
-    LEAST,
-    RUNS,
-    STEADY,
-    PathLimit,
-    PathOutcome,
-    limit_state,
-    result_of,
-)
+from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, STEADY, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
 from slopekit.preie.traced import traced, traced_in_section
 
 _STRIDE = 0.85  # of the strength, a step of stage A
@@ -39,9 +30,7 @@ _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
-_EXACT = 5e-2  # viscous force in parts of the load below which the limit state of the modes is tried
 _FAILS = 5
-_EXACT_IN_SPACE = 1e-3  # and in space, where directions have to have settled too
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
@@ -75,7 +64,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
         if runs and 1.0 - bed.drive.gap(runs[-1][0], parameter) < near:
             bad, flow = runs.pop()
             if flow.ended != "runs":
-                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), far=RUNS)
+                flow = relaxed(bed, flow.at, bad, max(flow.viscosity, THICK), runs_at=RUNS)
             if flow.ended != "rest":
                 ended = _run(bed, flow, bad)
                 if ended is None and traces:
@@ -97,7 +86,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
             runs.append((trial, tried))
             continue
         parameter, at = trial, tried.at
-        if (parameter < LEAST * start) if strength else (parameter > FARTHEST):
+        if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
             return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
         if not runs:
             ratio = max(ratio * _STRIDE, 0.5)
@@ -116,14 +105,14 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
     if bed.drive.ramp is not None:
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, 0.0, 0.0)
         flow = Flow(step.at, step.forces, "rest" if step.settled else "lost", step.at, 0.0)
-        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, far=1e9)
+        return start, flow if step.settled else relaxed(bed, none, 0.0, 1.0, runs_at=1e9)
     parameter = start
     flow = Flow(none, bed.forces(none, start), "lost", none, 0.0)
     for _ in range(rougher + 1):
         step = stepped(bed, bed.elastic_displacement, bed.elastic_displacement, parameter, 0.0)
         if step.settled and abs(float(bed.drive.load @ step.at)) < 5.0 * bed.elastic_work:
             return parameter, Flow(step.at, step.forces, "rest", step.at, 0.0)
-        flow = relaxed(bed, none, parameter, 1.0, far=3e2)
+        flow = relaxed(bed, none, parameter, 1.0, runs_at=3e2)
         if flow.ended == "rest":
             return parameter, flow
         parameter *= 2.0
@@ -132,25 +121,25 @@ def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:
 
 def _tried(bed: Bed, at: Floats, parameter: float) -> Flow:
     """From one state at rest to a worse parameter."""
-    flow = relaxed(bed, at, parameter, 0.0, far=RUNS, patience=_PATIENCE)
+    flow = relaxed(bed, at, parameter, 0.0, runs_at=RUNS, patience=_PATIENCE)
     if flow.ended == "rest" and flow.viscosity == 0.0:
         working = bed.working
         if abs(float(working @ flow.at)) > 5.0 * max(abs(float(working @ at)), bed.elastic_work):
-            return relaxed(bed, at, parameter, 0.3, far=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
+            return relaxed(bed, at, parameter, 0.3, runs_at=RUNS, patience=_PATIENCE)  # Newton jumped to a far state
     return flow
 
 
 def _run(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
     """The limit of the motion that runs; None where its forces do not settle."""
     if flow.ended != "runs":
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), far=RUNS)
-    far = RUNS
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, THICK), runs_at=RUNS)
+    runs_at = RUNS
     for again in range(3 if bed.tangents == 1 else 1):
         found = _eased(bed, flow, parameter)
         if found is not None or again == 2 or bed.tangents > 1:
             return found
-        far *= 20.0
-        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, far=far)
+        runs_at *= 20.0
+        flow = relaxed(bed, flow.at, parameter, max(flow.viscosity, 1e-3), most=25, runs_at=runs_at)
         if flow.ended != "runs":
             return _eased(bed, flow, parameter)
     return None
@@ -179,7 +168,7 @@ def _eased(bed: Bed, flow: Flow, parameter: float) -> PathLimit | None:
         viscous = forces.residual / bed.load_size
         if step.taken <= 4:
             grows, eases = min(grows**1.5, 10.0), max(0.3 * eases, 1e-3)
-        if viscous < (_EXACT if bed.tangents == 1 else _EXACT_IN_SPACE) and bed.size <= BORDERED:
+        if viscous < (VISCOUS_LEFT if bed.tangents == 1 else VISCOUS_LEFT_IN_SPACE) and bed.size <= BORDERED:
             exact = limit_state(bed, at, moved, parameter)
             if exact is not None:
                 return exact

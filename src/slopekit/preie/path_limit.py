@@ -9,18 +9,18 @@ import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.bed import Bed, BedForces
+from slopekit.preie.tolerances import (
+    ADMISSIBLE,
+    MODES_SHIFT,
+    NO_MOTION,
+    RESIDUAL,
+    STEADY,
+    TINY,
+)
 
-RUNS = 30.0  # work in parts of the elastic: the blocks run
-LEAST = 1e-7  # strength in parts of the full: what stands there stands without any
-FARTHEST = 1e6  # load multiplier, or work of C in parts of the elastic
 BORDERED = 1000  # unknowns up to which it is tried: its matrix is dense
-STEADY = 1e-6  # change of λ in a step of C, and viscous force, of a limit in space
-_ADMISSIBLE = 1e-7  # forces of a limit state outside their bounds, in parts of the load
-_STEADIES = 1e-12  # of the elastic stiffness, added to that of the modes: there may be several motions
 _TURNS = 12  # how often directions of slip in space follow the motion
-_OFF = 1e-9  # its residual, in parts of the largest force
-_KINEMATIC = 1e-6  # its motion: what should not open or slip, in parts of the fastest
 
 
 class PathOutcome(StrEnum):
@@ -74,9 +74,9 @@ class PathLimit:
 
 def result_of(
     bed: Bed, outcome: PathOutcome, parameter: float | None, peak: tuple[float, float] | None, at: Floats,
-    motion: Floats, forces: Forces,
+    motion: Floats, forces: BedForces,
 ) -> PathLimit:  # fmt: skip
-    fastest = max(float(np.abs(motion).max(initial=0.0)), 1e-300)
+    fastest = max(float(np.abs(motion).max(initial=0.0)), TINY)
     return PathLimit(
         outcome, parameter, peak, at, motion / fastest, forces.normal, forces.friction,
         bed.drive.at(parameter or 1.0)[0], forces.residual / bed.load_size, bed.factorisations,
@@ -107,8 +107,8 @@ def limit_state(bed: Bed, at: Floats, moved: Floats, parameter: float) -> PathLi
 
 
 def _of_modes(
-    bed: Bed, modes: Forces, w: Floats, v: Floats, parameter: float
-) -> tuple[Floats, float, Forces, Floats, bool] | None:
+    bed: Bed, modes: BedForces, w: Floats, v: Floats, parameter: float
+) -> tuple[Floats, float, BedForces, Floats, bool] | None:
     """Displacement w, parameter, forces and motion of the modes, and whether the motion has them; None: inadmissible"""
     across = bed.viscous(v)
     along = float(across @ v)
@@ -131,16 +131,14 @@ def _of_modes(
     outside = -min(float(here.normal.min()), float(spare.min()))
     if bed.bolted is not None:
         outside = max(outside, -float(here.friction[bed.bolted, 0].min()))
-    if parameter <= 0.0 or here.residual > _OFF * max(modes.largest, here.largest):
+    if parameter <= 0.0 or here.residual > RESIDUAL * max(modes.largest, here.largest):
         return None
-    if outside > _ADMISSIBLE * bed.load_size:
+    if outside > ADMISSIBLE * bed.load_size:
         return None
     solver = _bordered(bed, here, parameter, across)
     if solver is not None:  # the null vector of the stiffness
         motion = solver(np.append(np.zeros(bed.size), along))
-        if abs(float(motion[-1])) < _KINEMATIC * abs(parameter) and _moves(
-            bed, here, motion[:-1], parameter, _KINEMATIC
-        ):
+        if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
         if bed.tangents > 1 and abs(float(motion[-1])) < STEADY:
             return w, parameter, here, motion[:-1], False
@@ -148,11 +146,11 @@ def _of_modes(
     return (w, parameter, here, v, True) if agrees else None
 
 
-def _bordered(bed: Bed, here: Forces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
+def _bordered(bed: Bed, here: BedForces, parameter: float, across: Floats) -> Callable[[Floats], Floats] | None:
     """A solver of the modes' stiffness with the parameter as one more unknown and `across` as one more equation."""
     size = bed.size
     matrix = np.zeros((size + 1, size + 1))
-    local = bed.tangent(here, parameter, turning=False) + _STEADIES * bed.elastic
+    local = bed.tangent(here, parameter, turning=False) + MODES_SHIFT * bed.elastic
     matrix[:-1, :-1] = bed.stiffness.dense(local)
     matrix[:-1, -1] = -bed.by_parameter(here, parameter)
     matrix[-1, :-1] = across
@@ -167,7 +165,7 @@ def _bordered(bed: Bed, here: Forces, parameter: float, across: Floats) -> Calla
     return solve
 
 
-def _moves(bed: Bed, modes: Forces, motion: Floats, parameter: float, part: float) -> bool:
+def _moves(bed: Bed, modes: BedForces, motion: Floats, parameter: float, part: float) -> bool:
     """Whether a motion opens, slips and holds what the modes say, up to a part of its fastest."""
     opening, slip = bed.motion(motion, parameter)
     forward = (slip * modes.direction).sum(axis=1)

@@ -19,16 +19,16 @@ from functools import cache
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.model import Model, local_axes
+from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY
 from slopekit.strength.mohr_coulomb import line
 
-SHEAR_TO_NORMAL = 0.4  # k_t / k_n, that of the elastic path (METHOD-3 §13)
 BOLT_GIVE = 1e-2  # passive bolts pull fully once drawn out by this part of the bonded displacement
-_DRAWN = 1e-7  # motion along a bolt above this part of the whole draws it out
 
 
 @dataclass(frozen=True, slots=True)
-class Bed:
+class PolygonBed:
     """Flat contacts of one block in the scaled units of its model.
 
     Attributes
@@ -83,10 +83,10 @@ class PointForces:
     pulls: Floats
 
 
-class Springs:
+class BedSprings:
     """The springs of a bed, their shear summed over triangles that are split in four `split` times."""
 
-    def __init__(self, bed: Bed, split: int) -> None:
+    def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
         self.templates = {2: _line_template(split), 3: _triangle_template(split)}
@@ -130,7 +130,7 @@ class Springs:
                 at = np.concatenate([at, edge])
                 normal = np.concatenate([normal, np.zeros(len(edge))])
                 # the pressed part grows by -δg / |∇g| along its zero line, and its shear with it
-                grows = length * (bed.area[k] / max(steep, 1e-300))
+                grows = length * (bed.area[k] / max(steep, TINY))
             across = at[:, 1:] @ slip
             size = np.sqrt((across * across).sum(axis=1))
             strength = line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal)
@@ -141,7 +141,7 @@ class Springs:
                 slides = np.ones(len(size), dtype=bool)
             else:
                 slides = elastic > reduction * strength
-            direction = across / np.maximum(size, 1e-300)[:, None]
+            direction = across / np.maximum(size, TINY)[:, None]
             shear = np.where(slides, reduction * strength, elastic)
             n = len(area)
             normal_rows, shear_rows = at[:n, 0], at[:n, 1:]
@@ -151,7 +151,7 @@ class Springs:
             sliding = area * slides[:n]
             by_opening += (along[:n].T * (sliding * reduction * bed.tan_friction[k])) @ normal_rows
             by_reduction -= (sliding * strength[:n]) @ along[:n]
-            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], 1e-300), SHEAR_TO_NORMAL)
+            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], TINY), SHEAR_TO_NORMAL)
             flat = shear_rows.reshape(-1, count)
             by_slip -= (flat.T * np.repeat(turning, 2)) @ flat
             by_slip += (along[:n].T * np.where(slides[:n], turning, 0.0)) @ along[:n]
@@ -160,7 +160,7 @@ class Springs:
         if len(bed.bolt_capacity):
             drawn = -bed.bolt_rows @ slip
             if running:
-                pull, spring = np.where(drawn > _DRAWN, 1.0, 0.0), np.zeros(len(drawn))
+                pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
                 out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
                 by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
             else:
@@ -178,7 +178,7 @@ class Springs:
     def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
         """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
         bed, none = self.bed, np.zeros(0)
-        found: list[tuple[Floats, ...]] = []
+        by_contact: list[tuple[Floats, ...]] = []
         for k, rows in enumerate(self.rows):
             gaps = rows[:, 0] @ opening
             for open_part in (False, True):
@@ -189,20 +189,20 @@ class Springs:
                 at, area = self._cells(k, np.tensordot(weights, rows, 1), corners)
                 normal = np.zeros(len(area)) if open_part else np.maximum(-at[:, 0] @ opening, 0.0)
                 across = at[:, 1:] @ slip
-                size = np.maximum(np.sqrt((across * across).sum(axis=1)), 1e-300)
+                size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
                 cap = reduction * (line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal))
                 shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
-                found.append((
+                by_contact.append((
                     self._places(corners), area, np.full(len(area), k), normal * area,
                     -(shear / size)[:, None] * across, np.full(len(area), not open_part),
                 ))  # fmt: skip
-        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*found, strict=True))
+        points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
         pulls = none
         if len(bed.bolt_capacity):
             drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
             stiff = bed.bolt_capacity / (BOLT_GIVE * self.first)
-            pulls = np.where(drawn > _DRAWN, most, 0.0) if running else np.clip(stiff * drawn, 0.0, most)
+            pulls = np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0) if running else np.clip(stiff * drawn, 0.0, most)
         return PointForces(points, area, contact, normal, shear, pressed, pulls)
 
     def _places(self, corners: Floats) -> Floats:
@@ -224,7 +224,7 @@ class Springs:
         return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * weights).ravel()
 
 
-def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Bed:
+def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
     """The contacts of one block on bedrock as an elastic bed.
 
     Parameters
@@ -257,7 +257,7 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Be
         from slopekit.preie.strength_lines import averaged  # a contact of curved strength: one line all over it
 
         model = averaged(model)
-    return Bed(
+    return PolygonBed(
         tuple(corners), np.array(axes), np.array(area), per_share, model.tan_friction[first], keys, model.load,
         model.bolt_rows, model.bolt_capacity, columns,
     )  # fmt: skip
@@ -324,13 +324,13 @@ def _triangle_template(split: int) -> tuple[Floats, Floats]:
     for _ in range(split):
         cells = [finer for cell in cells for finer in _quarters(cell)]
     share = 1.0 / len(cells)
-    found: dict[tuple[float, ...], float] = {}
+    share_at: dict[tuple[float, ...], float] = {}
     for cell in cells:
         for point, weight in (*((corner, 1.0 / 12.0) for corner in cell), (cell.mean(axis=0), 3.0 / 4.0)):
             key = tuple(np.round(point, 12).tolist())
-            found[key] = found.get(key, 0.0) + weight * share
-    points = np.array(list(found))
-    return points / points.sum(axis=1)[:, None], np.array(list(found.values()))
+            share_at[key] = share_at.get(key, 0.0) + weight * share
+    points = np.array(list(share_at))
+    return points / points.sum(axis=1)[:, None], np.array(list(share_at.values()))
 
 
 def _quarters(cell: Floats) -> Iterator[Floats]:

@@ -25,26 +25,31 @@ from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
-from slopekit.preie.iterates import Iterate, Step
+from slopekit.preie.iterates import Iterate, IterateStep
 from slopekit.preie.patterns import ContactPattern
 from slopekit.preie.springs import Coupling, Springs
-from slopekit.preie.stiffness import Stiffness
+from slopekit.preie.stiffness import SparseStiffness
+from slopekit.preie.tolerances import (
+    DIAGONAL_SHIFT,
+    EARNED,
+    FACTOR_RESIDUAL,
+    FEASIBLE,
+    HARDLY_ROUGH,
+    LETS_GO,
+    LIGHTEST,
+    PUSHES,
+    TINY,
+)
 from slopekit.strength.mohr_coulomb import line
 
 MOST_LOAD = 1e3  # M: load is shed rather than strength raised more than so often
 _ELASTIC_ENERGY = 1e-3  # what an elastic bed of the whole assembly may store beside the load factor; a hundredth of it
 _STIFFEST = 1e-5  # is left at the limit, and so little does it raise the load factor
-_SHIFT = 1e-13
 _START = 0.1  # least normal force to start from, in parts of the mean
-_FEASIBLE = 1e-6
-_LIGHTEST = 1e-9  # of the heaviest block's load: a lighter block balances to a part of this
-_EARNED = 1e-5  # what the residuals of the motion may be worth, in parts of the load factor
 _SHORT, _RECENTRE = 0.3, 0.7  # after so short a step: this far back to the middle
 _CRAWL, _STALLED = 0.01, 8  # so many steps as short as that: the boundary holds it
 _FRUITLESS = 25  # steps in which the complementarity has not fallen by a fifth
-_OFF_FACTOR = 1e-4
-_SMOOTH = 1e-5  # tangents of friction angles below this hold nothing
-_RELEASES, _ROUGH, _LETS_GO, _PUSHES = 40, 1e6, 1e-9, 1e-6
+_RELEASES, _ROUGH = 40, 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +98,7 @@ class BlockProgram:
 
     def __init__(self, model: AssemblyModel, ratio: float = 1.0) -> None:
         self.model = model
-        self.solver = Stiffness(model)
+        self.solver = SparseStiffness(model)
         self.of_pair = model.group_of_pair
         self.give = 1.0 / model.control_area
         self.group_give = 1.0 / (ratio * model.by_group(model.control_area))
@@ -102,7 +107,7 @@ class BlockProgram:
         self.middle = model.mean_pulls
         self.load_size = float(np.abs(self.load).max())
         own = np.sqrt((model.load * model.load).sum(axis=1))
-        self.least_load = np.repeat(np.maximum(own, _LIGHTEST * float(own.max())), model.unknowns)
+        self.least_load = np.repeat(np.maximum(own, LIGHTEST * float(own.max())), model.unknowns)
         self.pattern = ContactPattern(model)
         self.stiffest, self.start = self._elastic_start()
         self.elastic = self.stiffest
@@ -129,7 +134,7 @@ class BlockProgram:
         length, best, since = 1.0, math.inf, 0
         while True:
             off = _Residuals.of(self, strengths, at)
-            if off.sound and off.gap < tolerance * max(at.load_factor, _FEASIBLE):
+            if off.sound and off.gap < tolerance * max(at.load_factor, FEASIBLE):
                 return ProgramResult(at, True, steps, off.unbalanced, tuple(trail))
             best, since = (off.gap, 0) if off.gap < 0.8 * best else (best, since + 1)
             if steps >= most or stalled > _STALLED or since > _FRUITLESS or not math.isfinite(off.gap):
@@ -154,7 +159,7 @@ class BlockProgram:
         are let go, one round after the other, and bolts that would push.
         """
         model = self.model
-        roughness = _ROUGH * ((model.tan_friction > _SMOOTH) | model.bolted)
+        roughness = _ROUGH * ((model.tan_friction > HARDLY_ROUGH) | model.bolted)
         pressed = np.ones(len(self.give), dtype=bool)
         taut = np.ones(len(roughness), dtype=bool)
         inertia = np.full(len(self.load), 1.0)
@@ -165,11 +170,11 @@ class BlockProgram:
             rough = np.eye(model.slip_rows.shape[1]) * held[:, None, None]
             velocity = self.solver.factored(self.pattern.stiffness(springs, rough), 0.0, inertia=inertia)(self.load)
             opening, slip = model.opening_and_slip(velocity)
-            fastest = max(float(np.abs(velocity).max()), 1e-300)
-            pulled = pressed & (opening > _LETS_GO * fastest)
-            pushed = ~pressed & (opening < -_PUSHES * fastest)
-            slack = taut & model.bolted & (slip[:, 0] > _LETS_GO * fastest)
-            drawn = ~taut & (slip[:, 0] < -_PUSHES * fastest)
+            fastest = max(float(np.abs(velocity).max()), TINY)
+            pulled = pressed & (opening > LETS_GO * fastest)
+            pushed = ~pressed & (opening < -PUSHES * fastest)
+            slack = taut & model.bolted & (slip[:, 0] > LETS_GO * fastest)
+            drawn = ~taut & (slip[:, 0] < -PUSHES * fastest)
             if not (pulled.any() or pushed.any() or slack.any() or drawn.any()):
                 break
             pressed, taut = (pressed & ~pulled) | pushed, (taut & ~slack) | drawn
@@ -191,7 +196,7 @@ class BlockProgram:
         # every product of a force and its multiplier is the same
         slips = strength / determinant(strength)[:, None]
         slips[:, 1:] *= -1.0
-        unit = 1.0 / max(float(carried @ slips[:, 0]), 1e-300)
+        unit = 1.0 / max(float(carried @ slips[:, 0]), TINY)
         start = Iterate(
             normal, friction, 1.0, unit / MOST_LOAD, strength, np.zeros(len(self.load)), unit / normal, unit * slips,
             MOST_LOAD,
@@ -249,10 +254,10 @@ class _Residuals:
         unbalanced = float((np.abs(balance) / program.least_load).max())
         earned = float(np.abs(normal * at.normal).sum()) + float(np.abs(off_slip * at.friction).sum())
         sound = (
-            unbalanced < _FEASIBLE
-            and float(np.abs(strength).max()) < _FEASIBLE * max(1.0, float(limit.max()))
-            and earned < _EARNED * max(at.load_factor, _FEASIBLE)
-            and abs(factor) < _OFF_FACTOR
+            unbalanced < FEASIBLE
+            and float(np.abs(strength).max()) < FEASIBLE * max(1.0, float(limit.max()))
+            and earned < EARNED * max(at.load_factor, FEASIBLE)
+            and abs(factor) < FACTOR_RESIDUAL
         )
         return cls(
             coupling, normal, off_slip, strength, factor, balance,
@@ -289,7 +294,7 @@ class _Newton:
             model, program.of_pair, 1.0 / (program.elastic * program.give + at.gap / at.normal),
             program.elastic * program.group_give, scale, off.coupling,
         )  # fmt: skip
-        solver = program.solver.factored(springs.stiffness(program.pattern), _SHIFT, strengths.symmetric)
+        solver = program.solver.factored(springs.stiffness(program.pattern), DIAGONAL_SHIFT, strengths.symmetric)
         border = model.forces_on_blocks(*springs.of_factor).ravel() - program.middle
         row = border if strengths.symmetric else model.forces_on_blocks(*springs.row).ravel() - program.middle
         columns = solver(np.stack([border, load], axis=1))
@@ -299,7 +304,7 @@ class _Newton:
         ])  # fmt: skip
         return cls(program, at, off, scale, springs, solver, row, columns, system)
 
-    def step(self, recentre: bool) -> Step:
+    def step(self, recentre: bool) -> IterateStep:
         """Mehrotra's step: what a step to the end would do tells how far to aim and what to correct."""
         at, cones = self.start, len(self.start.normal) + len(self.start.strength) + 1
         middle = self.scale.times(at.slip)
@@ -317,7 +322,7 @@ class _Newton:
             barrier - at.shed * at.shed_slack - trust * ahead.shed * ahead.shed_slack,
         )  # fmt: skip
 
-    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> Step:
+    def direction(self, to_normal: Floats, to_strength: Floats, to_shed: float) -> IterateStep:
         """The step towards given products of the normal forces (m,), the cones (g, 1 + t) and the shed load."""
         program, at, off, springs = self.program, self.start, self.off, self.springs
         model, coupling, load = program.model, off.coupling, program.load
@@ -344,6 +349,6 @@ class _Newton:
         moved -= (coupling.dual * slip[:, 0] + coupling.opening_work * factor)[program.of_pair]
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
         gap = np.where(opened, moved, (to_normal - at.gap * normal) / at.normal)
-        return Step(
+        return IterateStep(
             normal, friction, factor, shed, strength, velocity, gap, slip, (to_shed - at.shed_slack * shed) / at.shed
         )

@@ -6,15 +6,15 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.onlooker import say
-from slopekit.preie.bed import Bed, Step
+from slopekit.preie.bed import Bed, NewtonStep
 from slopekit.preie.flow import stepped
-from slopekit.preie.path_limit import FARTHEST, LEAST, STEADY, PathLimit, PathOutcome, result_of
+from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of
 from slopekit.preie.program import BlockProgram, Strengths
 from slopekit.preie.rests import rests_before
+from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, PROPOSAL_SHED, SOLVED, STEADY
 
-_FAR_DOWN, _PROPOSES, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 1e-9, 100  # ε of proposals, how well they settle, steps
+_FAR_DOWN, _MOST_STEPS = (1e-1, 1e-2, 1e-4, 1e-6), 100  # ε of proposals, and steps of their programs
 _FAR = 1e3  # displacement in parts of the elastic, from which on a motion may have settled
-_SHED = 1e-6  # of the load, that a proposal may leave unbalanced
 
 
 def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
@@ -29,14 +29,14 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     model = bed.model
     program = BlockProgram(model, ratio)
     program.cohesion = program.carried(model.cohesion * bond)
-    last: Step | None = None
+    last: NewtonStep | None = None
     for part in _FAR_DOWN:
         program.elastic = part
-        found = program.solve(Strengths(model.tan_dilation), program.start, _PROPOSES, _MOST_STEPS)
-        if found.at.shed > _SHED or found.at.load_factor < LEAST:
+        solution = program.solve(Strengths(model.tan_dilation), program.start, SOLVED, _MOST_STEPS)
+        if solution.at.shed > PROPOSAL_SHED or solution.at.load_factor < LEAST_STRENGTH:
             continue
-        at = found.at.velocity / part
-        step = stepped(bed, at, at, found.at.load_factor, 0.0, float(bed.working @ at))
+        at = solution.at.velocity / part
+        step = stepped(bed, at, at, solution.at.load_factor, 0.0, float(bed.working @ at))
         if not step.settled:
             continue
         limit = _climbed(bed, step)
@@ -50,7 +50,7 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
     return None
 
 
-def _climbed(bed: Bed, step: Step) -> PathLimit | None:
+def _climbed(bed: Bed, step: NewtonStep) -> PathLimit | None:
     """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far."""
     working = bed.working
     grows, fails, gained, far = 3.0, 0, bed.elastic_work, float(np.abs(bed.elastic_displacement).max())

@@ -26,16 +26,11 @@ from slopekit.preie.model import JointStrength
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path_limit import PathLimit, PathOutcome
 from slopekit.preie.rests import JUST, at_their_limit, rests_before
+from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, MESH_CHANGE, MOVES, RESTS_NEAR, SAME_RANK, TINY, TWISTS
 
-MOVES = 1e-3  # of the fastest block of a mechanism: slower ones are at rest
-_SAME = 1e-6  # factors this near are one
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
-_ROUGHLY = 5e-2  # of a group's factor: where all blocks rest that near to it, the last state at rest is an answer
-_SAME_BOUND = 1e-4  # a factor that is a static bound's, to the accuracy of its search
-_FLOWING = 0.05  # of the fastest block: who flows
-_TWISTS = 1e-2  # of the slip of a contact: a twist that needs finer node pairs
-_MOST_SPLIT, _MOST_PAIRS, _MESH_CHANGE = 3, 6000, 2e-3  # of contacts that twist; as for one block
+_MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,14 +124,14 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
         if rank == math.inf:
             ended = "stands" if parts else "gone"
             break
-        together = [part for part in parts if part.rank <= rank + abs(rank) * _SAME]
+        together = [part for part in parts if part.rank <= rank + abs(rank) * SAME_RANK]
         moved = [_moving(part, size) for part in together]
         blocks = np.concatenate([found for found, _ in moved])
         failures.append(Failure(tuple(together), blocks, np.concatenate([motion for _, motion in moved])))
         if any(part.limit.outcome is Outcome.NOT_CONVERGED for part in together):
             ended = "not_converged"
             break
-        left = [part for part in parts if part.rank > rank + abs(rank) * _SAME]
+        left = [part for part in parts if part.rank > rank + abs(rank) * SAME_RANK]
         if len(failures) == 1:
             first = [*together, *left]
         there[blocks] = False
@@ -194,10 +189,10 @@ def critical_load(
     lowest: tuple[float, Part] | None = None
     with threadpool_limits(1):
         for blocks in _components(scene, np.flatnonzero(there)):
-            found = _model(scene, there, blocks)
-            if found is None or not found[0].live.any():
+            model_patch = _model(scene, there, blocks)
+            if model_patch is None or not model_patch[0].live.any():
                 continue
-            model, patch = found
+            model, patch = model_patch
             path, limit = load_limit(model, model.live, reduction)
             if path.found and path.parameter is not None:
                 if lowest is None or path.parameter < lowest[0]:
@@ -213,11 +208,11 @@ def critical_load(
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:
     """The components among some blocks, each solved; blocks that are not `there` nor fixed are gone."""
     for blocks in _components(scene, among):
-        found = _model(scene, there, blocks)
-        if found is None:
+        model_patch = _model(scene, there, blocks)
+        if model_patch is None:
             yield Part(*_untouched(scene.loads, blocks), blocks, np.zeros(0, dtype=np.int64))
         else:
-            model, patch = found
+            model, patch = model_patch
             large = model.unknowns == 6 and len(blocks) > _LARGE and model.lines is None
             groups = _Groups(scene, there, blocks, model, patch) if large else None
             yield Part(*component_limit(model, scene.ranged, groups), blocks, patch)
@@ -271,10 +266,10 @@ class _Groups:
         first = alone[np.argsort(bolted, kind="stable")][:1]
         group, work = self.group if len(self.group) else _with_neighbours(scene.assembly, first, blocks), 0
         for _ in range(_MOST_GROUPS):
-            found = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
-            if found is None:
+            model_patch = _model(scene, self.there, group) if len(group) <= _MOST_GROUP * len(blocks) else None
+            if model_patch is None:
                 return None
-            small, own = found
+            small, own = model_patch
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
             own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
             limit = first_limit(small, own_bond)
@@ -283,9 +278,9 @@ class _Groups:
             work += limit.factorisations
             factor = 1.0 / limit.parameter
             below = min(factor, top)
-            flow, gap = rests_before(bed, below, _ROUGHLY)
+            flow, gap = rests_before(bed, below, RESTS_NEAR)
             if flow.ended == "rest":
-                if factor > top * (1.0 + _SAME_BOUND):
+                if factor > top * (1.0 + BOUND_ACCURACY):
                     return None
                 self.group, of_group = group, (small, limit, own_bond)
                 motion = np.zeros_like(model.load)
@@ -310,7 +305,7 @@ class _Groups:
                 return None
             moved = (flow.at - flow.before).reshape(model.load.shape)
             speed = np.sqrt((moved[:, :3] ** 2).sum(axis=1))
-            movers = model.moving[speed > _FLOWING * float(speed.max())]
+            movers = model.moving[speed > FLOWS * float(speed.max())]
             group = _with_neighbours(scene.assembly, group if np.isin(movers, group).all() else movers, blocks)
         return None
 
@@ -369,9 +364,9 @@ def finer_model(
     """The model of a part once more, the triangles of all its contacts split in four so often."""
     free = np.ones(len(assembly), dtype=bool)
     refine = np.full(len(assembly.patches), level, dtype=np.int64)
-    found = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
-    assert found is not None  # the part has a model
-    return found[0]
+    model_patch = _model(_Scene(assembly, loads, strength), free, part.blocks, refine)
+    assert model_patch is not None  # the part has a model
+    return model_patch[0]
 
 
 def _chosen(patches: Patches, kept: Bools) -> Patches:
@@ -403,15 +398,15 @@ def _split(scene: _Scene, there: Bools, part: Part) -> Part:
             break
         refine = np.zeros(len(scene.assembly.patches), dtype=np.int64) if part.refined is None else part.refined.copy()
         refine[part.patch[twists[: len(part.patch)]]] = level
-        found = _model(scene, there, part.blocks, refine)
-        if found is None or len(found[0].control_area) > _MOST_PAIRS:
+        model_patch = _model(scene, there, part.blocks, refine)
+        if model_patch is None or len(model_patch[0].control_area) > _MOST_PAIRS:
             break
-        model, limit = component_limit(found[0], scene.ranged)
+        model, limit = component_limit(model_patch[0], scene.ranged)
         if not limit.factor or not part.limit.factor:
             break
         change = abs(limit.factor / part.limit.factor - 1.0)
-        part = replace(part, model=model, patch=found[1], limit=limit, refined=refine, mesh_change=change)
-        if change < _MESH_CHANGE:
+        part = replace(part, model=model, patch=model_patch[1], limit=limit, refined=refine, mesh_change=change)
+        if change < MESH_CHANGE:
             break
     return part
 
@@ -432,7 +427,7 @@ def _twisting(part: Part) -> Bools:
     )
     carries[len(part.patch) :] = 0.0  # bolts do not twist
     weighs = carries * twist
-    twisting: Bools = (twist > _TWISTS * (slip + twist)) & (weighs > _TWISTS * float((carries * (slip + twist)).sum()))
+    twisting: Bools = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))
     return twisting
 
 
@@ -440,7 +435,7 @@ def _untouched(loads: AssemblyLoads, free: Ints) -> tuple[AssemblyModel, BlocksL
     """A block that touches nothing: its load moves it."""
     none, pairs = np.zeros(0, dtype=np.int64), np.zeros(0)
     load = np.concatenate([loads.forces[free], loads.moments[free]], axis=1)
-    size = max(float(np.abs(load).max()), 1e-300)
+    size = max(float(np.abs(load).max()), TINY)
     model = AssemblyModel(
         plus=none, minus=none, plus_motion=np.zeros((0, 6, 6)), minus_motion=np.zeros((0, 6, 6)),
         pair_contact=none, normal_rows=np.zeros((0, 6)), group_contact=none, slip_rows=np.zeros((0, 2, 6)),
@@ -480,6 +475,6 @@ def _moving(part: Part, size: Floats) -> tuple[Ints, Floats]:
         np.sqrt((moves[:, :3] ** 2).sum(axis=1)),
         np.sqrt((moves[:, 3:] ** 2).sum(axis=1)) * size[part.model.moving],
     )
-    fastest = max(float(speed.max()), 1e-300)
-    found = np.flatnonzero(speed > MOVES * fastest)
-    return part.model.moving[found], moves[found] / fastest
+    fastest = max(float(speed.max()), TINY)
+    fast = np.flatnonzero(speed > MOVES * fastest)
+    return part.model.moving[fast], moves[fast] / fastest

@@ -9,14 +9,14 @@ import numpy as np
 
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
-from slopekit.preie.path_limit import RUNS, PathLimit
+from slopekit.preie.path_limit import PathLimit
+from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
 from slopekit.preie.undilated import rest_without_dilation
 
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
-_MOBILISED = 5e-2  # of the strength along a motion, that blocks may not need just before its limit
 
 
 def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, float]:
@@ -33,7 +33,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
     at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
-    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, far=RUNS, patience=_TO_REST)
+    flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
@@ -45,7 +45,7 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
             stride = math.sqrt(stride)
             continue
         else:
-            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, far=RUNS, patience=_TO_REST)
+            ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
             return flow, gap
         moved, width = ahead_of_it.at - flow.at, gap - trial
@@ -62,7 +62,7 @@ def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:
     assert limit.parameter is not None
     _, slip = bed.motion(limit.motion, limit.parameter)
     resists = float((flow.forces.strength * np.sqrt((slip * slip).sum(axis=1))).sum()) * limit.parameter
-    if abs(float(bed.drive.load @ limit.motion) / max(resists, 1e-300) - 1.0) < _MOBILISED:
+    if abs(float(bed.drive.load @ limit.motion) / max(resists, TINY) - 1.0) < MOBILISED:
         return True
     beyond = (1.0 - _BEYOND) * limit.parameter
-    return relaxed(bed, flow.at, beyond, THICK, far=RUNS, patience=_LET_GO).ended == "runs"
+    return relaxed(bed, flow.at, beyond, THICK, runs_at=RUNS, patience=_LET_GO).ended == "runs"

@@ -24,27 +24,23 @@ from slopekit.arrays import Floats
 from slopekit.errors import SolverError
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
+from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY
 from slopekit.strength.mohr_coulomb import line
 
-_SHARP = 1e-10  # what is left of the rounding, in parts of a mean load times its elastic displacement
 _FIRST, _LONGEST, _SHORTEST = 0.3, 2.0, 1e-4  # steps along the curve, 1 being a change of all forces or of W by e
 _CORRECTIONS = 8  # of a step
 _CENTRED = 0.5  # products, and what is off in the joints, in parts of κ
-_ALIGNED = 1e-3  # and how far friction may be off the slip, an angle
-_BALANCED = 1e-6  # unbalanced force in parts of each block's own load
-_LIGHTEST = 1e-9
 _KEPT = 0.1  # part of a gap, force or slip that one step leaves at least
 _ROOM = 0.3  # part of what is free below the strength that it leaves
 _STARTS = 40  # corrections before the first step
 _BISECTED = 60
 _TURN = 1.5  # the most a correction may go along the curve
-_TINY = 1e-300
 
-_Solver = Callable[["_Off"], "_Point"]
+_Solver = Callable[["_Residual"], "_CurvePoint"]
 
 
 @dataclass(frozen=True, slots=True)
-class _Point:
+class _CurvePoint:
     """A point of the curve, or a change of one: v (N,), N, gaps (m,), T (g, t), |z| (g,), z (g, t), λ."""
 
     velocity: Floats
@@ -55,18 +51,18 @@ class _Point:
     slip: Floats
     reduction: float
 
-    def plus(self, change: "_Point", part: float = 1.0) -> "_Point":
+    def plus(self, change: "_CurvePoint", part: float = 1.0) -> "_CurvePoint":
         """The point after a part of a change."""
-        return _Point(*(getattr(self, of.name) + part * getattr(change, of.name) for of in fields(self)))
+        return _CurvePoint(*(getattr(self, of.name) + part * getattr(change, of.name) for of in fields(self)))
 
-    def times(self, part: float) -> "_Point":
+    def times(self, part: float) -> "_CurvePoint":
         """A part of a change."""
-        return _Point(*(part * getattr(self, of.name) for of in fields(self)))
+        return _CurvePoint(*(part * getattr(self, of.name) for of in fields(self)))
 
 
 @dataclass(frozen=True, slots=True)
-class _Off:
-    """What is off: balance (N,), normal (m,) and shear (g, t) joints, products (m,), (g,), (g, t), and the work."""
+class _Residual:
+    """Residuals: balance (N,), normal (m,) and shear (g, t) joints, products (m,), (g,), (g, t), and the work."""
 
     balance: Floats
     opening: Floats
@@ -94,7 +90,7 @@ class RoundedPath:
         lighter = np.minimum(lighter[model.plus], lighter[model.minus])
         area = np.bincount(model.pair_contact, bed.area, len(model.plus))
         self._unit = float((lighter * lighter / area).mean())
-        self._own = np.repeat(np.maximum(own, _LIGHTEST * float(own.max())), model.unknowns)
+        self._own = np.repeat(np.maximum(own, LIGHTEST * float(own.max())), model.unknowns)
         self._give, self._shear_give = 1.0 / bed.area, 1.0 / bed.spring
         self._rounding = math.log(rounding)
         self._work = 0.0
@@ -133,43 +129,45 @@ class RoundedPath:
             for _ in range(_STARTS):
                 product = self._product(self._work, self._rounding)
                 try:
-                    off, solve = self._linear(self._at, self._work, product)
+                    residual, solve = self._linear(self._at, self._work, product)
                 except SolverError:
                     return False
-                if self._on_curve(self._at, off, product):
+                if self._on_curve(self._at, residual, product):
                     self.passed.append((self._at.reduction, displacement))
                     return True
-                self._at = self._moved(self._at, solve(off), product)
+                self._at = self._moved(self._at, solve(residual), product)
         return False
 
     def onto(self, work: float, most: int) -> bool:
         """On to a work, in parts of the elastic; False where `most` factorisations do not get there."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = self._along(
+            curve_point = self._along(
                 self._at, self._work, self._rounding, True, lambda there, _: there > work, most, self.passed
             )
-        if found is None:
+        if curve_point is None:
             return False
-        self._at, self._work, self._rounding = found
+        self._at, self._work, self._rounding = curve_point
         return True
 
-    def sharpened(self, most: int, left: float = _SHARP) -> "RoundedPath | None":
+    def sharpened(self, most: int, left: float = SHARP) -> "RoundedPath | None":
         """The path of joints whose rounding is `left`, from the same work on; None where `most` factorisations do not
         get there.
         """
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            found = self._along(self._at, self._work, self._rounding, False, lambda _, there: there < left, most, [])
-        if found is None:
+            curve_point = self._along(
+                self._at, self._work, self._rounding, False, lambda _, there: there < left, most, []
+            )
+        if curve_point is None:
             return None
         sharp = copy.copy(self)
-        sharp._at, sharp._work, sharp._rounding = found
+        sharp._at, sharp._work, sharp._rounding = curve_point
         sharp.passed = [(sharp.reduction, sharp.displacement)]
         return sharp
 
     def _along(
-        self, at: _Point, work: float, rounding: float, grows: bool, ends: Callable[[float, float], bool], most: int,
-        passed: list[tuple[float, Floats]],
-    ) -> tuple[_Point, float, float] | None:  # fmt: skip
+        self, at: _CurvePoint, work: float, rounding: float, grows: bool, ends: Callable[[float, float], bool],
+        most: int, passed: list[tuple[float, Floats]],
+    ) -> tuple[_CurvePoint, float, float] | None:  # fmt: skip
         """From a point on the curve until `ends` (W in parts of the elastic, κ): W grows, or κ falls, by steps.
 
         Steps go along the tangent, corrections square to it.
@@ -185,15 +183,15 @@ class RoundedPath:
                 along_it = -along_it
             way, along = tangent.times(along_it), along_it
             while True:
-                found = self._stepped(at, way, along, length, (work, rounding), grows)
-                if found is not None or self.bed.factorisations > most:
+                stepped = self._stepped(at, way, along, length, (work, rounding), grows)
+                if stepped is not None or self.bed.factorisations > most:
                     break
                 length *= 0.4
                 if length < _SHORTEST:
                     return None
-            if found is None:
+            if stepped is None:
                 return None
-            at, moved, corrections, solve = found
+            at, moved, corrections, solve = stepped
             work, rounding = work + by_work * moved, rounding + by_rounding * moved
             if grows:
                 passed.append((at.reduction, at.velocity * math.exp(work)))
@@ -204,8 +202,14 @@ class RoundedPath:
         return None
 
     def _stepped(
-        self, start: _Point, way: _Point, along: float, length: float, before: tuple[float, float], grows: bool
-    ) -> tuple[_Point, float, int, _Solver] | None:
+        self,
+        start: _CurvePoint,
+        way: _CurvePoint,
+        along: float,
+        length: float,
+        before: tuple[float, float],
+        grows: bool,
+    ) -> tuple[_CurvePoint, float, int, _Solver] | None:
         """A point so far along, how far W or κ went, corrections, and the solver there; None where it is not found."""
         moved = along * length
         by_work, by_rounding = (1.0, 0.0) if grows else (0.0, -1.0)
@@ -216,14 +220,14 @@ class RoundedPath:
             work, rounding = before[0] + by_work * moved, before[1] + by_rounding * moved
             product = self._product(work, rounding)
             try:
-                off, solve = self._linear(at, work, product)
+                residual, solve = self._linear(at, work, product)
             except SolverError:
                 return None
-            if self._on_curve(at, off, product):
+            if self._on_curve(at, residual, product):
                 return at, moved, corrections, solve
-            if not np.isfinite(off.balance).all():
+            if not np.isfinite(residual.balance).all():
                 return None
-            change, tangent = solve(off), self._tangent(at, solve, work, rounding, grows)
+            change, tangent = solve(residual), self._tangent(at, solve, work, rounding, grows)
             square = self._inner(way, tangent, start) + along
             turn = -self._inner(way, change, start) / square if square else math.inf
             if not abs(turn) < _TURN:
@@ -233,11 +237,11 @@ class RoundedPath:
             at = self._moved(at, change.plus(tangent, turn), product)
         return None
 
-    def _unbalanced(self, off: _Off) -> float:
+    def _unbalanced(self, residual: _Residual) -> float:
         """In parts of each block's own load."""
-        return float((np.abs(off.balance) / self._own).max())
+        return float((np.abs(residual.balance) / self._own).max())
 
-    def _inner(self, one: _Point, other: _Point, at: _Point) -> float:
+    def _inner(self, one: _CurvePoint, other: _CurvePoint, at: _CurvePoint) -> float:
         """Product of two changes, forces, velocities and λ in parts of what they are."""
         forces = float(at.normal @ at.normal) + float((at.friction * at.friction).sum())
         changed = float(one.normal @ other.normal) + float((one.friction * other.friction).sum())
@@ -263,48 +267,54 @@ class RoundedPath:
         forces: Floats = self.bed.columns @ np.concatenate([normal, friction.ravel()])
         return forces
 
-    def _from_displacement(self, displacement: Floats, reduction: float) -> _Point:
+    def _from_displacement(self, displacement: Floats, reduction: float) -> _CurvePoint:
         """What the rounded law says at a displacement."""
         slow, product = math.exp(-self._work), self._product(self._work, self._rounding)
         opening, slip = self._motion(displacement * slow)
         give = slow * self._give
         root = np.sqrt(opening * opening + 4.0 * give * product)
         pressed = (root - opening) / (2.0 * give)
-        gap = np.where(opening < 0.0, product / np.maximum(pressed, _TINY), (opening + root) / 2.0)
+        gap = np.where(opening < 0.0, product / np.maximum(pressed, TINY), (opening + root) / 2.0)
         normal = product / gap
         allowed, give = reduction * self._strength(normal), slow * self._shear_give
         size = np.sqrt(along_rows(slip, slip))
         low, high = np.zeros_like(size), allowed.copy()
         for _ in range(_BISECTED):
             middle = (low + high) / 2.0
-            room = np.maximum((allowed - middle) * (allowed + middle), _TINY)
+            room = np.maximum((allowed - middle) * (allowed + middle), TINY)
             less = middle * (give + product / room) < size
             low, high = np.where(less, middle, low), np.where(less, high, middle)
-        room = np.maximum((allowed - low) * (allowed + low), _TINY)
-        friction = -slip * (low / np.maximum(size, _TINY))[:, None]
-        return _Point(
+        room = np.maximum((allowed - low) * (allowed + low), TINY)
+        friction = -slip * (low / np.maximum(size, TINY))[:, None]
+        return _CurvePoint(
             displacement * slow, normal, gap, friction, product * allowed / room, -product * friction / room[:, None],
             reduction,
         )  # fmt: skip
 
-    def _on_curve(self, at: _Point, off: _Off, product: float) -> bool:
+    def _on_curve(self, at: _CurvePoint, residual: _Residual, product: float) -> bool:
         """Whether what is off does not matter."""
         allowed = at.reduction * self._strength(at.normal)
-        across = np.sqrt(along_rows(off.across, off.across)) / (product + _ALIGNED * allowed * at.size)
-        joints = max(float(np.abs(off.opening * at.normal).max()), float(np.abs(off.shear * at.friction).max()))
-        products = max(float(np.abs(off.pressing).max()), float(np.abs(off.sliding).max()), joints)
-        return products < _CENTRED * product and float(across.max()) < _CENTRED and self._unbalanced(off) < _BALANCED
+        across = np.sqrt(along_rows(residual.across, residual.across)) / (product + ALIGNED * allowed * at.size)
+        joints = max(
+            float(np.abs(residual.opening * at.normal).max()), float(np.abs(residual.shear * at.friction).max())
+        )
+        products = max(float(np.abs(residual.pressing).max()), float(np.abs(residual.sliding).max()), joints)
+        return (
+            products < _CENTRED * product
+            and float(across.max()) < _CENTRED
+            and self._unbalanced(residual) < EACH_BALANCED
+        )
 
-    def _tangent(self, at: _Point, solve: _Solver, work: float, rounding: float, grows: bool) -> _Point:
+    def _tangent(self, at: _CurvePoint, solve: _Solver, work: float, rounding: float, grows: bool) -> _CurvePoint:
         """How a point of the curve changes with log W, or with -log κ."""
         product = self._product(work, rounding)
         slow = -math.exp(-work) if grows else 0.0
-        return solve(_Off(
+        return solve(_Residual(
             np.zeros_like(at.velocity), slow * self._give * at.normal, slow * self._shear_give[:, None] * at.friction,
             np.full(len(at.normal), product), np.full(len(at.size), product), np.zeros_like(at.slip), 0.0,
         ))  # fmt: skip
 
-    def _linear(self, at: _Point, work: float, product: float) -> tuple[_Off, _Solver]:
+    def _linear(self, at: _CurvePoint, work: float, product: float) -> tuple[_Residual, _Solver]:
         """What is off at a point, and a solver of the linearised equations.
 
         Raises
@@ -317,7 +327,7 @@ class RoundedPath:
         strength = self._strength(at.normal)
         allowed, follows = at.reduction * strength, at.reduction * bed.friction
         opening, slip = self._motion(at.velocity)
-        off = _Off(
+        residual = _Residual(
             self._on_blocks(at.normal, at.friction) + bed.drive.load,
             give * at.normal + opening - at.gap,
             shear_give[:, None] * at.friction + slip - at.slip,
@@ -348,29 +358,32 @@ class RoundedPath:
         gained = float(bed.working @ by_reduction)
         opened = at.gap * float(at.normal.mean()) > at.normal * float(at.gap.mean())
 
-        def solve(off: _Off) -> _Point:
-            pressed = springs * (-off.pressing / at.normal - off.opening)
+        def solve(residual: _Residual) -> _CurvePoint:
+            pressed = springs * (-residual.pressing / at.normal - residual.opening)
             size, dragged = of_cones(
-                -off.sliding - along_rows(at.friction, off.shear), -off.across - allowed[:, None] * off.shear
+                -residual.sliding - along_rows(at.friction, residual.shear),
+                -residual.across - allowed[:, None] * residual.shear,
             )
             stronger = follows * np.bincount(bed.group_of_pair, pressed, bed.groups)
-            velocity = solver(off.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
-            reduction = (-off.work - float(bed.working @ velocity)) / gained
+            velocity = solver(residual.balance + self._on_blocks(pressed, dragged + by_strength * stronger[:, None]))
+            reduction = (-residual.work - float(bed.working @ velocity)) / gained
             velocity = velocity + reduction * by_reduction
             opens, slips = self._motion(velocity)
             normal = pressed - springs * opens
             stronger = follows * np.bincount(bed.group_of_pair, normal, bed.groups) + strength * reduction
             friction = dragged + np.matmul(tangent, slips[:, :, None])[:, :, 0] + by_strength * stronger[:, None]
             # each is a large number there, and rounding does not matter
-            gap = np.where(opened, off.opening + opens + give * normal, (-off.pressing - at.gap * normal) / at.normal)
-            return _Point(
+            gap = np.where(
+                opened, residual.opening + opens + give * normal, (-residual.pressing - at.gap * normal) / at.normal
+            )
+            return _CurvePoint(
                 velocity, normal, gap, friction, size + along_rows(by_slip, slips) + size_by_strength * stronger,
-                off.shear + slips + shear_give[:, None] * friction, reduction,
+                residual.shear + slips + shear_give[:, None] * friction, reduction,
             )  # fmt: skip
 
-        return off, solve
+        return residual, solve
 
-    def _moved(self, at: _Point, change: _Point, product: float) -> _Point:
+    def _moved(self, at: _CurvePoint, change: _CurvePoint, product: float) -> _CurvePoint:
         """A point after a step, every force, gap and slip kept where it may be, one by one."""
         reduction = max(at.reduction + change.reduction, _KEPT * at.reduction)
         normal = np.maximum(at.normal + change.normal, _KEPT * at.normal)
@@ -378,28 +391,28 @@ class RoundedPath:
         allowed = reduction * self._strength(normal)
         if self.bed.tangents == 1:
             friction, size, slip = self._in_section(at, change, allowed)
-            return _Point(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
+            return _CurvePoint(at.velocity + change.velocity, normal, gap, friction, size, slip, reduction)
         # a slip may shrink to a part of itself, not turn round
         back, square = along_rows(at.slip, change.slip), along_rows(at.slip, at.slip)
-        part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, _TINY), 1.0)
+        part = np.where(back < -(1.0 - _KEPT) * square, (1.0 - _KEPT) * square / np.maximum(-back, TINY), 1.0)
         slip = at.slip + part[:, None] * change.slip
         size = np.sqrt(along_rows(slip, slip))
         friction = at.friction + change.friction
         carried = np.sqrt(along_rows(friction, friction))
         # what the product says friction carries with that slip, and some of the room that it leaves
-        most = (np.sqrt(product * product + (2.0 * size * allowed) ** 2) - product) / np.maximum(2.0 * size, _TINY)
+        most = (np.sqrt(product * product + (2.0 * size * allowed) ** 2) - product) / np.maximum(2.0 * size, TINY)
         room = np.maximum(_ROOM * (allowed * allowed - most * most), 1e-14 * allowed * allowed)
         cut = np.where(
             allowed * allowed - carried * carried < room, np.sqrt(np.maximum(allowed * allowed - room, 0.0)), carried
         )
-        friction = friction * (cut / np.maximum(carried, _TINY))[:, None]
-        least = np.sqrt(size * size + (_ROOM * product) ** 2 / np.maximum(allowed * allowed - cut * cut, _TINY))
-        return _Point(
+        friction = friction * (cut / np.maximum(carried, TINY))[:, None]
+        least = np.sqrt(size * size + (_ROOM * product) ** 2 / np.maximum(allowed * allowed - cut * cut, TINY))
+        return _CurvePoint(
             at.velocity + change.velocity, normal, gap, friction, np.maximum(at.size + part * change.size, least),
             slip, reduction,
         )  # fmt: skip
 
-    def _in_section(self, at: _Point, change: _Point, allowed: Floats) -> tuple[Floats, Floats, Floats]:
+    def _in_section(self, at: _CurvePoint, change: _CurvePoint, allowed: Floats) -> tuple[Floats, Floats, Floats]:
         """Friction (g, 1), size (g,) and slip (g, 1) after a step in a section, where a slip may turn round.
 
         The cone's product is two there, (λ r + T)(|z| + z) = κ = (λ r - T)(|z| - z): every factor is kept.

@@ -17,11 +17,11 @@ from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.equilibrium import BOLT_GIVE_M
 from slopekit.preie.flow import relaxed, stepped
+from slopekit.preie.tolerances import SETTLEMENT_STEADY
 
 _ROUNDS = 16  # of stiffnesses that follow the normal tractions, and of cohesion lost where pairs open
 _LEAST = 0.05  # of K: the secant of a joint that the hyperbola lets creep away
 _THICK = 1e-2  # viscosity to begin with where they have been at rest nearby
-_STEADY = 1e-3  # change of the displacements, in parts of the largest, that ends the rounds
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ def settlement(
 
             model = drawn(model, forces.normal)
         moved = float(np.abs(at - before).max()) / float(np.abs(at).max())
-        settled = taken > 0 and moved < _STEADY
+        settled = taken > 0 and moved < SETTLEMENT_STEADY
         constant = not isinstance(law, CloughDuncan) and model.lines is None
         if not parted.any() and (settled or constant):
             break

@@ -17,12 +17,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import NodePairs
-
-_TANGENT_DEG = 1.0  # a motion that leaves the surface by less than this (root mean square) is one that it lets through
-_DRIVEN = 1e-6  # a motion on which the load works less, in parts of the most it does on any, is not driven
-_EXACT = 1e-7  # sine below which nothing needs to be turned
-_ALIKE = 3.0  # motions that leave the surface by more than this times what the load's does are not the surface's own
-FARTHEST_DEG = 10.0  # normals are not turned by more than this (root mean square): such a surface must dilate
+from slopekit.preie.tolerances import ALIKE_MOTIONS, DRIVEN, FARTHEST_DEG, TANGENT_DEG, TINY, TURNED
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,26 +59,26 @@ def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
     half = np.linalg.solve(root, np.linalg.solve(root, opening).T)
     squares, axes = np.linalg.eigh((half + half.T) / 2.0)
     sines = np.sqrt(np.maximum(squares, 0.0))
-    free: Bools = sines < np.sin(np.radians(_TANGENT_DEG))
+    free: Bools = sines < np.sin(np.radians(TANGENT_DEG))
     motions = np.linalg.solve(root.T, axes)
     scaled = load * np.where(np.arange(6) < 3, 1.0, 1.0 / length)
     driven = np.abs(motions.T @ scaled)
-    if not (driven[free] > _DRIVEN * driven.max()).any():
+    if not (driven[free] > DRIVEN * driven.max()).any():
         free[:] = False
     if not free.any():
-        chosen = motions @ ((motions.T @ scaled) / np.maximum(squares, _EXACT**2))
+        chosen = motions @ ((motions.T @ scaled) / np.maximum(squares, TURNED**2))
         turned, moved = _square_to(pairs.normals, np.einsum("niu,u->ni", point_rows, chosen)[:, :, None])
     else:
         # a thin slice of a cylinder nearly lets tilting through: turned for that too, it would not turn on its axis
         first = int(np.argmax(np.where(free, driven, 0.0)))
-        free &= sines <= max(_ALIKE * float(sines[first]), _EXACT)
+        free &= sines <= max(ALIKE_MOTIONS * float(sines[first]), TURNED)
         velocities = np.einsum("niu,uk->nik", point_rows, motions)
         turned, moved = _square_to(pairs.normals, velocities[:, :, free])
         if not _tangent(turned, velocities[:, :, free]):  # scattered normals: no surface is square to all of them
             driving = motions[:, free] @ (motions[:, free].T @ scaled)
             turned, moved = _square_to(pairs.normals, np.einsum("niu,u->ni", point_rows, driving)[:, :, None])
     misfit = float(np.sqrt(weight @ moved**2))
-    if misfit < _EXACT:
+    if misfit < TURNED:
         return Slippage(pairs, int(free.sum()), 0.0, False)
     if np.degrees(misfit) > FARTHEST_DEG:
         return Slippage(pairs, 0, float(np.degrees(misfit)), True)
@@ -93,7 +88,7 @@ def slippable(pairs: NodePairs, centroid: Floats, load: Floats) -> Slippage:
 def _tangent(normals: Floats, velocities: Floats) -> bool:
     """Whether normals (n, 3) are square to velocities (n, 3, k)."""
     out = np.einsum("ni,nik->nk", normals, velocities)
-    return float((out * out).sum()) <= _EXACT**2 * float((velocities * velocities).sum())
+    return float((out * out).sum()) <= TURNED**2 * float((velocities * velocities).sum())
 
 
 def _square_to(normals: Floats, velocities: Floats) -> tuple[Floats, Floats]:
@@ -103,7 +98,7 @@ def _square_to(normals: Floats, velocities: Floats) -> tuple[Floats, Floats]:
     # the two main directions of the tangential velocities; where there is but one, only that
     spread = np.einsum("nik,njk->nij", tangential, tangential)
     sizes, axes = np.linalg.eigh(spread)
-    inverse = np.where(sizes > 1e-6 * sizes[:, -1:], 1.0 / np.maximum(sizes, 1e-300), 0.0)
+    inverse = np.where(sizes > 1e-6 * sizes[:, -1:], 1.0 / np.maximum(sizes, TINY), 0.0)
     inverse[:, 0] = 0.0
     out = np.einsum("ni,nik->nk", normals, velocities)
     # least tilt t, tangential, with (n + t)·v = 0 for every velocity

@@ -16,6 +16,7 @@ from slopekit.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, along_rows
 from slopekit.preie.patterns import ContactPattern
+from slopekit.preie.tolerances import TINY
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +84,7 @@ class Springs:
         soft = give * eta2
         kappa0 = (1.0 + soft * bent) / (eta2 * (bent + soft))
         tilt = -2.0 * (w0 / (bent + soft))[:, None] * w1
-        unit = w1 / np.maximum(np.sqrt(along_rows(w1, w1)), 1e-300)[:, None]
+        unit = w1 / np.maximum(np.sqrt(along_rows(w1, w1)), TINY)[:, None]
         across, along = eta2 / (1.0 + soft), eta2 / (bent + soft)
         inverse = (along - across)[:, None, None] * unit[:, :, None] * unit[:, None, :]
         k = np.arange(w1.shape[1])

@@ -43,7 +43,7 @@ _DENSE = 60  # unknowns from which the narrowest band is as fast, and the widest
 _DISSECT = 4e-3  # s a factorisation in a band takes, below which a dissection does not pay
 
 
-class Stiffness:
+class SparseStiffness:
     """Where the stiffness of each contact goes; `factored` makes a solver.
 
     Parameters

@@ -22,17 +22,14 @@ from slopekit.preie.bounds import static_bound
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
+from slopekit.preie.tolerances import LEAST_TRACTION, LINES_STEADY, NO_FRICTION, STEADY, TINY
 from slopekit.strength.mohr_coulomb import line
 from slopekit.strength.protocol import LEAST_KPA, StrengthLaw, secant, tangent
 
-_STEADY = 1e-13  # of the strength: the lines are those of their own tractions
-_EXACT_IN_SPACE = 1e-6  # the same for many blocks in space, whose path ends at 1e-6 of the factor
 _MOST_ROUNDS = 120
 _SWIFT = 6  # rounds before they are mixed with the last ones
 _MEMORY, _MIX, _LONGEST = 6, 0.3, 0.7  # of Anderson's mixing: rounds, its relaxation, and the longest step of ln tan φ
 _FRUITLESS = 12  # rounds without gain: then the last alone is mixed, and after as many again the lines do not settle
-_FLAT = 1e-12  # tan φ that counts as none
-_LEAST = 1e-6  # of the mean traction: lower ones are drawn as this one
 
 AnyModel = TypeVar("AnyModel", Model, AssemblyModel)
 Found = TypeVar("Found")
@@ -112,7 +109,7 @@ def _at(
     traction = np.maximum(normal, 0.0) / model.control_area * (model.force_scale / model.area_scale)
     real = lines.joint >= 0
     mean = float(normal[real].sum() / model.control_area[real].sum()) * model.force_scale / model.area_scale
-    least = max(LEAST_KPA, _LEAST * mean)
+    least = max(LEAST_KPA, LEAST_TRACTION * mean)
     for key, law in enumerate(lines.laws):
         on = lines.joint == key
         if law is not None and on.any():
@@ -125,8 +122,8 @@ def _shared(model: AnyModel, slopes: Floats, normal: Floats) -> Floats:
     """Tan φ of the friction forces, from those of their pairs by what they carry."""
     if isinstance(model, Model) or len(model.group_first) == len(slopes):
         return slopes
-    weight = np.maximum(normal, _LEAST * float(normal.mean()) * model.control_area)
-    weight = np.maximum(weight, 1e-300)
+    weight = np.maximum(normal, LEAST_TRACTION * float(normal.mean()) * model.control_area)
+    weight = np.maximum(weight, TINY)
     return model.by_group(slopes * weight) / model.by_group(weight)
 
 
@@ -152,10 +149,10 @@ def _rounds(
     rounds: list[tuple[float, AnyModel, Found]] = []
     best, fruitless = math.inf, 0
     while len(rounds) < _MOST_ROUNDS and fruitless < 2 * _FRUITLESS:
-        found = solve(model)
-        carries = forces(found)
+        limit = solve(model)
+        carries = forces(limit)
         if carries is None:
-            return model, found, 0.0
+            return model, limit, 0.0
         normal, factor, exact = carries
         new = drawn(model, normal)
         if isinstance(new, Model):
@@ -163,17 +160,19 @@ def _rounds(
         else:
             carried, bonds = new.by_group(normal), new.by_group(new.cohesion)
         strength = float(line(bonds, new.tan_friction, carried).sum())
-        off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, 1e-300)
-        if off <= max(_STEADY, exact):
-            return model, found, off
-        rounds.append((factor, model, found))
+        off = float(np.abs(new.tan_friction - model.tan_friction) @ carried) / max(strength, TINY)
+        if off <= max(LINES_STEADY, exact):
+            return model, limit, off
+        rounds.append((factor, model, limit))
         best, fruitless = (off, 0) if off < best else (best, fruitless + 1)
         if len(rounds) > _SWIFT:
-            at = np.log(np.maximum(model.tan_friction, _FLAT))
-            last = (at, np.log(np.maximum(new.tan_friction, _FLAT)) - at)
+            at = np.log(np.maximum(model.tan_friction, NO_FRICTION))
+            last = (at, np.log(np.maximum(new.tan_friction, NO_FRICTION)) - at)
             # modes that trade places lead the mixing astray: then the last round alone
             steps = [*steps[-_MEMORY:], last] if fruitless < _FRUITLESS else [last]
-            new = replace(new, tan_friction=frozen(np.where(new.tan_friction > _FLAT, np.exp(_mixed(steps)), 0.0)))
+            new = replace(
+                new, tan_friction=frozen(np.where(new.tan_friction > NO_FRICTION, np.exp(_mixed(steps)), 0.0))
+            )
         model = new
     last_ones = rounds[-_FRUITLESS:]
     lowest = min(last_ones, key=lambda one: one[0])
@@ -190,7 +189,7 @@ def _mixed(steps: Sequence[tuple[Floats, Floats]]) -> Floats:
     parts = np.linalg.lstsq(turns, off, rcond=1e-10)[0]
     step = _MIX * off - (moves + _MIX * turns) @ parts
     longest = float(np.abs(step).max())
-    mixed: Floats = at + step * min(1.0, _LONGEST / max(longest, 1e-300))
+    mixed: Floats = at + step * min(1.0, _LONGEST / max(longest, TINY))
     return mixed
 
 
@@ -205,15 +204,15 @@ def settled(model: Model, analyse: Callable[[Model], LimitAnalysis]) -> LimitAna
     analyse : the limit on lines as they are
     """
 
-    def forces(found: LimitAnalysis) -> tuple[Floats, float, float] | None:
-        limit = found.governing
+    def forces(analysis: LimitAnalysis) -> tuple[Floats, float, float] | None:
+        limit = analysis.governing
         if not limit.factor or limit.outcome is Outcome.NOT_CONVERGED:
             return None
         return limit.normal_force, limit.factor, limit.change
 
     model, analysis, off = _rounds(model, analyse, forces)
     limit = analysis.governing
-    if off > max(_STEADY, limit.change):
+    if off > max(LINES_STEADY, limit.change):
         analysis = replace(analysis, governing=replace(limit, change=off))
     return replace(analysis, model=model)
 
@@ -239,7 +238,7 @@ def mean_stress_limit(model: Model) -> Limit:
     limit = forces_only_limit(model)
     before = 0.0
     for _ in range(_MOST_ROUNDS):
-        if not limit.factor or abs(limit.factor / (before or 1e300) - 1.0) <= _STEADY:
+        if not limit.factor or abs(limit.factor / (before or 1e300) - 1.0) <= LINES_STEADY:
             break
         before = limit.factor
         normal = np.zeros(len(model.control_area))
@@ -266,12 +265,12 @@ def settled_blocks(
         steps += found.steps
         return found
 
-    exact = _EXACT_IN_SPACE if model.unknowns == 6 else 0.0
+    exact = STEADY if model.unknowns == 6 else 0.0
     model, limit, off = _rounds(
         model, solve, lambda found: (found.normal_force, found.factor, exact) if found.factor else None
     )
     if limit.factor:
-        limit = replace(limit, change=max(limit.change, off if off > max(_STEADY, exact) else 0.0), steps=steps)
+        limit = replace(limit, change=max(limit.change, off if off > max(LINES_STEADY, exact) else 0.0), steps=steps)
         if limit.static_bound is not None:
             bound = static_bound(outer(model)).factor
             limit = replace(limit, static_bound=None if bound is None else max(bound, limit.factor or 0.0))

@@ -9,22 +9,29 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.preie.bed import Bed, Forces, Step
+from slopekit.preie.bed import Bed, BedForces, NewtonStep
 from slopekit.preie.flow import relaxed, stepped
-from slopekit.preie.path_limit import BORDERED, FARTHEST, LEAST, STEADY, PathLimit, PathOutcome, limit_state, result_of
+from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.rests import JUST, at_their_limit, rests_before
 from slopekit.preie.rounded import RoundedPath
+from slopekit.preie.tolerances import (
+    FARTHEST,
+    LEAST_STRENGTH,
+    OTHER_MOTION,
+    SAME_FARTHER,
+    SAME_SHARP,
+    SHARP_FAR_DOWN,
+    STEADY,
+    SURE_ROUNDING,
+)
 
 _ROUNDINGS = (1e-5, 1e-4, 1e-2, 3e-3)  # of the joints in space, one after the other (`preie.rounded`)
 _MARKS = (1e3, 1e4, 1e5, 1e6)  # work in parts of the elastic at which they are made sharp
-_SURE = 1e-4  # rounding up to which the path is that of the sharp joints: histories agree
 _TRACED, _FARTHER, _RESTS = 250, 150, 300  # factorisations to get there, and farther, and to come to rest
-_TIMES, _NEARLY = 3.0, 3e-6  # so much farther, and what λ may change by
-_SHARPER, _ALIKE = 1e-5, 1e-3  # what is left of it far down, and how much λ may change by that
+_TIMES = 3.0  # so much farther: `SAME_FARTHER`
 _FOLLOWED, _SHARPENED = 1000, 150  # factorisations from one mark to the next, and of making joints sharp
 _HALVED = 12  # bisections between two points of the rounded path
 _GOES = 5  # shorter steps before Newton's method is said not to go on
-_JUMP = 0.1  # of the strength, in a step far along a motion: another motion
 
 
 def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], runs: float) -> PathLimit | None:
@@ -37,11 +44,11 @@ def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], ru
     """
     for rounding in _ROUNDINGS:
         curve = RoundedPath(bed, rounding)
-        at, parameter = last if rounding <= _SURE else first
+        at, parameter = last if rounding <= SURE_ROUNDING else first
         if not curve.begin(at, parameter):
             continue
         for mark in _MARKS:
-            if not curve.onto(mark, _TRACED) or curve.reduction < LEAST * parameter:
+            if not curve.onto(mark, _TRACED) or curve.reduction < LEAST_STRENGTH * parameter:
                 break
             sharp = curve.sharpened(_TRACED)
             if sharp is None:
@@ -53,7 +60,7 @@ def traced(bed: Bed, first: tuple[Floats, float], last: tuple[Floats, float], ru
                 limit = _farther(bed, sharp)
             if limit is None:
                 continue
-            if rounding > _SURE and (limit.parameter or 0.0) < runs:
+            if rounding > SURE_ROUNDING and (limit.parameter or 0.0) < runs:
                 break
             if _rests_on(bed, limit, curve.passed, there):
                 return limit
@@ -66,13 +73,13 @@ def _farther(bed: Bed, sharp: RoundedPath) -> PathLimit | None:
     if not sharp.onto(_TIMES * work, _FARTHER):
         return None
     limit = sharp.reduction + (sharp.reduction - reduction) / (sharp.work / work - 1.0)
-    if not abs(sharp.reduction / reduction - 1.0) < _NEARLY:
+    if not abs(sharp.reduction / reduction - 1.0) < SAME_FARTHER:
         return None
     # where several blocks slide at one strength their speeds are anyone's, and Newton's method has no state to go to
     return result_of(bed, PathOutcome.SETTLED, limit, None, sharp.displacement, sharp.displacement - before, _on(sharp))
 
 
-def _far(bed: Bed, step: Step) -> PathLimit | None:
+def _far(bed: Bed, step: NewtonStep) -> PathLimit | None:
     """From a state of the sharp joints to so much work that λ stays; None where Newton's method does not get there.
 
     λ goes like the limit plus a part of 1 / work, as long as the same joints touch.
@@ -85,7 +92,7 @@ def _far(bed: Bed, step: Step) -> PathLimit | None:
         ahead = None
         if motion is not None:
             ahead = stepped(bed, step.at + more * motion, step.at, step.parameter, 0.0, work + more)
-        if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > _JUMP:
+        if ahead is None or not ahead.settled or abs(ahead.parameter / step.parameter - 1.0) > OTHER_MOTION:
             ratio, fails = math.sqrt(ratio), fails + 1
             if fails > _GOES:
                 return None
@@ -114,7 +121,7 @@ def _rests_on(bed: Bed, limit: PathLimit, passed: list[tuple[float, Floats]], sh
         near = one + (other - one) * ((more - strength) / (more - less))
     if any(stepped(bed, at, at, strength, 0.0).settled for at in (near, sharp, limit.displacement)):
         return True
-    flow = relaxed(bed, near, strength, 0.0, far=FARTHEST, patience=_RESTS)
+    flow = relaxed(bed, near, strength, 0.0, runs_at=FARTHEST, patience=_RESTS)
     return flow.ended == "rest" or rests_before(bed, 1.0 / limit.parameter)[0].ended == "rest"
 
 
@@ -134,8 +141,8 @@ def traced_in_section(bed: Bed, at: Floats, parameter: float, roundings: tuple[f
         before: RoundedPath | None = None
         last, limit = math.inf, None
         for mark in _MARKS:
-            sharp = curve.sharpened(_SHARPENED, _SHARPER) if curve.onto(mark, _FOLLOWED) else None
-            if sharp is None or not abs(sharp.reduction / curve.reduction - 1.0) < _ALIKE:
+            sharp = curve.sharpened(_SHARPENED, SHARP_FAR_DOWN) if curve.onto(mark, _FOLLOWED) else None
+            if sharp is None or not abs(sharp.reduction / curve.reduction - 1.0) < SAME_SHARP:
                 break
             moved = sharp.displacement - (at if before is None else before.displacement)
             limit = limit_state(bed, sharp.displacement, moved, sharp.reduction) if bed.size <= BORDERED else None
@@ -164,7 +171,7 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
         (reduction, one), (less, other) = curve.passed[int(place)], curve.passed[int(place) + 1]
         part, there = place % 1.0, RoundedPath(bed, rounding)
         begun = there.begin(one + part * (other - one), reduction + part * (less - reduction))
-        return there.sharpened(_SHARPENED, _SHARPER) if begun else None
+        return there.sharpened(_SHARPENED, SHARP_FAR_DOWN) if begun else None
 
     high = float(next((k for k, (reduction, _) in enumerate(curve.passed) if reduction < strength), 0))
     low, sharp = high, None
@@ -182,14 +189,14 @@ def _rests_along(bed: Bed, limit: PathLimit, curve: RoundedPath, rounding: float
         else:
             low, sharp = middle, trial
     assert sharp is not None
-    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, far=FARTHEST, patience=_RESTS)
+    flow = relaxed(bed, sharp.displacement, sharp.reduction, 0.0, runs_at=FARTHEST, patience=_RESTS)
     near = sharp.reduction * (1.0 - 3.0 * JUST) < limit.parameter
     if not near or flow.ended != "rest":
         return False
-    return rounding <= _SURE or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
+    return rounding <= SURE_ROUNDING or at_their_limit(bed, flow, limit)  # hardly rounded it came past the peak itself
 
 
-def _on(curve: RoundedPath) -> Forces:
+def _on(curve: RoundedPath) -> BedForces:
     """The forces of a path of nearly sharp joints where it is."""
     bed, (normal, friction) = curve.bed, curve.forces
     unbalanced = bed.columns @ np.concatenate([normal, friction.ravel()]) + bed.drive.load

@@ -16,7 +16,7 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.errors import SolverError
 from slopekit.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Forces
+from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.flow import Flow, relaxed
 
 _CONVEX, _HALVINGS, _FLAT = 60, 12, 0.5  # Newton steps of joints that dilate, trials of a length, part of the slope
@@ -46,7 +46,7 @@ def rest_without_dilation(bed: Bed, parameter: float) -> Flow | None:
     return _settled(bed, at, parameter)
 
 
-def _out(bed: Bed, there: Forces) -> Floats:
+def _out(bed: Bed, there: BedForces) -> Floats:
     """What is out of balance, (n,), in parts of what may be."""
     worst: Floats = np.abs(there.unbalanced / bed.unbalanced_at_most).reshape(-1, bed.model.unknowns).max(axis=1)
     return worst
@@ -78,11 +78,11 @@ def _dilated(bed: Bed, parameter: float) -> Floats | None:
 
 def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
     """From joints that dilate to joints that do not: a displacement (N,) with few blocks out of balance."""
-    easing = _Easing(bed)
+    control = _ViscosityControl(bed)
     part, waits, after = 1.0, 0, 0
     last = _out(bed, bed.dilating(part, parameter).forces(at, parameter))
     for _ in range(_STEPS):
-        calm = float(np.sqrt((easing.share(last, 1.0) ** 2).mean())) < _CALM
+        calm = float(np.sqrt((control.share(last, 1.0) ** 2).mean())) < _CALM
         if part > 0.0 and (calm or waits == _WAITS):
             part, waits = max(_LESS * part - _NONE, 0.0), 0
         else:
@@ -92,9 +92,9 @@ def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
         if part == 0.0:
             after += 1
             out = int((_out(bed, there) > 1.0).sum())
-            if (out <= _FEW * len(last) and easing.steady) or after > _AFTER:
+            if (out <= _FEW * len(last) and control.steady) or after > _AFTER:
                 break
-        trial = easing.step(now, at, there, parameter)
+        trial = control.step(now, at, there, parameter)
         if trial is None:
             break
         at = trial
@@ -102,7 +102,7 @@ def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
     return at
 
 
-class _Easing:
+class _ViscosityControl:
     """Newton steps with a viscosity (n,) of each block in the stiffness, which goes with what is out of balance."""
 
     def __init__(self, bed: Bed) -> None:
@@ -121,7 +121,7 @@ class _Easing:
         part: Floats = np.minimum(1e-6 * out, most)
         return part
 
-    def step(self, bed: Bed, at: Floats, there: Forces, parameter: float) -> Floats | None:
+    def step(self, bed: Bed, at: Floats, there: BedForces, parameter: float) -> Floats | None:
         """A step on from a displacement (N,)."""
         out = _out(bed, there)
         share, count = self.share(out), float((out > 1.0).sum())
@@ -163,26 +163,26 @@ def _settled(bed: Bed, at: Floats, parameter: float) -> Flow | None:
             there_alone = _alone(few, at[those], parameter)
             if there_alone is not None:
                 trial[those] = there_alone
-        found = bed.newton(trial, trial, parameter, 0.0, None, downhill=True)
-        if found.settled:
-            return Flow(found.at, found.forces, "rest", found.at, 0.0)
-        left = [int((_out(bed, forces) > _ENOUGH).sum()) for forces in (found.forces, bed.forces(trial, parameter))]
-        at = found.at if left[0] <= left[1] else trial
+        step = bed.newton(trial, trial, parameter, 0.0, None, downhill=True)
+        if step.settled:
+            return Flow(step.at, step.forces, "rest", step.at, 0.0)
+        left = [int((_out(bed, forces) > _ENOUGH).sum()) for forces in (step.forces, bed.forces(trial, parameter))]
+        at = step.at if left[0] <= left[1] else trial
     return None
 
 
 def _alone(few: Bed, at: Floats, parameter: float) -> Floats | None:
     """A few blocks at rest, all others held."""
-    easing, here = _Easing(few), at
+    control, here = _ViscosityControl(few), at
     for _ in range(_ALONE):
         there = few.forces(here, parameter)
         if _out(few, there).max() < 1.0:
             return here
-        trial = easing.step(few, here, there, parameter)
+        trial = control.step(few, here, there, parameter)
         if trial is None:
             break
         here = trial
-    flow = relaxed(few, at, parameter, 0.0, far=1e6, patience=_PATIENCE)
+    flow = relaxed(few, at, parameter, 0.0, runs_at=1e6, patience=_PATIENCE)
     return flow.at if flow.ended == "rest" else None
 
 

@@ -122,7 +122,7 @@ class Check:
             "ladder": [
                 {
                     "method": rung.method, "setting": rung.setting, "node_pairs": rung.node_pairs,
-                    "effort": rung.effort, "edge_m": rung.edge_m, "fos": rung.factor, "error": error,
+                    "effort": rung.setting_value, "edge_m": rung.edge_m, "fos": rung.factor, "error": error,
                 }
                 for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
@@ -311,7 +311,8 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
     if not rungs:
         return
     name, shown = "stiffness ratio", ", ".join(
-        f"{'none' if rung.factor is None else f'{rung.factor:.4g}'} with k_t/k_n {rung.effort:g}" for rung in rungs
+        f"{'none' if rung.factor is None else f'{rung.factor:.4g}'} with k_t/k_n {rung.setting_value:g}"
+        for rung in rungs
     )  # fmt: skip
     off = max((abs(rung.factor / limit - 1.0) for rung in rungs if rung.factor), default=0.0)
     if off > _STIFFNESS:
@@ -322,7 +323,7 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
     elif all(rung.factor for rung in rungs):
         within = "the same limit" if off <= _ALIKE else "the limit moves by no more"
         yield Finding(name, off, _STIFFNESS, True, f"{within} on joints of k_t/k_n "
-                      + " and ".join(f"{rung.effort:g}" for rung in rungs))  # fmt: skip
+                      + " and ".join(f"{rung.setting_value:g}" for rung in rungs))  # fmt: skip
     else:
         yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
 

@@ -23,7 +23,7 @@ from slopekit.errors import Notice
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import NO_STRENGTH, Optimum, Way, Ways
+from slopekit.studies.support_directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support_pattern import Layout, centre_of, groups, layout, too_short
 from slopekit.studies.support_records import (
     Case,
@@ -140,7 +140,7 @@ class _Study:
         """Every case that was asked for."""
         found = []
         for acts in self.options.acts:
-            ways = Ways(self.site, self.factor, acts == "passive")
+            ways = BoltDirections(self.site, self.factor, acts == "passive")
             goal = self.factor / (1.0 + _AIM)
             if self.options.toward is not None:
                 way = ways.along(self.site.axes @ self.options.toward.vector(), goal, self.bare)
@@ -150,7 +150,7 @@ class _Study:
             found.append(self._case(ways, "best", *ways.best(goal, self.bare)))
         return found
 
-    def _case(self, ways: Ways, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
+    def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
         acts: Literal["active", "passive"] = "passive" if ways.passive else "active"
         if way is None:
             return Case(acts, which, None, Need(None, None, self.bare.status, notice=self._nowhere(ways, which)), None)
@@ -175,7 +175,7 @@ class _Study:
             return replace(case, bolts=self._bolts(ways, line, case.pattern))
         return case if case.force is None else replace(case, bolts=(ways.bolt(line, case.force),))
 
-    def _nowhere(self, ways: Ways, which: Which) -> Notice:
+    def _nowhere(self, ways: BoltDirections, which: Which) -> Notice:
         if not ways.held.has_strength:
             return NO_STRENGTH
         if which == "practical":
@@ -214,7 +214,7 @@ class _Study:
 
     # -- heads on the face ------------------------------------------------------------------------------------
 
-    def _pattern(self, ways: Ways, line: Line, force: float, least: float, rate: float | None) -> Pattern:
+    def _pattern(self, ways: BoltDirections, line: Line, force: float, least: float, rate: float | None) -> Pattern:
         """Heads on the face for a force that is enough through the centroid, and what PRE-IE says of them.
 
         `least` is what the forces alone need, `rate` how the level rises with the force.
@@ -269,7 +269,7 @@ class _Study:
         )  # fmt: skip
 
     def _with_heads(
-        self, ways: Ways, line: Line, direction: Floats, heads: Floats, counts: Ints
+        self, ways: BoltDirections, line: Line, direction: Floats, heads: Floats, counts: Ints
     ) -> Callable[[float], Design]:
         """The design with a force spread over heads: active bolts are one force through their mean head."""
         shares = counts / counts.sum()
@@ -286,7 +286,7 @@ class _Study:
 
         return changed
 
-    def _bolts(self, ways: Ways, line: Line, pattern: Pattern) -> tuple[Bolt, ...]:
+    def _bolts(self, ways: BoltDirections, line: Line, pattern: Pattern) -> tuple[Bolt, ...]:
         laid = pattern.layout
         assert laid is not None
         assert pattern.force is not None
@@ -301,7 +301,7 @@ class _Study:
     def pressure(self) -> Pressure:
         """An even pressure on the face."""
         site, area = self.site, self.site.area
-        ways = Ways(site, self.factor, passive=False)
+        ways = BoltDirections(site, self.factor, passive=False)
         way = ways.along(site.inward, self.factor / (1.0 + _AIM), self.bare)
         middle = centre_of(site.face)
         place = site.place(middle)

@@ -13,7 +13,7 @@ from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Bolt
 from slopekit.errors import Notice
 from slopekit.orientation import Line
-from slopekit.studies.support_forces import Held, least_along, most_along, nearest
+from slopekit.studies.support_forces import BoltedBlock, least_along, most_along, nearest
 from slopekit.studies.support_search import Answer, Found, Site, least_force
 
 _CLOSER = 0.4  # what a grid of nine by nine closes in by
@@ -123,7 +123,7 @@ class Optimum:
     is_minimum: bool
 
 
-class Ways:
+class BoltDirections:
     """Directions of bolts that act one way, at one factor of safety.
 
     Parameters
@@ -133,7 +133,7 @@ class Ways:
 
     def __init__(self, site: Site, factor: float, passive: bool) -> None:
         self.site, self.factor, self.passive = site, factor, passive
-        self.held: Held = site.held(factor)
+        self.held: BoltedBlock = site.held(factor)
         self.times = factor if passive else 1.0
         self.acts: str = "passive" if passive else "active"
         world = sphere(SCANNED)

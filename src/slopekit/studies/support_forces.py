@@ -35,7 +35,7 @@ _MOST_PULLS = 4  # directions of passive bolts whose pulls (all or nothing) are 
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class BoltedBlock:
     """A block on its joints at one factor of safety, in axes of its own; kN.
 
     Attributes
@@ -71,7 +71,7 @@ class Slides:
     touches: Bools
 
 
-def slides(held: Held, loads: Floats) -> Slides:
+def slides(held: BoltedBlock, loads: Floats) -> Slides:
     """Mode and direction of sliding under each of (m, 3) loads, and what resists it at full strength."""
     on = loads @ held.normals.T
     count, joints = len(loads), len(held.normals)
@@ -107,7 +107,7 @@ def slides(held: Held, loads: Floats) -> Slides:
 # -- along given directions ---------------------------------------------------------------------------
 
 
-def windows(held: Held, load: Floats, directions: Floats) -> Iterator[tuple[Floats, Floats]]:
+def windows(held: BoltedBlock, load: Floats, directions: Floats) -> Iterator[tuple[Floats, Floats]]:
     """For each mode where each line `load + t direction` lies in its set: ends (m,) of t, empty where low > high."""
     keeps = _KEEPS * held.size
     on, turns = held.normals @ load, directions @ held.normals.T
@@ -129,7 +129,7 @@ def windows(held: Held, load: Floats, directions: Floats) -> Iterator[tuple[Floa
         yield ends
 
 
-def least_along(held: Held, directions: Floats, passive: bool = False, before: bool = True) -> Floats:
+def least_along(held: BoltedBlock, directions: Floats, passive: bool = False, before: bool = True) -> Floats:
     """The least force (m,) along each of (m, 3) directions that makes the block stand, inf where none does.
 
     Parameters
@@ -155,7 +155,7 @@ def least_along(held: Held, directions: Floats, passive: bool = False, before: b
     return least
 
 
-def _stands_before(held: Held, load: Floats, directions: Floats, pulls: Floats) -> Bools:
+def _stands_before(held: BoltedBlock, load: Floats, directions: Floats, pulls: Floats) -> Bools:
     """Whether passive bolts that pull (m,) at the factor hold the block at every lower factor as well.
 
     At a lower factor they pull with more, up to what stops the movement along them, and may open a joint. At very low
@@ -186,7 +186,7 @@ def _stands_before(held: Held, load: Floats, directions: Floats, pulls: Floats) 
     return sound & began
 
 
-def _mode_changes(held: Held, load: Floats, directions: Floats) -> Iterator[Floats]:
+def _mode_changes(held: BoltedBlock, load: Floats, directions: Floats) -> Iterator[Floats]:
     """Pulls (m,) along directions (m, 3) at which a joint may open or close."""
     on, turns = held.normals @ load, directions @ held.normals.T
     between = float(held.normals[0] @ held.normals[1]) if len(on) == 2 else 0.0
@@ -196,14 +196,14 @@ def _mode_changes(held: Held, load: Floats, directions: Floats) -> Iterator[Floa
             yield np.where(b != 0.0, -a / np.where(b == 0.0, 1.0, b), np.inf)
 
 
-def _drawn(held: Held, load: Floats, directions: Floats, pulls: Floats) -> Floats:
+def _drawn(held: BoltedBlock, load: Floats, directions: Floats, pulls: Floats) -> Floats:
     """Below 0 where the movement under pulls (m,) along directions (m, 3) draws the bolts out."""
     moves = slides(held, load + pulls[:, None] * directions).direction
     drawn: Floats = (moves * directions).sum(axis=1)
     return drawn
 
 
-def most_along(held: Held, direction: Floats, least: float) -> float:
+def most_along(held: BoltedBlock, direction: Floats, least: float) -> float:
     """Up to which force along one direction the block goes on standing from `least`, kN; inf without an end."""
     ends = [
         (float(low[0]), float(high[0]))
@@ -227,7 +227,7 @@ def _linear(a: float, b: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
-def _cone(held: Held, load: Floats, directions: Floats, k: int) -> tuple[Floats, Floats]:
+def _cone(held: BoltedBlock, load: Floats, directions: Floats, k: int) -> tuple[Floats, Floats]:
     """Where |u + t v| <= a + b t: sliding on joint k alone, tangential load against reduced strength."""
     n = held.normals[k]
     u, v = load - (load @ n) * n, directions - (directions @ n)[:, None] * n
@@ -257,13 +257,13 @@ def _common(one: tuple[Floats, Floats], two: tuple[Floats, Floats]) -> tuple[Flo
     return np.maximum(one[0], two[0]), np.minimum(one[1], two[1])
 
 
-def _line(held: Held) -> Floats:
+def _line(held: BoltedBlock) -> Floats:
     line = np.cross(held.normals[0], held.normals[1])
     unit: Floats = line / math.sqrt(float(line @ line))
     return unit
 
 
-def _pulled(held: Held) -> Iterator[tuple[Floats, Ints]]:
+def _pulled(held: BoltedBlock) -> Iterator[tuple[Floats, Ints]]:
     """The load with each combination of passive bolts that pull with all they have."""
     count = len(held.pulls)
     every = range(count)
@@ -276,7 +276,7 @@ def _pulled(held: Held) -> Iterator[tuple[Floats, Ints]]:
         yield held.load + held.pulls[list(some)].sum(axis=0), np.array(some, dtype=np.int64)
 
 
-def _pulls_as_taken(held: Held, moves: Floats, pulling: Ints) -> Bools:
+def _pulls_as_taken(held: BoltedBlock, moves: Floats, pulling: Ints) -> Bools:
     """Whether the movement (m, 3) draws out those passive bolts that were taken to pull, and no others."""
     if len(held.pulls) == 0:
         return np.ones(len(moves), dtype=bool)
@@ -289,7 +289,7 @@ def _pulls_as_taken(held: Held, moves: Floats, pulling: Ints) -> Bools:
 # -- over all directions ------------------------------------------------------------------------------
 
 
-def nearest(held: Held, passive: bool = False) -> list[Floats]:
+def nearest(held: BoltedBlock, passive: bool = False) -> list[Floats]:
     """The forces (3,) that could be the least of all directions, the shortest first.
 
     Each set of the module is convex: its nearest point is one of a few with closed forms. The first is the global
@@ -310,7 +310,7 @@ def nearest(held: Held, passive: bool = False) -> list[Floats]:
     return sorted(found, key=lambda way: float(way @ way))
 
 
-def _to_both(held: Held, load: Floats) -> list[Floats]:
+def _to_both(held: BoltedBlock, load: Floats) -> list[Floats]:
     """Ways to the polyhedron of sliding on both joints: every choice of up to three of its four faces."""
     between, line = float(held.normals[0] @ held.normals[1]), _line(held)
     share = 1.0 - between * between
@@ -335,7 +335,7 @@ def _to_both(held: Held, load: Floats) -> list[Floats]:
     return ways
 
 
-def _to_cone(held: Held, load: Floats, k: int) -> list[Floats]:
+def _to_cone(held: BoltedBlock, load: Floats, k: int) -> list[Floats]:
     """Ways to the cone of sliding on joint k alone, and to its end where the joint is about to open.
 
     Where the other joint is about to close the strength of both stands against the same pull: that point lies in the

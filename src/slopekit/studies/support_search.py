@@ -18,7 +18,7 @@ from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.orientation import Line, line_of
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
-from slopekit.studies.support_forces import Held
+from slopekit.studies.support_forces import BoltedBlock
 
 _OUTCOMES = {
     Outcome.NO_DRIVING_FORCE: "no_driving_force", Outcome.LIFTED: "lifted", Outcome.NOT_CONVERGED: "not_converged",
@@ -97,7 +97,7 @@ class Site:
         turned: Floats = vectors @ self.axes
         return turned
 
-    def held(self, factor: float) -> Held:
+    def held(self, factor: float) -> BoltedBlock:
         """What holds the block at a factor."""
         model, most = self.model, self.model.translations
         scale = model.force_scale
@@ -106,7 +106,7 @@ class Site:
         load = self._spread(model.load[:most]) * scale
         pulls = self._spread(model.bolt_rows[:, :most]) * (model.bolt_capacity * scale)[:, None]
         size = scale + float(model.bolt_capacity.sum()) * scale
-        return Held(
+        return BoltedBlock(
             load, self._spread(model.rows[first, 0, :most]), bonds, model.tan_friction[first],
             _by_direction(pulls / factor), factor, size,
         )  # fmt: skip

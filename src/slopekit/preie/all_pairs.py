@@ -1,9 +1,9 @@
 """The paper's criterion: the smallest F at which a block has failed (§3.3), found by its search (§3.4).
 
-A block has failed when no chain of sticking node pairs ties it to bedrock; one block alone, when every pair slips or
+A block has failed when no chain of sticking node pairs joins it to bedrock; one block alone, when every pair slips or
 debonds. A yielded pair still carries load: on a stiff bed all pairs yield well before the blocks move, so this factor
 depends on the stiffness (METHOD.md §3). It is reported beside the limit, never instead of it. A block that topples
-turns about a pair that sticks: nothing unties it, and the search ends where the blocks no longer stand.
+turns about a pair that sticks: nothing detaches it, and the search ends where the blocks no longer stand.
 """
 
 import math
@@ -16,12 +16,11 @@ from slopekit.arrays import Bools
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model
+from slopekit.preie.tolerances import FARTHEST
 
 if TYPE_CHECKING:  # one block needs no sparse matrices
     from slopekit.preie.assembly import AssemblyModel
     from slopekit.preie.settlement import Settlement
-
-_FARTHEST = 1e6  # a factor beyond this, or below its inverse, is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +30,7 @@ class AllPairsFailed:
     Attributes
     ----------
     factor : the upper end of the bracket, None where the search found none
-    bracket : (F with every block tied, F with one that is not)
+    bracket : (F with every block attached, F with one that is not)
     lost_equilibrium : the blocks do not stand at the upper end
     history : (F, failed pairs) of every trial, in the order of the search; all pairs where the blocks do not stand
     """
@@ -65,12 +64,12 @@ def all_pairs_failed(
     low = high = limit or 1.0
     if limit or failed(1.0):
         while failed(low := low / growth):
-            if low < 1.0 / _FARTHEST:
+            if low < 1.0 / FARTHEST:
                 return AllPairsFailed(None, (0.0, high), False, tuple(history))
             high = low
     else:
         while not failed(high := high * growth):
-            if high > _FARTHEST:
+            if high > FARTHEST:
                 return AllPairsFailed(None, (low, math.inf), False, tuple(history))
             low = high
     while high - low > relative * low:
@@ -110,33 +109,33 @@ class _OfOneBlock:
 
 
 class _OfBlocks:
-    """Many blocks, from the largest factor at which all have been seen tied."""
+    """Many blocks, from the largest factor at which all have been seen attached."""
 
     def __init__(self, model: "AssemblyModel", stiffness: JointStiffness) -> None:
         self.model, self.stiffness = model, stiffness
-        self.tied: Settlement | None = None
+        self.attached: Settlement | None = None
         self.stood: dict[float, bool] = {}
 
     def at(self, factor: float) -> tuple[int, bool]:
         from slopekit.preie.settlement import settlement
 
-        found = settlement(self.model, self.stiffness, factor, self.tied)
-        self.stood[factor] = found is not None
-        if found is None:
+        at_rest = settlement(self.model, self.stiffness, factor, self.attached)
+        self.stood[factor] = at_rest is not None
+        if at_rest is None:
             return len(self.model.control_area), True
-        if blocks_untied(self.model, ~found.slips & ~self.model.bolted).any():
-            return found.failed_pairs, True
-        self.tied = found
-        return found.failed_pairs, False
+        if blocks_detached(self.model, ~at_rest.slips & ~self.model.bolted).any():
+            return at_rest.failed_pairs, True
+        self.attached = at_rest
+        return at_rest.failed_pairs, False
 
     def stand(self, factor: float) -> bool:
         return self.stood[factor]
 
 
-def blocks_untied(model: "AssemblyModel", sticks: Bools) -> Bools:
-    """The blocks (n,) that no chain of sticking contacts ties to bedrock.
+def blocks_detached(model: "AssemblyModel", sticks: Bools) -> Bools:
+    """The blocks (n,) that no chain of sticking contacts joins to bedrock.
 
-    A contact ties its two blocks where at least one of its friction forces (g,) sticks.
+    A contact joins its two blocks where at least one of its friction forces (g,) sticks.
     """
     from scipy import sparse
     from scipy.sparse.csgraph import connected_components
@@ -146,5 +145,5 @@ def blocks_untied(model: "AssemblyModel", sticks: Bools) -> Bools:
     minus = np.where(model.minus[contact] < 0, blocks, model.minus[contact])  # bedrock is the last
     graph = sparse.coo_matrix((np.ones(len(contact)), (model.plus[contact], minus)), shape=(blocks + 1, blocks + 1))
     _, part = connected_components(graph, directed=False)
-    untied: Bools = part[:blocks] != part[blocks]
-    return untied
+    detached: Bools = part[:blocks] != part[blocks]
+    return detached

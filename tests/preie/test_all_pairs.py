@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from slopekit.preie.all_pairs import all_pairs_failed, blocks_detached
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.settlement import settlement
-from slopekit.preie.untied import all_pairs_failed, blocks_untied
 from tests.preie.sections import block_in_space, columns, paper_wedge, stack, wall
 
 EVEN = JointStiffness(tangential=1e6)
@@ -26,7 +26,7 @@ def tan(degrees: float) -> float:
 ])  # fmt: skip
 def test_a_block_is_tied_by_a_chain_to_bedrock(sticking, untied) -> None:
     """Three blocks on top of each other: what lies above a contact that slips is untied."""
-    assert blocks_untied(stack(3, 20.0, 35.0), np.array(sticking)).tolist() == untied
+    assert blocks_detached(stack(3, 20.0, 35.0), np.array(sticking)).tolist() == untied
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_columns_that_slide_come_untied_before_the_rest_topples() -> None:
     assert found.factor < 0.99996
     assert not found.lost_equilibrium
     at_rest = settlement(columns(), EVEN, found.factor)
-    assert blocks_untied(columns(), ~at_rest.slips).tolist() == 3 * [True] + 13 * [False]
+    assert blocks_detached(columns(), ~at_rest.slips).tolist() == 3 * [True] + 13 * [False]
 
 
 def test_nothing_is_looked_for_above_the_limit() -> None:

@@ -1,8 +1,8 @@
-"""Many planes at once: combs of slabs that cut a body in two, each half a set of pieces that do not touch.
+"""Many planes at once: stacks of slabs that cut a body in two, each half a set of pieces that do not touch.
 
 Planes that do not meet within the body, in order, leave slabs between them. Every second slab, all in one mesh, is a
-comb: one split with it does the work of all its planes. After a few splits every piece of a half lies a whole slab
-away from the next one, so the pieces are the connected parts of the mesh, and which slab of each comb a piece lies in
+stack: one split with it does the work of all its planes. After a few splits every piece of a half lies a whole slab
+away from the next one, so the pieces are the connected parts of the mesh, and which slab of each stack a piece lies in
 says which piece it is.
 """
 
@@ -14,10 +14,9 @@ from manifold3d import Manifold
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.geometry.cutting import BOX_TRIANGLES, far_box, half_space, tagged
+from slopekit.geometry.tolerances import LEAST_GAP, LEAST_RISE
 
-_LEAST_RISE = 0.3  # cosine between a plane's normal and its comb's axis below which it needs a comb of its own
 _ROOM = 1.05  # the slabs are this much wider than the body
-_LEAST_GAP = 1e-7  # planes of a comb keep this distance over the body, which is 2 long
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +26,7 @@ class Soup:
     Attributes
     ----------
     vertices : (v, 3); triangles : (t, 3) outward; plane : (t,) which plane made each
-    half : (t, number of combs) whether the triangle belongs to a piece in the slabs of the comb or between them
+    half : (t, number of stacks) whether the triangle belongs to a piece in the slabs of the stack or between them
     """
 
     vertices: Floats
@@ -37,7 +36,7 @@ class Soup:
 
 
 @dataclass(frozen=True, slots=True)
-class Comb:
+class PlaneStack:
     """Planes that do not meet near the body: (m,) indices from below upward along the axis (3,)."""
 
     planes: Ints
@@ -53,43 +52,43 @@ def ascending(normals: Floats, offsets: Floats, groups: Ints) -> tuple[Floats, F
     return normals * signs[:, None], offsets * signs
 
 
-def combs_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Floats) -> list[Comb]:
-    """Divide planes into combs of planes that do not meet near the body, greedily: each to the first that takes it.
+def stacks_of_planes(normals: Floats, offsets: Floats, groups: Ints, corners: Floats) -> list[PlaneStack]:
+    """Divide planes into stacks of planes that do not meet near the body, greedily: each to the first that takes it.
 
     Parameters
     ----------
     normals, offsets : (p, 3), (p,) as `ascending` gives them
-    groups : (p,) only planes of one group (joint set) come into one comb
+    groups : (p,) only planes of one group (joint set) come into one stack
     corners : (c, 3) of the body, about the origin
 
     Returns
     -------
-    the combs, smaller ones first: the last splits cost most, and least when they add most
+    the stacks, smaller ones first: the last splits cost most, and least when they add most
     """
-    combs: list[Comb] = []
+    stacks: list[PlaneStack] = []
     for group in np.unique(groups):
         members = np.flatnonzero(groups == group)
         axis = _mean_axis(normals[members])
         rise = normals[members] @ axis
-        combs += [Comb(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < _LEAST_RISE)]
-        members = members[rise >= _LEAST_RISE]
+        stacks += [PlaneStack(members[k : k + 1], normals[members[k]]) for k in np.flatnonzero(rise < LEAST_RISE)]
+        members = members[rise >= LEAST_RISE]
         at = _crossings(normals[members], offsets[members], axis, corners)
         chains: list[list[int]] = []
         for k in np.argsort(at.mean(axis=1), kind="stable").tolist():
             for chain in chains:
-                if float((at[k] - at[chain[-1]]).min()) > _LEAST_GAP:
+                if float((at[k] - at[chain[-1]]).min()) > LEAST_GAP:
                     chain.append(k)
                     break
             else:
                 chains.append([k])
-        combs += [Comb(members[np.array(chain)], axis) for chain in chains]
-    return sorted(combs, key=lambda comb: len(comb.planes))
+        stacks += [PlaneStack(members[np.array(chain)], axis) for chain in chains]
+    return sorted(stacks, key=lambda stack: len(stack.planes))
 
 
-def cut_with_combs(
-    faces: tuple[Floats, Floats], normals: Floats, offsets: Floats, combs: list[Comb], corners: Floats
+def cut_with_stacks(
+    faces: tuple[Floats, Floats], normals: Floats, offsets: Floats, stacks: list[PlaneStack], corners: Floats
 ) -> tuple[Manifold, Soup]:
-    """Cut a convex body with the combs of planes.
+    """Cut a convex body with the stacks of planes.
 
     Parameters
     ----------
@@ -106,8 +105,8 @@ def cut_with_combs(
     for k, (normal, offset) in enumerate(zip(*faces, strict=True)):
         body = body.split(half_space(normal, float(offset), count + k, back))[1]
     pieces: list[tuple[Manifold, int]] = [(body, 0)]
-    for k, comb in enumerate(combs):
-        cutter = _cutter(comb, normals, offsets, back, corners)
+    for k, stack in enumerate(stacks):
+        cutter = _cutter(stack, normals, offsets, back, corners)
         parts: list[tuple[Manifold, int]] = []
         for piece, halves in pieces:
             inside, outside = piece.split(cutter)
@@ -116,7 +115,7 @@ def cut_with_combs(
             if not outside.is_empty():
                 parts.append((outside, halves))
         pieces = parts
-    return body, _soup(pieces, len(combs))
+    return body, _soup(pieces, len(stacks))
 
 
 def _mean_axis(normals: Floats) -> Floats:
@@ -148,9 +147,9 @@ def _crossings(normals: Floats, offsets: Floats, axis: Floats, corners: Floats) 
     return heights
 
 
-def _cutter(comb: Comb, normals: Floats, offsets: Floats, back: int, corners: Floats) -> Manifold:
-    """Every second slab between the planes of a comb, the first above its first plane, as one body."""
-    axis, ids = comb.axis, comb.planes
+def _cutter(stack: PlaneStack, normals: Floats, offsets: Floats, back: int, corners: Floats) -> Manifold:
+    """Every second slab between the planes of a stack, the first above its first plane, as one body."""
+    axis, ids = stack.axis, stack.planes
     at = _crossings(normals[ids], offsets[ids], axis, corners)
     first, second, column = _frame(axis, corners)
     if len(ids) % 2:  # the last slab goes on to beyond the body
@@ -165,7 +164,7 @@ def _cutter(comb: Comb, normals: Floats, offsets: Floats, back: int, corners: Fl
     return tagged(vertices, triangles, face_ids.ravel())
 
 
-def _soup(pieces: list[tuple[Manifold, int]], combs: int) -> Soup:
+def _soup(pieces: list[tuple[Manifold, int]], stacks: int) -> Soup:
     vertices, triangles, planes, halves = [], [], [], []
     shift = 0
     for piece, half in pieces:
@@ -174,10 +173,10 @@ def _soup(pieces: list[tuple[Manifold, int]], combs: int) -> Soup:
         vertices.append(points[:, :3])
         triangles.append(mesh.tri_verts + shift)
         planes.append(np.array(mesh.face_id, dtype=np.int64))
-        halves.append([bool(half >> k & 1) for k in range(combs)])
+        halves.append([bool(half >> k & 1) for k in range(stacks)])
         shift += len(points)
     lengths = [len(part) for part in planes]
     return Soup(
         np.concatenate(vertices), np.concatenate(triangles).astype(np.int64), np.concatenate(planes),
-        np.repeat(np.array(halves, dtype=np.bool_).reshape(len(pieces), combs), lengths, axis=0),
+        np.repeat(np.array(halves, dtype=np.bool_).reshape(len(pieces), stacks), lengths, axis=0),
     )  # fmt: skip

@@ -1,0 +1,311 @@
+"""Tolerances of `preie`: what a computed quantity is compared with, in one place.
+
+Models are scaled: forces in parts of the load, lengths in parts of the block or assembly. A tolerance of one algorithm
+that is no comparison (steps, numbers of steps, sizes from which another way is quicker) stands with the algorithm.
+"""
+
+# -- Nothing: rounding, and what divides by it ------------------------------------------------------------------------
+
+#: Kept from a division by nothing: no length, force or strength of a scaled model comes near it.
+TINY = 1e-300
+
+#: Unbalanced force, in parts of the springs' forces: what adding them up leaves, ten spacings of doubles.
+SPRING_ROUNDING = 2e-15
+
+#: Added to the diagonal of a stiffness, in parts of it: blocks that nothing holds have a stiffness too. Rounding of the
+#: factors is of that size. Ten times as much moves a factor in two sections of 37.
+DIAGONAL_SHIFT = 1e-13
+
+#: The same, in parts of the elastic stiffness, for the modes of a limit state: there may be several motions.
+MODES_SHIFT = 1e-12
+
+#: Force, in parts of the load, that is none: some thousand roundings of the load.
+NO_FORCE = 1e-12
+
+#: Strength, or work, in parts of the load, that counts as none.
+NO_STRENGTH = 1e-9
+
+#: tan φ that counts as none where its logarithm is mixed.
+NO_FRICTION = 1e-12
+
+#: tan φ below which a group's friction does not hold blocks in the elastic start of a program.
+HARDLY_ROUGH = 1e-5
+
+#: Normal traction, in parts of the mean: lower ones get the strength line of this one.
+LEAST_TRACTION = 1e-6
+
+#: Entries of A Aᵀ - I, A the axes given for a contact: beyond it they are no axes.
+ORTHONORMAL = 1e-9
+
+#: Length of the cross product of two unit normals, work of a force or opening of a contact along a line, of single
+#: blocks: less is none. Thousands of roundings, and far below what a slope is measured to.
+PARALLEL = 1e-9
+
+#: How far a four-cornered patch is from a parallelogram, in parts of its size: nearer ones are one.
+PARALLELOGRAM = 1e-9
+
+#: Size of the multipliers of a factorisation: beyond it pivots of one front only leave too few digits.
+PIVOT_GROWTH = 1e8
+
+#: Length of a Newton step to a limit state, whose unknowns are of order one: a longer one has lost the way.
+LOST_STEP = 1e9
+
+# -- Motions: what moves, opens, slips or pulls -----------------------------------------------------------------------
+
+#: Opening or slip of an exact mechanism, in parts of its fastest motion, that is none: a mechanism is known to some
+#: 1e-8 of that.
+NO_MOTION = 1e-6
+
+#: The same where the motion of an elastic path has settled and no limit state is exact.
+OPENS_ROUGHLY = 1e-4
+
+#: Opening, in parts of the largest slip: more is the mechanism's, not that of the penalty of `preie.mechanism`.
+OPENS_IN_PASSES = 1e-5
+
+#: Opening, in parts of the slip, of a motion along a plane.
+NO_OPENING = 1e-9
+
+#: Opening, in parts of the fastest motion, at which the elastic start of a program lets a pair or bolt go ...
+LETS_GO = 1e-9
+
+#: ... and overlap at which it is taken back: more than `LETS_GO`, or the two would take turns.
+PUSHES = 1e-6
+
+#: Motion along a bolt, in parts of the movement of a limit state: a bolt drawn out by less is square to it.
+NOT_DRAWN = 1e-5
+
+#: The same on the elastic bed, whose motion is known better.
+NOT_DRAWN_ON_BED = 1e-7
+
+#: Speed of a block, in parts of the fastest of its mechanism: slower ones are at rest.
+MOVES = 1e-3
+
+#: The same while blocks still flow: the slow ones have not come to their motion yet.
+FLOWS = 0.05
+
+#: Opening or slip, in parts of the largest, and missing strength, in parts of it, that are none where the motion of a
+#: program is cleaned onto its exact kinematics.
+HARDLY_MOVES = 1e-3
+
+#: Normal force, in parts of the largest, that a pressed pair has there.
+CARRIES = 1e-6
+
+#: Strength along a motion, in parts of it, that blocks may not need just before its limit.
+MOBILISED = 5e-2
+
+#: Twist of a contact in parts of its slip and of all work: a larger one needs finer node pairs.
+TWISTS = 1e-2
+
+#: Work, in parts of the elastic: blocks that have done more run (METHOD-3 §13).
+RUNS = 30.0
+
+#: Angle (°, root mean square) by which a motion leaves a surface: one of less is let through.
+TANGENT_DEG = 1.0
+
+#: Motions that leave the surface by more than this times what the load's does are not the surface's own.
+ALIKE_MOTIONS = 3.0
+
+#: Angle (°, root mean square) that normals are turned by at most: beyond it the surface must dilate.
+FARTHEST_DEG = 10.0
+
+#: Sine of that angle below which nothing needs to be turned.
+TURNED = 1e-7
+
+#: Work of the load on a motion, in parts of the most it does on any: a motion of less is not driven.
+DRIVEN = 1e-6
+
+#: Motion along the path of the cracked base, per change of ln λ, that is none.
+STILL = 1e-9
+
+#: Slope of ln λ along that path that counts as none: λ is within its square of the least.
+LEVEL = 1e-7
+
+# -- Balance: unbalanced force that is none ---------------------------------------------------------------------------
+
+#: Of Newton's method on elastic joints, in parts of the largest force: two steps before rounding stops it.
+SETTLED = 1e-10
+
+#: The same where it takes no further step: still good for seven digits of λ.
+ROUGHLY_SETTLED = 1e-8
+
+#: Of each block on elastic joints, sharp or rounded, in parts of its own load.
+EACH_BALANCED = 1e-6
+
+#: Load, in parts of the heaviest block's: a lighter block balances to `EACH_BALANCED` of this one.
+LIGHTEST_ON_BED = 1e-7
+
+#: The same in programs and on rounded joints, which weigh every block's balance by its load.
+LIGHTEST = 1e-9
+
+#: The same where the balance of a solved model is measured: what is less is rounding of the others.
+LIGHTEST_MEASURED = 1e-6
+
+#: Of a limit of many blocks, in parts of the load of the block it acts on: more is no limit state.
+LIMIT_BALANCED = 1e-5
+
+#: Of an exact limit state of the path, in parts of the largest force.
+RESIDUAL = 1e-9
+
+#: How far its forces may be outside their bounds, in parts of the load.
+ADMISSIBLE = 1e-7
+
+#: Of one block at one factor, in parts of the load; Newton's method aims at a thousandth of it.
+EQUILIBRIUM = 1e-9
+
+#: Of one block on its elastic bed, in parts of the load: derivatives of λ are taken along its path.
+BED_BALANCED = 1e-11
+
+#: Of the forces that prove the bound of one block, in parts of the load.
+BOUND_PROVED = 1e-9
+
+#: Of a bound of many blocks, in parts of the load of the block it acts on: such a bound is known to that.
+BOUND_BALANCED = 1e-4
+
+#: Load that a program sheds, in parts of it: more says that no forces balance the load ...
+LIFTED_SHED = 1e-3
+
+#: ... if no block is out of balance by more than this part of its load.
+LIFTED_BALANCED = 2e-2
+
+#: Load, in parts of it, that a proposal may shed.
+PROPOSAL_SHED = 1e-6
+
+#: Of a program's iterate, in parts of each block's load, and of its strengths.
+FEASIBLE = 1e-6
+
+#: What the residuals of its motion may be worth, in parts of the load factor.
+EARNED = 1e-5
+
+#: Residual of the equation of its load factor (P v = 1), in parts of the load's work.
+FACTOR_RESIDUAL = 1e-4
+
+#: Angle (rad) between friction and slip on the curve of rounded joints.
+ALIGNED = 1e-3
+
+#: Distance of admissible forces from those of a mechanism, in parts of the load: a range ends beyond it. It moves ends
+#: of ranges in their seventh digit.
+REACHES = 1e-9
+
+# -- Searches: where one ends -----------------------------------------------------------------------------------------
+
+#: Tolerance of a cone program, and complementarity of a proposal.
+SOLVED = 1e-9
+
+#: The same while λ changes by more than `ROUGHLY_CLOSE`: half the steps.
+ROUGHLY_SOLVED = 1e-4
+
+#: Change of λ, or width of its bracket, in parts of it, below which programs are solved to `SOLVED`.
+ROUGHLY_CLOSE = 2e-2
+
+#: Newton step of λ, in parts of it, that ends a search: the next would be its square.
+NEAR = 1e-5
+
+#: Complementarity of a static bound and width of its bracket, in parts of the load factor: six digits.
+CLOSE = 3e-7
+
+#: Change of λ in a step, in parts of it, and viscous force, in parts of the load, at which a path in space has ended;
+#: so well its factor is known.
+STEADY = 1e-6
+
+#: Viscous force, in parts of the load, below which the limit state of the modes is tried in a section ...
+VISCOUS_LEFT = 5e-2
+
+#: ... and in space, where directions of slip have to have settled too.
+VISCOUS_LEFT_IN_SPACE = 1e-3
+
+#: Rounding of joints that is none, in parts of a mean load times its elastic displacement.
+SHARP = 1e-10
+
+#: The same far down a path, where displacements are a thousand times the elastic ones.
+SHARP_FAR_DOWN = 1e-5
+
+#: Rounding up to which the path is that of sharp joints: histories agree.
+SURE_ROUNDING = 1e-4
+
+#: Range of the factor over the last passes, in parts of it, where the normal forces do not settle.
+PASSES_STEADY = 1e-5
+
+#: Change of the strength from one set of strength lines to the next, in parts of it.
+LINES_STEADY = 1e-13
+
+#: Change of displacements, in parts of the largest, that ends the rounds of stiffnesses.
+SETTLEMENT_STEADY = 1e-3
+
+#: Loads that come on last, in parts of them: what fits on up to this is decided with its modes.
+LOADS_FIT = 1e-3
+
+#: Width of the bracket of the strength at which they do, in parts of it.
+LOADS_BRACKET = 1e-3
+
+#: Step of ln F towards a factor: one that no shorter step reaches has no equilibrium.
+SHORTEST_STRIDE = 1e-5
+
+#: Step along the path of the cracked base, in parts of the displacement: it meets a corner.
+SHORTEST_PATH_STEP = 1e-6
+
+#: Part of λ: no rest even at so little less strength is the end of that path.
+PATH_ENDS = 1e-6
+
+#: Change of F, in parts of it, by splitting the triangles of a pressed part once more: beyond it, it is done.
+FINER_PRESSED = 3e-4
+
+#: Change of a limit, in parts of it, by finer node pairs: one that moves by less is settled.
+MESH_CHANGE = 2e-3
+
+# -- Sameness: how near two factors are one, in parts of them ---------------------------------------------------------
+
+#: A limit lower than that of the forces alone by more than this is governed by moments.
+MOMENTS = 1e-6
+
+#: Factors that agree to what is printed; node pairs move them by more.
+SAME_FACTOR = 1e-4
+
+#: Components that fail at one factor, and so together: the accuracy of a path in space.
+SAME_RANK = 1e-6
+
+#: An exact state farther than this from where the path settled is another one.
+POLISHED = 1e-5
+
+#: To this static bounds of many blocks are known: a factor above one by more is none.
+BOUND_ACCURACY = 1e-4
+
+#: The bound of one block, lower than its limit by more: one of the two searches has lost its way.
+BOUND_LACKS = 1e-6
+
+#: Where all blocks rest this near to the factor of a group, the last state at rest is an answer.
+RESTS_NEAR = 5e-2
+
+#: A running state of the cracked base farther than this from λ of a path that runs is another one ...
+SAME_RUN = 0.05
+
+#: ... and from a least λ: rounding may show one on a path that is level because it runs.
+SAME_FOLD = 1e-5
+
+#: λ of sharp joints after three times the work: farther on it is the same limit.
+SAME_FARTHER = 3e-6
+
+#: λ of rounded joints and of those made sharp, far down a path.
+SAME_SHARP = 1e-3
+
+#: λ in one step far along a motion: more is another motion.
+OTHER_MOTION = 0.1
+
+# -- Limits of what is a number ---------------------------------------------------------------------------------------
+
+#: Factor, load multiplier, or work in parts of the elastic: beyond it, or below its inverse, there is none.
+FARTHEST = 1e6
+
+#: λ below which forces balance without friction; above its inverse they do at none.
+LEAST_REDUCTION = 1e-6
+
+#: Strength, in parts of the full: what stands at it stands without any.
+LEAST_STRENGTH = 1e-7
+
+#: A bound so many times the limit is none: joints that dilate lock the block.
+BOUND_BEYOND = 1e3
+
+#: A range of factors that goes on beyond so many times the factor is cut there.
+WIDEST_RANGE = 50.0
+
+#: A range of factors wider than this part of the highest is no number.
+NO_NUMBER = 0.5
