@@ -352,8 +352,9 @@ def plot(
     Parameters
     ----------
     source : what `sk.run`, `sk.wedge`, `sk.sweep`, ... return, their `to_dict()`, or the path of their JSON or folder
-    what : scene, exploded, tractions, forces, displacement, mechanism, factors, ravelling, stereonet, histogram, curve,
-        contour, tornado, speed-error, reduction or normals [nothing is drawn: the words that it can give]
+    what : scene, exploded, tractions, forces, displacement, mechanism, factors, ravelling, stereonet, elevation,
+        histogram, curve, contour, tornado, speed-error, reduction or normals [nothing is drawn: the words that it can
+        give]
     path : the file: .png, .svg or .pdf; scenes .png, .glb or .gltf [beside the JSON, or in this folder: NAME-WHAT.png]
     show : a window in place of a file
     equal_angle, test : of stereonets

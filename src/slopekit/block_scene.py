@@ -8,7 +8,7 @@ The classes neither compare nor print: arrays do that badly, and every wedge wou
 import base64
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -122,6 +122,31 @@ class Shapes:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Bolts:
+    """Bolts (b) whose heads are known.
+
+    Attributes
+    ----------
+    number : (b,) as the design lists them, from 1; block : (b,) of the head, -1 where none is met
+    heads_m, ends_m : (b, 3); without a length a bolt ends where it leaves its block
+    plates : (b, 3) unit, out of the face that the plate lies on; passive : (b,)
+    force_kn : (b,) of an active bolt its load, of a passive one its capacity; length_m : (b,) nan where none is given
+    """
+
+    number: Ints
+    block: Ints
+    heads_m: Floats
+    ends_m: Floats
+    plates: Floats
+    passive: Bools
+    force_kn: Floats
+    length_m: Floats
+
+    def __len__(self) -> int:
+        return len(self.number)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BlockScene:
     """Everything that pictures, reports and files of other programs need of a result.
 
@@ -134,6 +159,7 @@ class BlockScene:
     order : (n,) number of that mechanism, counted from 1 in the order in which they happen; 0 for none
     factor : (n,) the factor of safety at which a block fails; nan where it has none
     displacement : (n, 6) m and radians at full strength on the elastic bed, None where it was not found
+    bolts : those with a head, None without any
     """
 
     shapes: Shapes
@@ -143,11 +169,20 @@ class BlockScene:
     order: Ints
     factor: Floats
     displacement: Floats | None = None
+    bolts: Bolts | None = None
+
+    @property
+    def known_bolts(self) -> Bolts:
+        """The bolts with a head, none of them where there are none."""
+        if self.bolts is not None:
+            return self.bolts
+        none, whole, places = np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((0, 3))
+        return Bolts(whole, whole, places, places, places, np.zeros(0, dtype=bool), none, none)
 
     def to_dict(self) -> dict[str, Any]:
-        """The scene as JSON values, arrays packed."""
+        """The scene as JSON values, arrays packed; `bolts` only where there are any."""
         found: dict[str, Any] = _packed(self)
-        return found
+        return found if self.bolts is not None else {key: part for key, part in found.items() if key != "bolts"}
 
     @classmethod
     def from_dict(cls, document: Mapping[str, Any]) -> "BlockScene":
@@ -168,6 +203,7 @@ class BlockScene:
                 _read(NodePairState, document["pairs"]), _read(Arrows, document["loads"]),
                 unpacked(document["velocity"]), unpacked(document["order"]), unpacked(document["factor"]),
                 None if moved is None else unpacked(moved),
+                None if document.get("bolts") is None else _bolts(document["bolts"]),
             )  # fmt: skip
         except (KeyError, TypeError, ValueError, AttributeError, zlib.error) as error:
             message = f"the scene of the result cannot be read ({type(error).__name__}: {error})"
@@ -212,6 +248,11 @@ def _read(kind: Any, document: Mapping[str, Any]) -> Any:
     """A dataclass of arrays and tuples of names."""
     found = {part.name: document[part.name] for part in fields(kind)}
     return kind(**{name: tuple(value) if isinstance(value, list) else unpacked(value) for name, value in found.items()})
+
+
+def _bolts(document: Mapping[str, Any]) -> Bolts:
+    found: Bolts = _read(Bolts, document)
+    return replace(found, passive=found.passive.astype(bool))
 
 
 # -- making shapes ----------------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
+from slopekit.bolts import placed
 from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
@@ -377,7 +378,8 @@ class Result:
                 factor[0] = self.fos.limit
             if self.at_factor_one is not None:
                 displacement = self.at_factor_one.movement.vector()[None, :]
-        return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement)
+        bolts = placed(self.design.bolts, shapes) if self.design.bolts else None
+        return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement, bolts)
 
     def _mechanism(self) -> dict[str, Any] | None:
         if self.findings is not None:

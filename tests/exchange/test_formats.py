@@ -12,6 +12,7 @@ from slopekit.block_scene import BlockScene
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import volume_of
 from slopekit.geometry.meshes import read_mesh
+from tests.bolted import bolted
 from tests.exchange.conftest import EAST, NORTH, TEMPLATES
 from tests.exchange.meshes import read_blocks
 
@@ -232,3 +233,73 @@ def test_outlines_of_a_section(result, tmp_path) -> None:
     x, z = corners[1][:, 0], corners[1][:, 2]
     assert abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2.0 == pytest.approx(12.5, rel=1e-12)
     assert {tuple(corner) for corner in corners[1].round(12).tolist()} == {(0, 0, 0), (0, 0, 5), (-5, 0, 5)}
+
+
+def test_bolts_in_dxf(tmp_path) -> None:
+    """By ezdxf: on the layer BOLTS a point with its number at each head, and a line to its end, to the millimetre."""
+    bolts = bolted("bench").scene.bolts
+    done = sk.export(bolted("bench"), tmp_path / "x.dxf")
+    assert done.written[0].bolts == done.to_dict()["written"][0]["bolts"] == 6
+    drawing = ezdxf.readfile(tmp_path / "x.dxf")
+    audit = drawing.audit()
+    assert (audit.errors, audit.fixes) == ([], [])
+    space = drawing.modelspace()
+    points = [one for one in space.query("POINT") if one.dxf.layer == "BOLTS"]
+    known = {one.get_xdata("SLOPEKIT")[1].value: one for one in points}
+    assert sorted(known) == bolts.number.tolist()
+    for k, number in enumerate(bolts.number.tolist()):
+        place = tuple(known[number].dxf.location)
+        assert place == tuple(round(part, 3) for part in bolts.heads_m[k].tolist())
+        tags = [tag.value for tag in known[number].get_xdata("SLOPEKIT")]
+        assert tags == [f"bolt {number}", number, 150.0, "passive" if bolts.passive[k] else "active"]
+    lines = {tuple(one.dxf.start): tuple(one.dxf.end) for one in space.query("LINE") if one.dxf.layer == "BOLTS"}
+    ends = [tuple(round(part, 3) for part in end) for end in bolts.ends_m.tolist()]
+    assert lines == dict(zip([tuple(known[n].dxf.location) for n in bolts.number.tolist()], ends, strict=True))
+    texts = {one.dxf.text: tuple(one.dxf.insert) for one in space.query("TEXT")}
+    assert texts == {str(n): tuple(known[n].dxf.location) for n in bolts.number.tolist()}
+
+
+def test_bolts_in_glb_and_back(tmp_path) -> None:
+    """By trimesh: each bolt a node with its head and end among its vertices; a design reads the blocks alone."""
+    bolts = bolted("three").scene.bolts
+    sk.export(bolted("three"), tmp_path / "x.glb")
+    scene = trimesh.load_scene(tmp_path / "x.glb")
+    for k, number in enumerate(bolts.number.tolist()):
+        matrix, name = scene.graph.get(f"bolt {number}", frame_from="slopekit: z is up")
+        mesh = scene.geometry[name]
+        assert mesh.is_watertight
+        points = mesh.vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        for end in (bolts.heads_m[k], bolts.ends_m[k]):
+            assert np.linalg.norm(points - end, axis=1).min() < 1e-5
+        assert (mesh.metadata["number"], mesh.metadata["force_kn"]) == (number, bolts.force_kn[k])
+    assert scene.geometry["bolt 2"].metadata["length_m"] is None
+    assert [name for name, _, _ in read_blocks(tmp_path / "x.glb")] == ["wedge"]
+
+
+def test_bolts_in_vtu(tmp_path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    bolts = bolted("three").scene.bolts
+    done = sk.export(bolted("three"), tmp_path / "x.vtu")
+    assert [path.name for path in done.files] == ["x.vtu", "x-bolts.vtu"]
+    grid = pyvista.read(tmp_path / "x-bolts.vtu")
+    assert grid.celltypes.tolist() == [3, 3]
+    for k in range(2):
+        np.testing.assert_array_equal(grid.get_cell(k).points, [bolts.heads_m[k], bolts.ends_m[k]])
+    assert grid.cell_data["number"].tolist() == [1, 2]
+    assert grid.cell_data["force_kn"].tolist() == [300.0, 100.0]
+    assert grid.cell_data["passive"].tolist() == [0, 1]
+
+
+def test_bolts_where_asked_for(tmp_path, result) -> None:
+    """Named, left out, of some blocks; formats and results without any say so."""
+    source = bolted("bench")
+    assert sk.export(source, tmp_path / "a.dxf", what="blocks").written[0].bolts == 0
+    assert sk.export(source, tmp_path / "a.stl").written[0].bolts == 0
+    names = source.scene.shapes.names
+    own = names[source.scene.bolts.block[0]]
+    kept = int((source.scene.bolts.block == source.scene.bolts.block[0]).sum())
+    assert sk.export(source, tmp_path / "b.dxf", what="bolts", blocks=[own]).written[0].bolts == kept < 6
+    for document, file, code in ((source, "c.stl", "E364"), (result("map"), "c.dxf", "E365")):
+        with pytest.raises(sk.DesignError) as caught:
+            sk.export(document, tmp_path / file, what="bolts")
+        assert caught.value.codes == (code,)

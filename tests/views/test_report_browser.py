@@ -12,6 +12,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.templates import path_of
+from tests.bolted import bolted
 
 pytest.importorskip("jinja2")
 pytest.importorskip("selenium", reason="selenium is not installed (extra: test)")
@@ -38,6 +39,7 @@ def pages(tmp_path_factory) -> dict[str, Path]:
     return {
         "wedge": sk.report(sk.wedge(dips=("45/115", "45/245")), folder / "wedge.html", pictures=False),
         "columns": sk.report(columns, folder / "columns.html", pictures=False),
+        "bolts": sk.report(bolted("pattern"), folder / "bolts.html", pictures=False),
     }
 
 
@@ -285,3 +287,27 @@ def test_without_webgl_the_page_says_so(browser, pages) -> None:
         assert page.complaints() == []
     finally:
         browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
+
+
+def test_bolts_are_shown_and_numbered_where_there_is_room(browser, pages) -> None:
+    """Rods come and go with their box; no number lies on another, the axes or the scale; a bare page has no box."""
+    page = Page(browser, pages["bolts"])
+    with_bolts = page.canvas()
+    page.set("v-bolts", False)
+    assert changed(with_bolts, page.canvas()) > 1e-3
+    page.set("v-bolts", True)
+    assert "48 passive bolts" in page.script("return document.getElementById('view-legend').textContent")
+    page.set("v-numbers", True)
+    page.settled()
+    boxes = page.script(
+        "var found = Array.from(document.querySelectorAll('.tag:not([hidden]), .stage svg, .scalebar'));"
+        " return found.map(function (e) { var b = e.getBoundingClientRect();"
+        " return [e.textContent.trim(), b.left, b.top, b.right, b.bottom]; });"
+    )
+    assert len(boxes) > 8
+    for k, (one, *a) in enumerate(boxes):
+        for other, *b in boxes[k + 1 :]:
+            assert min(a[2], b[2]) - max(a[0], b[0]) < 1 or min(a[3], b[3]) - max(a[1], b[1]) < 1, (one, other)
+    assert page.complaints() == []
+    bare = Page(browser, pages["wedge"])
+    assert bare.script("return document.getElementById('v-bolts')") is None

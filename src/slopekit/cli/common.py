@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
 QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
-FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt and pictures (extra: plot).")
+FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
 SEED = typer.Option("--seed", help="Seed of the random numbers: the same seed gives the same numbers.")
 JOBS = typer.Option("--jobs", help="Processes that work at once.")

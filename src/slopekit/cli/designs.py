@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 SCENE_ENDINGS = (".png", ".glb", ".gltf")
 _PICTURE = typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot).")
 _NO_PICTURES = typer.Option("--no-pictures", help="With -o: draw nothing.")
-_PICTURES = ("scene", "mechanism", "stereonet", "reduction")
+_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
 
 
 def wedge(
@@ -191,12 +191,31 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bo
     if folder is not None:
         write(folder / "result.json", document + "\n")
         write(folder / "sheet.txt", sheet + "\n")
+        _write_schedule(record, folder)
     typer.echo(document if as_json else _one_line(result) if quiet else sheet)
     if image is not None:
         draw_to(record, "scene", image)
     if folder is not None:
         _draw_all(record, folder, plain)
     raise typer.Exit(result.exit_code)
+
+
+def _write_schedule(record: dict[str, Any], folder: Path) -> None:
+    """The bolts as a table of their own; that of an earlier result goes where there are none."""
+    from slopekit.views.bolt_schedule import COLUMNS, FILE, schedule, schedule_csv
+
+    bolts, path = schedule(record), folder / FILE
+    if bolts:
+        write(path, schedule_csv(bolts))
+        return
+    try:
+        old = path.is_file() and path.read_text(encoding="utf-8", errors="replace").startswith(",".join(COLUMNS))
+        if old:
+            path.unlink()
+            typer.echo(f"the bolts of an earlier result were removed: {FILE}", err=True)
+    except OSError as error:
+        message = f"{folder} holds the bolts of an earlier result: {error.strerror or error}"
+        raise DesignError([Fault("E129", message, str(folder))]) from None
 
 
 def _draw_all(record: dict[str, Any], folder: Path, plain: bool) -> None:

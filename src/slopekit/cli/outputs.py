@@ -31,8 +31,8 @@ def plot(
 ) -> None:  # fmt: skip
     """A picture of any JSON that slopekit wrote (extra: plot).
 
-    Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet histogram curve
-    contour tornado speed-error reduction normals. Without WHAT: those that the file can give.
+    Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
+    histogram curve contour tornado speed-error reduction normals. Without WHAT: those that the file can give.
     """
     from slopekit.views import plots
 
@@ -69,7 +69,10 @@ def export(
     output: Annotated[
         str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
     ] = None,
-    what: Annotated[str, typer.Option(help="blocks, interfaces, pairs; several with commas.")] = "blocks",
+    what: Annotated[
+        str | None,
+        typer.Option(help="blocks, interfaces, pairs, bolts; several with commas [blocks; bolts where there are any]."),
+    ] = None,
     blocks: Annotated[str | None, typer.Option(help="Only these: B1,B7.", metavar="NAMES")] = None,
     moving: Annotated[bool, typer.Option("--moving", help="Leave bedrock out.")] = False,
     binary: Annotated[bool, typer.Option("--binary", help="STL in binary: float32, smaller.")] = False,
@@ -80,7 +83,7 @@ def export(
     as_json: Annotated[bool, JSON] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="The names of the files only.")] = False,
 ) -> None:
-    """Blocks, interfaces or node pairs of a result for CAD, ParaView and other programs, in your own coordinates."""
+    """Blocks, interfaces, node pairs or bolts of a result for CAD, ParaView and others, in your own coordinates."""
     from slopekit.exchange.export import export as export_result
 
     done = export_result(
@@ -104,7 +107,12 @@ def _lines(one: "Written") -> list[str]:
     """What was written, for a person."""
     counts = [
         f"{count} {word if count != 1 else word[:-1]}"
-        for count, word in ((one.blocks, "blocks"), (one.interfaces, "interface polygons"), (one.pairs, "node pairs"))
+        for count, word in (
+            (one.blocks, "blocks"),
+            (one.interfaces, "interface polygons"),
+            (one.pairs, "node pairs"),
+            (one.bolts, "bolts"),
+        )
         if count
     ]
     volume = "" if one.volume_m3 is None else f", {one.volume_m3:.9g} m³"

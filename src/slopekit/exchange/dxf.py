@@ -8,19 +8,25 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.block_scene import MODES
+from slopekit.bolts import nearest
 from slopekit.errors import DesignError, Fault
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Body, Picked
 
 _MOST_INDEX = 32_767  # vertices of a polyface mesh: indices are 16-bit
 _BEDROCK, _STANDS, _MOVES = "BLOCKS-BEDROCK", "BLOCKS-STABLE", "BLOCKS-MOVING"
-_COLOURS = {_BEDROCK: 8, _STANDS: 41, _MOVES: 30, "OUTLINES": 7, "LINE-OF-INTERSECTION": 1}  # AutoCAD's index
+_BOLTS = "BOLTS"
+# AutoCAD's index
+_COLOURS = {_BEDROCK: 8, _STANDS: 41, _MOVES: 30, "OUTLINES": 7, "LINE-OF-INTERSECTION": 1, _BOLTS: 2}
 _JOINTS, _MODES = (5, 3, 6, 40, 4), (3, 30, 5)
 _NOT_IN_NAMES = re.compile(r"[<>/\\\":;?*|=`,]")  # of layers
 
 
 def write_dxf(path: Path, picked: Picked) -> str:
-    """One polyface mesh a block, 3DFACEs for interfaces, points for node pairs; returns the precision in words.
+    """One polyface mesh a block, 3DFACEs for interfaces, points for node pairs, lines and points for bolts.
+
+    Returns the precision in words. Of a bolt, on the layer BOLTS: a point at its head with its number as a text beside
+    it, and a line to its end, to the millimetre; number, force (kN) and how it acts are XDATA of the point.
 
     Layers: BLOCKS-MOVING (in a mechanism), BLOCKS-STABLE, BLOCKS-BEDROCK; INTERFACE-joint; PAIRS-mode; OUTLINES of a
     section; LINE-OF-INTERSECTION of a wedge. The block's name is XDATA of the application SLOPEKIT.
@@ -63,6 +69,8 @@ def write_dxf(path: Path, picked: Picked) -> str:
         own = picked.pairs[pairs.mode[picked.pairs] == mode]
         for point in pairs.points_m[own].tolist():
             space.add_point(point, dxfattribs={"layer": layer(f"PAIRS-{word.upper()}", _MODES[mode])})
+    if len(picked.bolts):
+        _add_bolts(space, picked, layer(_BOLTS, _COLOURS[_BOLTS]))
     low, high = (picked.scene.shapes.solids.vertices.min(axis=0), picked.scene.shapes.solids.vertices.max(axis=0))
     drawing.header["$EXTMIN"], drawing.header["$EXTMAX"] = tuple(low.tolist()), tuple(high.tolist())
     drawing.set_modelspace_vport(height=1.5 * float((high - low)[:2].max()), center=tuple(((low + high) / 2)[:2]))
@@ -80,6 +88,26 @@ def _add_block(space: Any, body: Body, layer: str) -> None:
     mesh = space.add_polyface(dxfattribs=attributes)
     mesh.append_faces(corners, dxfattribs=attributes)
     mesh.set_xdata("SLOPEKIT", [(1000, body.name[:255])])
+
+
+def _add_bolts(space: Any, picked: Picked, layer: str) -> None:
+    bolts, attributes = picked.scene.known_bolts, {"layer": layer}
+    height = _text_height(bolts.heads_m)
+    for k in picked.bolts.tolist():
+        head, end = ([round(part, 3) for part in place[k].tolist()] for place in (bolts.heads_m, bolts.ends_m))
+        point = space.add_point(head, dxfattribs=attributes)
+        acts = "passive" if bolts.passive[k] else "active"
+        number = int(bolts.number[k])
+        point.set_xdata("SLOPEKIT", [(1000, f"bolt {number}"), (1070, number), (1040, float(bolts.force_kn[k])),
+                                     (1000, acts)])  # fmt: skip
+        space.add_line(head, end, dxfattribs=attributes)
+        text = space.add_text(str(number), height=height, dxfattribs=attributes)
+        text.dxf.insert = head
+
+
+def _text_height(heads: Floats) -> float:
+    """Numbers that do not lie on each other: a quarter of the least distance of heads, at most 0.3 m."""
+    return min(0.3, 0.25 * nearest(heads))
 
 
 def _add_interfaces(space: Any, picked: Picked, layer: Any) -> None:

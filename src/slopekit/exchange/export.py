@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.errors import DesignError, Fault, Notice, writing
-from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, words_of_what
+from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.source import Source, source_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Format:
     needs: tuple[str, str] | None = None
 
 
-_ALL = ("blocks", "interfaces", "pairs")
+_ALL = ("blocks", "interfaces", "pairs", "bolts")
 #: Formats by the suffix of the file.
 FORMATS: Mapping[str, Format] = {
     ".stl": Format("STL", _ALL[:2], False),
@@ -51,7 +51,7 @@ class Written:
     Attributes
     ----------
     files : written, the first is the one asked for; format, precision : in words
-    blocks, interfaces, pairs : how many; volume_m3 : of the blocks as they were written, None without blocks
+    blocks, interfaces, pairs, bolts : how many; volume_m3 : of the blocks as they were written, None without blocks
     """
 
     files: tuple[Path, ...]
@@ -61,12 +61,14 @@ class Written:
     interfaces: int
     pairs: int
     volume_m3: float | None
+    bolts: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
         return {
             "files": [str(path) for path in self.files], "format": self.format, "precision": self.precision,
             "blocks": self.blocks, "interfaces": self.interfaces, "pairs": self.pairs, "volume_m3": self.volume_m3,
+            "bolts": self.bolts,
         }  # fmt: skip
 
 
@@ -94,20 +96,21 @@ def export(
     result: "Result | Mapping[str, Any] | str | os.PathLike[str]",
     path: str | os.PathLike[str] | None = None,
     *,
-    what: str | Sequence[str] = "blocks",
+    what: str | Sequence[str] | None = None,
     blocks: str | Sequence[str] | None = None,
     moving: bool = False,
     binary: bool = False,
     split: str | os.PathLike[str] | None = None,
     split_as: str = "stl",
 ) -> Export:
-    """Write the blocks, interfaces or node pairs of a result to a file of another program.
+    """Write the blocks, interfaces, node pairs or bolts of a result to a file of another program.
 
     Parameters
     ----------
     result : a result, its JSON as a dict, or the path of the JSON file or of the folder of result.json
     path : the file, its format by the suffix: .stl .obj .glb .gltf .vtu .dxf (.dxf needs the extra `cad`)
-    what : "blocks", "interfaces", "pairs", or several of them
+    what : "blocks", "interfaces", "pairs", "bolts", or several of them [blocks; with bolts that have a head where the
+        format holds both]
     blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
     binary : STL in binary, float32
     split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
@@ -123,7 +126,7 @@ def export(
     >>> done.written[0].blocks, round(done.written[0].volume_m3)
     (1, 209461)
     """
-    words = words_of_what(what)
+    words = words_of_what("blocks" if what is None else what)
     target = None if path is None else _target(Path(path), words, binary)
     if target is None and split is None:
         raise DesignError(
@@ -137,6 +140,8 @@ def export(
     written, notices = [], []
     if target is not None:
         chosen = picked(source.scene, words, names, moving, source.is_section)
+        if what is None and "bolts" in FORMATS[target.suffix.lower()].parts:
+            chosen = with_bolts(chosen, names, moving)
         written.append(_write(target, chosen, binary))
         notices += _notices(source, chosen, target, binary)
     if folder is not None:
@@ -241,7 +246,10 @@ def _write(path: Path, chosen: Picked, binary: bool) -> Written:
 def _described(files: Sequence[Path], name: str, precision: str, chosen: Picked, rounded: str = "") -> Written:
     """What was written; `rounded` to float32: all coordinates, those from each block's own middle, or none."""
     volume = sum(_volume(body, rounded) for body in chosen.bodies) if chosen.bodies else None
-    return Written(tuple(files), name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume)
+    return Written(
+        tuple(files), name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
+        len(chosen.bolts),
+    )  # fmt: skip
 
 
 def _volume(body: Body, rounded: str) -> float:

@@ -1,7 +1,7 @@
 """What of a scene is written: bodies, flat pieces of interfaces, node pairs."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -11,7 +11,7 @@ from slopekit.block_scene import BlockScene
 from slopekit.errors import DesignError, Fault
 
 #: What can be written.
-WHAT = ("blocks", "interfaces", "pairs")
+WHAT = ("blocks", "interfaces", "pairs", "bolts")
 _SHOWN = 8
 
 
@@ -47,7 +47,7 @@ class Picked:
 
     Attributes
     ----------
-    bodies : the blocks; contacts, pairs : indices into the scene's; what : words of `WHAT`
+    bodies : the blocks; contacts, pairs, bolts : indices into the scene's; what : words of `WHAT`
     line : (2, 3) ends of the line of intersection of a wedge, None for others
     outlines : (k, 3) of the bodies of a section, in their order; else empty
     """
@@ -59,6 +59,7 @@ class Picked:
     pairs: Ints
     line: Floats | None
     outlines: tuple[Floats, ...]
+    bolts: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @property
     def middle(self) -> Floats:
@@ -125,13 +126,41 @@ def picked(
     what : words of `WHAT`; blocks : names, None for all; moving : leave bedrock out
     is_section : the blocks are prisms of a section
 
-    Interfaces and node pairs are those with at least one of the blocks.
+    Interfaces and node pairs are those with at least one of the blocks, bolts those with their heads in one.
 
     Raises
     ------
     DesignError
         E363 no such block, E365 nothing is left.
     """
+    shapes = scene.shapes
+    chosen = _chosen(scene, blocks, moving)
+    bodies = tuple(
+        Body(k, shapes.names[k], *shapes.solids.of(k)) for k in np.flatnonzero(chosen).tolist()
+    ) if "blocks" in what else ()  # fmt: skip
+    pairs, contacts = scene.pairs, shapes.contacts
+    node_pairs = _touching(chosen, pairs.plus, pairs.minus) if "pairs" in what else np.zeros(0, dtype=np.int64)
+    pieces = _touching(chosen, contacts.plus, contacts.minus) if "interfaces" in what else np.zeros(0, dtype=np.int64)
+    bolts = _bolts_of(scene, chosen, blocks is None) if "bolts" in what else np.zeros(0, dtype=np.int64)
+    missing = [
+        word for word, found in (
+            ("blocks", bodies), ("interfaces", pieces), ("pairs", node_pairs), ("bolts", bolts),
+        ) if word in what and len(found) == 0
+    ]  # fmt: skip
+    if missing:
+        raise DesignError([Fault("E365", f"there are no {missing[0]} to write", "", _why(missing[0], blocks, moving))])
+    outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
+    return Picked(scene, tuple(what), bodies, pieces, node_pairs, _line(scene), outlines, bolts)
+
+
+def with_bolts(found: Picked, blocks: Sequence[str] | None, moving: bool) -> Picked:
+    """What was picked, with the bolts of the blocks where there are any."""
+    bolts = _bolts_of(found.scene, _chosen(found.scene, blocks, moving), blocks is None)
+    return replace(found, what=(*found.what, "bolts"), bolts=bolts) if len(bolts) else found
+
+
+def _chosen(scene: BlockScene, blocks: Sequence[str] | None, moving: bool) -> Bools:
+    """Which blocks (n,) are asked for."""
     shapes = scene.shapes
     chosen = np.ones(len(shapes.names), dtype=np.bool_)
     if blocks is not None:
@@ -141,22 +170,12 @@ def picked(
             raise DesignError(faults)
         chosen[:] = False
         chosen[[index[name] for name in blocks]] = True
-    if moving:
-        chosen &= ~shapes.fixed
-    bodies = tuple(
-        Body(k, shapes.names[k], *shapes.solids.of(k)) for k in np.flatnonzero(chosen).tolist()
-    ) if "blocks" in what else ()  # fmt: skip
-    pairs, contacts = scene.pairs, shapes.contacts
-    node_pairs = _touching(chosen, pairs.plus, pairs.minus) if "pairs" in what else np.zeros(0, dtype=np.int64)
-    pieces = _touching(chosen, contacts.plus, contacts.minus) if "interfaces" in what else np.zeros(0, dtype=np.int64)
-    missing = [
-        word for word, found in (("blocks", bodies), ("interfaces", pieces), ("pairs", node_pairs))
-        if word in what and len(found) == 0
-    ]  # fmt: skip
-    if missing:
-        raise DesignError([Fault("E365", f"there are no {missing[0]} to write", "", _why(missing[0], blocks, moving))])
-    outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
-    return Picked(scene, tuple(what), bodies, pieces, node_pairs, _line(scene), outlines)
+    return chosen & ~shapes.fixed if moving else chosen
+
+
+def _bolts_of(scene: BlockScene, chosen: Bools, every: bool) -> Ints:
+    """The bolts with their heads in chosen blocks (n,), of `every` block those too whose head lies in none."""
+    return np.flatnonzero(np.append(chosen, every)[scene.known_bolts.block])
 
 
 def outline_of(body: Body) -> Floats:
@@ -177,6 +196,9 @@ def _unknown(name: str, names: Sequence[str]) -> Fault:
 
 
 def _why(word: str, blocks: Sequence[str] | None, moving: bool) -> str:
+    if word == "bolts":
+        none = "The design has no bolts with a head" if blocks is None else "No bolt has its head in the blocks named"
+        return f"{none}."
     if word == "pairs":
         return "Node pairs stand where the limit was solved: nothing was solved here."
     if blocks is not None and not blocks:

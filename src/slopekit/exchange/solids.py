@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
-from slopekit.block_scene import MODES
+from slopekit.block_scene import MODES, joined
+from slopekit.bolts import nearest, plates, rods
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
 from slopekit.geometry.meshes import Z_UP
@@ -23,6 +24,8 @@ _DIGITS = "text, every digit of a double"
 _BEDROCK, _STANDS, _MOVES = (150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255)
 _JOINTS = ((0, 100, 164, 200), (0, 127, 95, 200), (168, 84, 138, 200), (216, 144, 0, 200), (86, 180, 233, 200))
 _MODES = ((0, 127, 95, 255), (200, 80, 10, 255), (0, 100, 164, 255))
+_BOLTS = ((200, 0, 80, 255), (20, 30, 90, 255))  # active, passive
+_ROD = 0.05  # m: the most that the radius of a rod is drawn
 _ORIGIN = "map origin"
 
 
@@ -179,6 +182,7 @@ def write_glb(path: Path, picked: Picked) -> str:
                 local = pairs.points_m[own] - origin
                 colours = np.tile(np.array(_MODES[mode], dtype=np.uint8), (len(own), 1))
                 add(f"node pairs, {MODES[mode]}", trimesh.PointCloud(local, colours), np.zeros(3))
+    rounding = max(rounding, _add_bolts(picked, add, origin))
     if path.suffix.lower() == ".glb":
         path.write_bytes(scene.export(file_type="glb"))
     else:
@@ -202,6 +206,31 @@ def _add_interfaces(picked: Picked, add: Any, origin: Floats) -> float:
             mesh = trimesh.Trimesh(local, index.reshape(-1, 3), process=False, metadata={"joint": joint})
             mesh.visual = _painted(_JOINTS[k % len(_JOINTS)], double_sided=True)
             add(f"interface {joint}", mesh, np.zeros(3))
+    return rounding
+
+
+def _add_bolts(picked: Picked, add: Any, origin: Floats) -> float:
+    """One rod with its plate a bolt, about its head; returns the rounding."""
+    import trimesh
+
+    bolts, rounding = picked.scene.known_bolts, 0.0
+    if len(picked.bolts) == 0:
+        return rounding
+    radius = min(_ROD, 0.1 * nearest(bolts.heads_m))
+    for k in picked.bolts.tolist():
+        head, end, here = bolts.heads_m[k], bolts.ends_m[k], np.zeros((1, 3))
+        rod, plate = rods(here, (end - head)[None, :], radius), plates(here, bolts.plates[k : k + 1], 6.0 * radius)
+        vertices, triangles, _ = joined([rod, plate])
+        rounding = max(rounding, float(np.abs(vertices - vertices.astype(np.float32)).max()))
+        passive, length = bool(bolts.passive[k]), float(bolts.length_m[k])
+        known = {
+            "part": "bolt", "number": int(bolts.number[k]), "force_kn": float(bolts.force_kn[k]),
+            "length_m": length if np.isfinite(length) else None, "acts": "passive" if passive else "active",
+            "head": head.tolist(), "end": end.tolist(),
+        }  # fmt: skip
+        mesh = trimesh.Trimesh(vertices, triangles, process=False, metadata=known)
+        mesh.visual = _painted(_BOLTS[passive])
+        add(f"bolt {int(bolts.number[k])}", mesh, head - origin)
     return rounding
 
 

@@ -16,14 +16,14 @@ from slopekit.arrays import Floats, Ints
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import Picked
 
-_VERTEX, _POLYGON, _POLYHEDRON = 1, 7, 42
+_VERTEX, _LINE, _POLYGON, _POLYHEDRON = 1, 3, 7, 42
 _TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8"), "u": ("UInt8", "|u1"), "b": ("UInt8", "|u1")}
 
 
 def write_vtu(path: Path, picked: Picked) -> tuple[list[Path], str]:
-    """NAME.vtu, with NAME-interfaces.vtu and NAME-pairs.vtu where several are asked for; files, precision in words."""
+    """NAME.vtu, with NAME-interfaces.vtu and so on where several are asked for; files, precision in words."""
     files = []
-    writers = {"blocks": _blocks, "interfaces": _interfaces, "pairs": _pairs}
+    writers = {"blocks": _blocks, "interfaces": _interfaces, "pairs": _pairs, "bolts": _bolts}
     for what in picked.what:
         target = path if what == picked.what[0] else path.with_name(f"{path.stem}-{what}{path.suffix}")
         target.write_bytes(writers[what](picked))
@@ -90,6 +90,22 @@ def _pairs(picked: Picked) -> bytes:
     count = len(own)
     cells = {"connectivity": np.arange(count), "offsets": np.arange(1, count + 1), "types": np.full(count, _VERTEX)}
     return _file(pairs.points_m[own], cells, data, _names(picked))
+
+
+def _bolts(picked: Picked) -> bytes:
+    """A line a bolt, its head first."""
+    bolts, own = picked.scene.known_bolts, picked.bolts
+    count = len(own)
+    data = {
+        "number": bolts.number[own], "block": bolts.block[own], "force_kn": bolts.force_kn[own],
+        "length_m": bolts.length_m[own], "passive": bolts.passive[own].astype(np.uint8),
+        "plate_normal": bolts.plates[own],
+    }  # fmt: skip
+    points = np.stack([bolts.heads_m[own], bolts.ends_m[own]], axis=1).reshape(-1, 3)
+    cells = {
+        "connectivity": np.arange(2 * count), "offsets": 2 * np.arange(1, count + 1), "types": np.full(count, _LINE),
+    }  # fmt: skip
+    return _file(points, cells, data, {"block_names": picked.scene.shapes.names})
 
 
 def _names(picked: Picked) -> dict[str, Sequence[str]]:

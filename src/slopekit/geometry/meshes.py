@@ -21,7 +21,8 @@ _MOST_TRIANGLES = 400_000
 def mesh_bodies(path: Path) -> list[MeshBody]:
     """Name, vertices (v, 3) and triangles (t, 3) of every solid, object, group or node of a file, in its order.
 
-    Vertices at one place are one. GLB files of slopekit come back in the user's axes, others as they are written.
+    Vertices at one place are one. GLB files of slopekit come back in the user's axes and without their bolts, others as
+    they are written.
 
     Raises
     ------
@@ -41,7 +42,7 @@ def mesh_bodies(path: Path) -> list[MeshBody]:
     for node in sorted(scene.graph.nodes_geometry, key=lambda node: (rank[scene.graph[node][1]], str(node))):
         matrix, name = scene.graph.get(node, frame_from=base)
         mesh = scene.geometry[name]
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
+        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces) and mesh.metadata.get("part") != "bolt":
             points = np.asarray(mesh.vertices, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
             bodies.append(merged((str(node), points, np.asarray(mesh.faces, dtype=np.int64))))
     return bodies

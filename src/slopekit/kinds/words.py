@@ -21,6 +21,7 @@ BLOCKS_STATUSES: Mapping[str, str] = {
 }
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 _NUMBERS = re.compile(r"([0-9]+)")
+_FEW_BOLTS = 6
 
 T = TypeVar("T")
 
@@ -104,13 +105,14 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
     Parameters
     ----------
     x_is_east : the design has an x axis, which is 090
-    most : so many forces and so many bolts, and how many more there are; None: all
+    most : so many forces and so many bolts, and how many more there are; None: all forces, and a few bolts
     """
     design = result.design
     entries = own + seismic(design, result.words.seismic, x_is_east)
     forces, bolts = [force_text(force) for force in design.forces], [bolt_text(bolt) for bolt in design.bolts]
     for texts, what in ((forces, "force"), (bolts, "bolt")):
-        shown, rest, _ = first_and_last(texts, len(texts) if most is None else most, 0)
+        few = _FEW_BOLTS if what == "bolt" else len(texts)
+        shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
     return SheetPart("LOADS", entries or [WEIGHT_ONLY])
 

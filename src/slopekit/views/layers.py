@@ -17,6 +17,9 @@ ROCK: Colour = (201, 199, 194)
 BLOCK: Colour = (222, 165, 105)
 STANDS: Colour = (236, 226, 207)
 DARK: Colour = (64, 48, 36)
+#: Bolts by how they act: a load, strength.
+ACTIVE_BOLT: Colour = (200, 0, 80)
+PASSIVE_BOLT: Colour = (20, 30, 90)
 FALLS: Colour = (150, 40, 80)
 UNSETTLED: Colour = (196, 150, 196)
 #: Joints, in the order of the result; loads; contact modes; how blocks move. Told apart without red and green.

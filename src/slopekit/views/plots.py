@@ -20,6 +20,8 @@ Document = Mapping[str, Any]
 CHARTS: Mapping[str, tuple[str, str]] = {
     "stereonet": ("planes, poles, lines, cones on the lower hemisphere",
                   "a file with joints: slopekit kinematic, run, wedge, combos or prob with -o DIR"),
+    "elevation": ("the face with its bolts by number",
+                  "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR"),
     "histogram": ("factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR"),
     "curve": ("the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR"),
     "contour": ("the factor over two numbers",
@@ -85,6 +87,15 @@ _NEEDS: Mapping[str, Mapping[str, Any]] = {
     "normals": {
         "normals": [{"normals": str, "edge_m": _NUMBER, "fos": _NUMBER, "fos_cohesion_kept": _NUMBER}], "fos": _FOS,
     },
+    "elevation": {
+        "inputs": {
+            "bolts": [{
+                "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
+                "head_m": ([float], None), "length_m": _NUMBER, "block": _TEXT,
+            }],
+            "face": _TEXT, "upper": _TEXT,
+        },
+    },
     "reduction": {
         "series": ([{
             "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
@@ -144,6 +155,7 @@ def offers(document: Document) -> dict[str, str]:
     keys = document.get("keys")
     has = {
         "stereonet": kind == "kinematic" or _oriented(document),
+        "elevation": isinstance(scene, Mapping) and scene.get("bolts") is not None,
         "histogram": study == "prob",
         "curve": study == "sweep" and isinstance(keys, list) and len(keys) == 1,
         "contour": study == "sweep" and isinstance(keys, list) and len(keys) == 2,
@@ -277,6 +289,7 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
 def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, Document], None]:
     """The function that draws it on a figure."""
     from slopekit.views import charts, sweep_charts
+    from slopekit.views.elevation import draw_elevation
     from slopekit.views.kinematic_charts import draw_kinematic
     from slopekit.views.orientation_charts import draw_orientations
     from slopekit.views.probability_charts import draw_histogram
@@ -286,7 +299,8 @@ def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, D
     if what == "stereonet":
         return lambda figure, of: draw_orientations(figure, of, options.net)
     drawers: dict[str, Callable[[Any, Document], None]] = {
-        "histogram": draw_histogram, "curve": sweep_charts.draw_curve, "contour": sweep_charts.draw_contour,
+        "elevation": draw_elevation, "histogram": draw_histogram, "curve": sweep_charts.draw_curve,
+        "contour": sweep_charts.draw_contour,
         "tornado": sweep_charts.draw_tornado, "speed-error": charts.draw_speed_errors,
         "reduction": charts.draw_reduction, "normals": charts.draw_normals,
     }  # fmt: skip

@@ -17,8 +17,13 @@ from slopekit.views.scene_parts import nice
 
 _WIDTH, _HEIGHT, _DPI = 1130, 800, 100
 _SIDE, _TOP, _BOTTOM = 330, 84, 64  # pixels beside, above and beneath the scene
+_COMPASS, _REACH = 52.0, 40.0  # pixels from the scene's foot to the middle of the compass; of its arrows
+_ABOVE_COMPASS = 24.0  # of the compass's names, above its arrows
+_BAR = 190.0  # high
+_LINE, _LETTERS = 16, 165  # pixels from note to note, letters in one line
 _SHARP = 2  # pixels of the scene for each of the picture: edges without steps
 _EDGE_DEG = 12.0  # edges between flatter faces are not drawn
+_Box = tuple[float, float, float, float]  # left, lower, right, upper: pixels from the lower left
 _ADVICE = "In slopekit's folder: pip install '.[plot]'"
 
 
@@ -176,15 +181,30 @@ def _save_png(picture: Picture, path: Path) -> None:
     x, y = 14 / _WIDTH, 1.0 - 16 / _HEIGHT
     figure.text(x, y, _within(figure, picture.title, 14, "bold"), fontsize=14, weight="bold", va="top")
     figure.text(x, 1.0 - 44 / _HEIGHT, picture.subtitle, fontsize=10.5, va="top", wrap=True)
-    for k, note in enumerate(note for note in picture.notes if note):
-        figure.text(x, (_BOTTOM - 24 - 16 * k) / _HEIGHT, note, fontsize=8.5, va="top", color="#444444")
-    _write_labels(figure, picture, camera, wide, high)
-    _scale(figure, camera, wide, high)
-    below = _legend(figure, picture)
+    for k, note in enumerate(_notes(picture)):
+        figure.text(x, (_BOTTOM - 24 - _LINE * k) / _HEIGHT, note, fontsize=8.5, va="top", color="#444444")
+    write_words(figure, picture, camera, wide, high)
+    figure.savefig(path, dpi=_DPI)
+
+
+def _notes(picture: Picture) -> list[str]:
+    """The notes in the two lines that have room beneath the scene; what has none follows in the last."""
+    import textwrap
+
+    notes = [note for note in picture.notes if note]
+    lines = [line for note in notes for line in textwrap.wrap(note, _LETTERS)]
+    return lines if len(lines) <= 2 else textwrap.wrap("; ".join(notes), _LETTERS, max_lines=2, placeholder=" …")
+
+
+def write_words(figure: Any, picture: Picture, camera: Camera, wide: int, high: int) -> None:
+    """Names, scale, legend, colour bar and compass: each where it covers no other."""
+    scale = _scale(figure, camera, wide, high)
+    _write_labels(figure, picture, camera, wide, high, scale)
+    floor = _HEIGHT - _BOTTOM - _COMPASS - _REACH - _ABOVE_COMPASS
+    below = _legend(figure, picture, floor - (0.0 if picture.bar is None else _BAR + 44.0))
     if picture.bar is not None:
         _bar(figure, picture.bar, below)
     _compass(figure, camera)
-    figure.savefig(path, dpi=_DPI)
 
 
 def _within(figure: Any, text: str, size: float, weight: str) -> str:
@@ -193,27 +213,48 @@ def _within(figure: Any, text: str, size: float, weight: str) -> str:
     return text if len(text) <= most else text[: most - 1] + "…"
 
 
-def _legend(figure: Any, picture: Picture) -> float:
-    """The legend at the right; how far down (pixels from the top) it reaches."""
-    import textwrap
-
+def _legend(figure: Any, picture: Picture, floor: float) -> float:
+    """The legend at the right, as much of it as stands above `floor`; how far down it reaches; pixels from the top."""
     from matplotlib.patches import Rectangle
 
     top = float(_TOP + 10)
     left = _WIDTH - _SIDE + 16
-    for text, colour, opacity in picture.legend:
-        lines = textwrap.wrap(text, 42) or [""]
+    wrapped = [_lines(figure, text, _SIDE - 48, 9) for text, _, _ in picture.legend]
+    feet = np.cumsum([8 + 14.5 * len(lines) for lines in wrapped]) + top
+    shown = len(feet) if not len(feet) or feet[-1] <= floor else int((feet <= floor - 22.5).sum())
+    for (_, colour, opacity), lines in list(zip(picture.legend, wrapped, strict=True))[:shown]:
         shade = tuple(1.0 - opacity * (1.0 - part / 255.0) for part in colour)
         patch = Rectangle((left / _WIDTH, 1.0 - (top + 13) / _HEIGHT), 16 / _WIDTH, 13 / _HEIGHT, facecolor=shade,
                           edgecolor="#333333", linewidth=0.6, transform=figure.transFigure)  # fmt: skip
         figure.add_artist(patch)
         figure.text((left + 24) / _WIDTH, 1.0 - top / _HEIGHT, "\n".join(lines), fontsize=9, va="top", linespacing=1.2)
         top += 8 + 14.5 * len(lines)
+    if shown < len(wrapped):
+        text = f"and {len(wrapped) - shown} more that have no room here"
+        figure.text((left + 24) / _WIDTH, 1.0 - top / _HEIGHT, text, fontsize=9, va="top", color="#666666")
+        top += 22.5
     return top
 
 
+def _lines(figure: Any, text: str, wide: float, size: float) -> list[str]:
+    """A text in lines of at most `wide` pixels, at words where that can be."""
+    import textwrap
+
+    most = 42
+    while True:
+        lines = textwrap.wrap(text, most) or [""]
+        if max(map(len, lines)) * 1.4 * size <= wide:  # as wide as the widest letters
+            return lines
+        drawn = figure.text(0, 0, "\n".join(lines), fontsize=size)
+        taken = float(drawn.get_window_extent(figure.canvas.get_renderer()).width)
+        drawn.remove()
+        if taken <= wide or most <= 8:
+            return lines
+        most = max(min(most - 2, int(most * wide / taken)), 8)
+
+
 def _bar(figure: Any, bar: Bar, top: float) -> None:
-    high = 190.0
+    high = _BAR
     left = _WIDTH - _SIDE + 16
     axes = figure.add_axes((left / _WIDTH, 1.0 - (top + 30 + high) / _HEIGHT, 20 / _WIDTH, high / _HEIGHT))
     steps = np.linspace(bar.low, bar.high, 128)
@@ -229,8 +270,8 @@ def _bar(figure: Any, bar: Bar, top: float) -> None:
     figure.text(left / _WIDTH, 1.0 - (top + 12) / _HEIGHT, bar.label, fontsize=9, va="top")
 
 
-def _scale(figure: Any, camera: Camera, wide: int, high: int) -> None:
-    """A scale bar: lengths square to the line of sight are true."""
+def _scale(figure: Any, camera: Camera, wide: int, high: int) -> _Box:
+    """A scale bar, and what it takes of the picture: lengths square to the line of sight are true."""
     from matplotlib.lines import Line2D
 
     per_pixel = camera.height / high
@@ -242,24 +283,62 @@ def _scale(figure: Any, camera: Camera, wide: int, high: int) -> None:
         figure.add_artist(Line2D([part / _WIDTH for part in x], [part / _HEIGHT for part in ys], color="black", lw=1.6))
     figure.text((begin + end) / 2 / _WIDTH, (y + 6) / _HEIGHT, f"{length:g} m", fontsize=9, ha="center", va="bottom",
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.75})  # fmt: skip
+    return begin - 4, y - 6, max(end, begin + 50.0) + 4, y + 26
 
 
 def _compass(figure: Any, camera: Camera) -> None:
-    """North, east and up as they lie in the picture, at the lower right."""
-    middle, reach = (_WIDTH - _SIDE / 2, _BOTTOM + 52.0), 40.0
-    axes = [("N", (0.0, 1.0, 0.0), "#b5281e"), ("E", (1.0, 0.0, 0.0), "#444444"), ("up", (0.0, 0.0, 1.0), "#444444")]
-    for name, way, colour in axes:
-        across, above, toward = (float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye))
-        if math.hypot(across, above) < 0.3:
-            text = f"{name} {'toward you' if toward > 0 else 'into the picture'}"
-            figure.text((middle[0] + 4) / _WIDTH, (middle[1] - 14) / _HEIGHT, text, fontsize=8, color=colour, va="top",
-                        ha="center")  # fmt: skip
+    """North, east and up as they lie in the picture, at the lower right; no name lies on an arrow or another name."""
+    middle = (_WIDTH - _SIDE / 2, _BOTTOM + _COMPASS)
+    axes = [("N", (0.0, 1.0, 0.0), "#b5281e"), ("up", (0.0, 0.0, 1.0), "#444444"), ("E", (1.0, 0.0, 0.0), "#444444")]
+    seen = [[float(np.array(way) @ part) for part in (camera.right, camera.up, camera.eye)] for _, way, _ in axes]
+    shafts, names = [], []
+    for (name, _, colour), (across, above, toward) in zip(axes, seen, strict=True):
+        size = math.hypot(across, above)
+        if size < 0.3:
+            names.append((f"{name} {'toward you' if toward > 0 else 'into the picture'}", middle, (0.0, -1.0), colour))
             continue
-        tip = (middle[0] + reach * across, middle[1] + reach * above)
+        tip = (middle[0] + _REACH * across, middle[1] + _REACH * above)
         figure.add_artist(_arrow(middle, tip, colour))
-        beyond = (middle[0] + (reach + 11) * across, middle[1] + (reach + 11) * above)
-        figure.text(beyond[0] / _WIDTH, beyond[1] / _HEIGHT, name, fontsize=9.5, color=colour, ha="center", va="center",
-                    weight="bold" if name == "N" else "normal")  # fmt: skip
+        shafts.append((middle, tip))
+        names.append((name, tip, (across / size, above / size), colour))
+    taken: list[_Box] = []
+    for name, at, way, colour in names:
+        half, tall = (6.0 if len(name) == 1 else 9.0 if len(name) == 2 else 3.2 * len(name)), 7.0
+        box = _free(at, way, half, tall, shafts, taken)
+        taken.append(box)
+        figure.text((box[0] + box[2]) / 2 / _WIDTH, (box[1] + box[3]) / 2 / _HEIGHT, name, ha="center", va="center",
+                    fontsize=9.5 if len(name) < 3 else 8, color=colour, weight="bold" if name == "N" else "normal",
+                    gid="compass")  # fmt: skip
+
+
+def _free(
+    at: tuple[float, float], way: tuple[float, float], half: float, tall: float,
+    shafts: list[tuple[tuple[float, float], tuple[float, float]]], taken: list[_Box],
+) -> _Box:  # fmt: skip
+    """A box near a point that covers no arrow and no other: beyond it where that can be, else beside it."""
+    boxes: list[_Box] = []
+    for away in (2.0, 8.0, 16.0, 26.0):
+        for turn in (0.0, 35.0, -35.0, 70.0, -70.0, 110.0, -110.0, 150.0, -150.0, 180.0):
+            cosine, sine = math.cos(math.radians(turn)), math.sin(math.radians(turn))
+            u, v = way[0] * cosine - way[1] * sine, way[0] * sine + way[1] * cosine
+            apart = away + min(half / max(abs(u), 1e-9), tall / max(abs(v), 1e-9))
+            x, y = at[0] + apart * u, at[1] + apart * v
+            boxes.append((x - half, y - tall, x + half, y + tall))
+    clear = (box for box in boxes if not any(_overlap(box, other) for other in taken)
+             and not any(_crosses(one, box) for one in shafts))  # fmt: skip
+    return next(clear, boxes[0])
+
+
+def _overlap(one: _Box, other: _Box) -> bool:
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+
+
+def _crosses(shaft: tuple[tuple[float, float], tuple[float, float]], box: _Box) -> bool:
+    """Whether an arrow, five pixels to both sides of its shaft, lies on a box."""
+    part = np.linspace(0.0, 1.0, 41)[:, None]
+    points = np.array(shaft[0]) * (1.0 - part) + np.array(shaft[1]) * part
+    low, high = np.array(box[:2]) - 5.0, np.array(box[2:]) + 5.0
+    return bool(((points > low) & (points < high)).all(axis=1).any())
 
 
 def _arrow(begin: tuple[float, float], end: tuple[float, float], colour: str) -> Any:
@@ -270,11 +349,11 @@ def _arrow(begin: tuple[float, float], end: tuple[float, float], colour: str) ->
                            transform=IdentityTransform())  # fmt: skip
 
 
-def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high: int) -> None:
-    """Labels where they cover no other; how many found no room is said."""
+def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high: int, scale: _Box) -> None:
+    """Labels where they cover no other, nor the scale; how many found no room is said."""
     from matplotlib.lines import Line2D
 
-    taken: list[tuple[float, float, float, float]] = []
+    taken = [scale, (wide - 160.0, _BOTTOM + 0.0, wide + 0.0, _BOTTOM + 20.0)]
     left = 0
     lifted = 26.0 if picture.beside else 0.0
     for point, text in picture.labels:
@@ -284,7 +363,7 @@ def _write_labels(figure: Any, picture: Picture, camera: Camera, wide: int, high
         half, tall = 3.3 * len(text) + 2, 7.0
         box = (x - half, y + lifted - tall, x + half, y + lifted + tall)
         inside = box[0] > 0 and box[2] < wide and box[1] > _BOTTOM and box[3] < _BOTTOM + high
-        if not inside or any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
+        if not inside or any(_overlap(box, other) for other in taken):
             left += 1
             continue
         taken.append(box)

@@ -31,7 +31,7 @@ NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
-_OF_RESULT = ("scene", "stereonet", "tractions", "mechanism", "factors", "ravelling", "reduction")
+_OF_RESULT = ("scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling", "reduction")
 _SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 250_000  # bytes; beyond that a PNG is smaller and as legible
@@ -218,7 +218,8 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "factors": tables.factor_table(document),
         "slope": [(label.lower(), _chunks(_entries(sheet, label))) for label in _SLOPE if _entries(sheet, label)
                   and not (label == "COLUMNS" and document["methods"])],
-        "inputs": list(input_tables(inputs)),
+        "inputs": list(input_tables(inputs)), "bolts": list(tables.bolt_tables(document)),
+        "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
         "forces": list(tables.force_tables(document)),
         "moments": [*_entries(sheet, "ROTATION"), *(_entries(sheet, "MOVES") if document["assembly"] is None else
                                                     _entries(sheet, "MOVES")[:1])],

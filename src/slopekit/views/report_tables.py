@@ -10,6 +10,7 @@ from slopekit.kinds import status_text, words_named
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.orientation import line_of
 from slopekit.result import STATUSES
+from slopekit.views.bolt_schedule import HEAD, per_slice, schedule
 from slopekit.views.report_inputs import Table
 from slopekit.views.report_words import block_table, factor, happens, in_names, limit_of
 
@@ -95,6 +96,16 @@ def _pressures(document: Document) -> dict[str, str]:
     given = document["inputs"]["water"]["pressures_kpa"]
     shown = ", ".join(f"{float(one):g}" for one in given)
     return dict.fromkeys(document["forces_kn"]["water"], shown or "0")
+
+
+def bolt_tables(document: Document) -> Iterator[Table]:
+    """The schedule of the bolts, all of them, where the design has any."""
+    bolts = schedule(document)
+    if bolts:
+        said = "" if all(one.head_m for one in bolts) else " A bolt without a head is a force through the centroid."
+        section = f" In {per_slice(bolts)}." if per_slice(bolts) else ""
+        note = f"E, N, Z of the heads; trend/plunge of the force on the block.{section}{said}"
+        yield Table("Schedule", HEAD, tuple(one.cells() for one in bolts), note)
 
 
 def motion_table(document: Document) -> Table | None:

@@ -1,6 +1,7 @@
 """Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -8,7 +9,21 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene, Contacts, joined
-from slopekit.views.layers import BLOCK, ROCK, STANDS, Bar, Colour, Layer, Picture, contacts_body, layer
+from slopekit.bolts import nearest, plates, rods
+from slopekit.views.bolt_schedule import forces_in_words, schedule, without_head
+from slopekit.views.layers import (
+    ACTIVE_BOLT,
+    BLOCK,
+    PASSIVE_BOLT,
+    ROCK,
+    STANDS,
+    Bar,
+    Colour,
+    Layer,
+    Picture,
+    contacts_body,
+    layer,
+)
 from slopekit.views.stage import Stage, joint_colour
 
 Legend = list[tuple[str, Colour, float]]
@@ -17,6 +32,11 @@ _MOST_LABELS, _FEW_LABELS = 60, 12
 _BALANCED = 0.01  # of the largest load on a block
 _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are drawn; of that: how far before it
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
+_ROD, _PLATE = 4e-3, 0.024  # of the size: radius of rods, width of plates, where bolts stand far enough apart
+_CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
+#: One load of several of its kind.
+_NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
+_MOST_LINES = 3  # of one kind of load in the legend
 
 
 def picture(
@@ -219,6 +239,115 @@ def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
         return np.stack([np.bincount(of, values[:, k]) for k in range(3)], axis=1)
 
     return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
+
+
+def bolt_layers(stage: Stage, moved: Floats | None = None) -> tuple[list[Layer], Legend, list[str]]:
+    """Bolts as rods with plates, in front of what they lie in; what the legend and the notes say of them.
+
+    Parameters
+    ----------
+    moved : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
+    """
+    bolts = stage.scene.bolts
+    said = without_head(schedule(stage.document))
+    notes = [said] if said else []
+    if bolts is None:
+        return [], [], notes
+    width = plate_width(stage)
+    radius = _ROD / _PLATE * width
+    away = np.zeros((len(bolts), 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
+    layers, legend = [], list[tuple[str, Colour, float]]()
+    for acts, colour, own in (
+        ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
+    ):  # fmt: skip
+        if own.any():
+            heads, ends = (bolts.heads_m + away)[own], (bolts.ends_m + away)[own]
+            layers.append(layer(f"bolts, {acts}: rods", rods(heads, ends, radius), colour, front=1))
+            layers.append(layer(f"bolts, {acts}: plates", plates(heads, bolts.plates[own], width), colour, front=1))
+            count = int(own.sum())
+            force = forces_in_words(bolts.force_kn[own].tolist())
+            legend.append((f"{count} {acts} bolt{'s' * (count > 1)}, {force}", colour, 1.0))
+    if np.isnan(bolts.length_m).any():
+        notes.append("bolts without a length are drawn to where they leave their block")
+    return layers, legend, notes
+
+
+def plate_width(stage: Stage) -> float:
+    """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
+    if stage.scene.bolts is None:
+        return 0.0
+    size = min(stage.size, neighbourhood(stage, stage.free))
+    return min(_PLATE * size, _CROWDED * nearest(stage.scene.known_bolts.heads_m))
+
+
+def load_names(stage: Stage) -> list[str]:
+    """The loads by name, bolts with the numbers that the design lists them by.
+
+    A scene numbers active and passive bolts each for themselves, and those of many blocks that are active after the
+    forces.
+    """
+    inputs = stage.document.get("inputs") or {}
+    forces, bolts = len(inputs.get("forces") or []), schedule(stage.document)
+    numbers = {acts: [one.number for one in bolts if one.acts == acts] for acts in ("active", "passive")}
+
+    def called(name: str) -> str:
+        found = _NUMBERED.match(name)
+        if found is None:
+            return name
+        acts, number = found[1].removesuffix(" bolt"), int(found[2])
+        if acts == "force":
+            if stage.document.get("assembly") is None or number <= forces:
+                return name
+            acts, number = "active", number - forces
+        own = numbers[acts]
+        return f"{acts} bolt {own[number - 1]}{found[3] or ''}" if number <= len(own) else name
+
+    return [called(name) for name in stage.scene.loads.names]
+
+
+def bolt_colour(name: str) -> Colour | None:
+    """The colour of a load that is a bolt."""
+    return ACTIVE_BOLT if name.startswith("active bolt") else PASSIVE_BOLT if name.startswith("passive bolt") else None
+
+
+def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[str, list[int]]]:
+    """Which loads stand in one line of the legend: the words before their sizes, and their indices.
+
+    Forces and bolts that are numbered and of one size share a line; where they have more than a few sizes, all do.
+
+    Parameters
+    ----------
+    names : of the loads; sizes : of each its forces (k,) kN
+
+    >>> from numpy import array
+    >>> kinds_of_loads(["weight", "active bolt 1", "active bolt 2"], [array([9.0]), array([5.0]), array([5.0])])
+    [('weight', [0]), ('2 active bolts', [1, 2])]
+    """
+    lines: dict[tuple[str, ...], list[int]] = {}
+    families: dict[str, set[str]] = {}
+    for name, size in zip(names, sizes, strict=True):
+        if found := _NUMBERED.match(name):
+            families.setdefault(f"{found[1]}s{found[3] or ''}", set()).add(_sizes_in_words(size))
+    for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
+        key: tuple[str, ...] = (name,)
+        if found := _NUMBERED.match(name):
+            family = f"{found[1]}s{found[3] or ''}"
+            key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
+        lines.setdefault(key, []).append(k)
+    return [(names[own[0]] if len(own) == 1 else f"{len(own)} {key[0]}", own) for key, own in lines.items()]
+
+
+def _sizes_in_words(sizes: Floats) -> str:
+    return kilonewtons(float(sizes.max(initial=0.0)))
+
+
+def amounts(name: str, parts: Sequence[Floats]) -> str:
+    """Loads of one line of the legend: the size of one, or what several have alike."""
+    if len(parts) == 1:
+        return amount(name, parts[0])
+    largest = [float(part.max(initial=0.0)) for part in parts]
+    low, high = kilonewtons(min(largest)), kilonewtons(max(largest))
+    return f"{name}: {high} each" if low == high else f"{name}: {low} to {high}"
 
 
 def amount(name: str, sizes: Floats) -> str:

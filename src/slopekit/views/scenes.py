@@ -27,6 +27,7 @@ from slopekit.views.layers import (
     STANDS,
     UNSETTLED,
     Bar,
+    Colour,
     Picture,
     arrows,
     blocks_layer,
@@ -38,13 +39,18 @@ from slopekit.views.layers import (
 from slopekit.views.scene_parts import (
     Legend,
     amount,
+    amounts,
     balanced,
     block_legend,
+    bolt_colour,
+    bolt_layers,
     counted,
     ends,
     has_contacts,
     joint_faces,
     kilonewtons,
+    kinds_of_loads,
+    load_names,
     measures,
     millimetres,
     names,
@@ -76,6 +82,8 @@ SCENES: Mapping[str, str] = {
 _DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
 _EXPLODED = 0.35
 _NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
+#: Arrows of one colour: what they are called, what the legend says, where and what they are, whether they push.
+_Group = tuple[str, str, Floats, Floats, Colour, bool]
 _NO_LIMIT = "no limit state was found: what the joints carry is not known"
 
 
@@ -151,7 +159,9 @@ def _scene(stage: Stage, _: Asked) -> Picture:
             body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)[:2]
             layers.append(layer("movement", body, DARK, front=1))
             legend.append(("movement as it fails", DARK, 1.0))
-    return picture(stage, "scene", layers, legend, notes=_scene_notes(stage), labels=names(stage))
+    rods, named, said = bolt_layers(stage)
+    notes = [*_scene_notes(stage), *said]
+    return picture(stage, "scene", [*layers, *rods], [*legend, *named], notes=notes, labels=names(stage))
 
 
 def _scene_notes(stage: Stage) -> tuple[str, ...]:
@@ -182,7 +192,9 @@ def _exploded(stage: Stage, asked: Asked) -> Picture:
     note = f"blocks moved apart by {apart:g} of their distance from {middle}"
     if stage.alone:
         note = f"the block moved out of the slope by {apart:g} of its size"
-    return picture(stage, "exploded", layers, legend, notes=(note, measures(stage)), labels=names(stage, moved))
+    rods, named, said = bolt_layers(stage, moved)
+    notes = (note, measures(stage), *said)
+    return picture(stage, "exploded", [*layers, *rods], [*legend, *named], notes=notes, labels=names(stage, moved))
 
 
 def _tractions(stage: Stage, _: Asked) -> Picture:
@@ -241,19 +253,32 @@ def _forces(stage: Stage, _: Asked) -> Picture:
     if not stage.alone and int(known.sum()) < int(stage.free.sum()):
         left = int(stage.free.sum()) - int(known.sum())
         notes.append(f"{left} other blocks are left out: held, or their contacts were not all solved")
-    groups = [(name, loads.at_m, loads.force_kn, own & (loads.what == k), LOADS[k % len(LOADS)], name[:5] == "water")
-              for k, name in enumerate(loads.names)]  # fmt: skip
-    groups += [(f"{name} on the block" if stage.alone else name, at, force, joint == k, joint_colour(k), True)
-               for k, name in enumerate(scene.shapes.joints)]  # fmt: skip
-    for name, points, forces, which, colour, pushes in groups:
-        size = np.sqrt((forces[which] ** 2).sum(axis=1))
-        if not (size > _NO_FORCE * longest).any():
-            continue
-        vectors = drawn * forces[which]
-        starts = points[which] - (vectors if pushes else 0.0)
+    every_size = np.sqrt((loads.force_kn**2).sum(axis=1))
+    sizes = [every_size[own & (loads.what == k)] for k in range(len(loads.names))]
+    seen = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
+    called = load_names(stage)
+    alike = kinds_of_loads([called[k] for k in seen], [sizes[k] for k in seen])
+    groups: list[_Group] = []
+    for name, kinds in alike:
+        which = [seen[k] for k in kinds]
+        of = own & np.isin(loads.what, which)
+        said = amounts(name, [sizes[k] for k in which])
+        colour = bolt_colour(called[which[0]]) or LOADS[which[0] % len(LOADS)]
+        groups.append((name, said, loads.at_m[of], loads.force_kn[of], colour, name[:5] == "water"))
+    for k, joint_name in enumerate(scene.shapes.joints):
+        name = f"{joint_name} on the block" if stage.alone else joint_name
+        size = np.sqrt((force[joint == k] ** 2).sum(axis=1))
+        if (size > _NO_FORCE * longest).any():
+            groups.append((name, amount(name, size), at[joint == k], force[joint == k], joint_colour(k), True))
+    rods, _named, without = bolt_layers(stage)
+    layers += rods
+    for name, said, points, forces, colour, pushes in groups:
+        vectors = drawn * forces
+        starts = points - (vectors if pushes else 0.0)
         layers.append(layer(name, arrows(starts, vectors, 0.022 * scale)[:2], colour, front=1))
-        unseen = " (too small to be seen)" if size.max() < _SEEN * longest else ""
-        legend.append((amount(name, size) + unseen, colour, 1.0))
+        unseen = " (too small to be seen)" if float((forces**2).sum(axis=1).max()) < (_SEEN * longest) ** 2 else ""
+        legend.append((said + unseen, colour, 1.0))
+    notes += [*(["rods and plates show where bolts are, arrows their forces"] if rods else []), *without]
     return picture(stage, "forces", layers, legend, notes=notes, labels=names(stage, only=known))
 
 

@@ -12,6 +12,7 @@ from slopekit.kinds.words import SheetPart, line_in_words, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
+from slopekit.views.bolt_schedule import schedule, schedule_lines
 from slopekit.views.entries import (
     accept,
     all_pairs,
@@ -48,6 +49,9 @@ def document_of(result: Result) -> dict[str, Any]:
 def _parts(result: Result) -> Iterator[SheetPart]:
     """The parts below the head line, in order; those without entries print nothing."""
     yield from kind_of(result.design).slope(result.design, result)
+    if result.design.bolts:
+        document = {"inputs": result.design.inputs(), "geometry": result.geometry.to_dict()}
+        yield SheetPart("BOLTS", schedule_lines(schedule(document)))
     if result.findings is not None:
         yield from assembly_parts(result, result.findings)
         return

@@ -13,8 +13,18 @@ import numpy as np
 from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
 from slopekit.errors import DesignError, Fault
-from slopekit.views.layers import BLOCK, FALLS, JOINTS, MODE_COLOURS, ROCK, STANDS, UNSETTLED
-from slopekit.views.scene_parts import unsettled, without_strength
+from slopekit.views.layers import (
+    ACTIVE_BOLT,
+    BLOCK,
+    FALLS,
+    JOINTS,
+    MODE_COLOURS,
+    PASSIVE_BOLT,
+    ROCK,
+    STANDS,
+    UNSETTLED,
+)
+from slopekit.views.scene_parts import plate_width, unsettled, without_strength
 from slopekit.views.stage import Stage
 
 _SMOOTH = np.cos(np.radians(30.0))  # triangles of one face that bend by less have no edge between them
@@ -40,7 +50,7 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
     rock = len(scene.shapes.names) - len(
         stage.scene.shapes.names
     )  # drawn about a lone block, without a colour of its own
-    shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
+    shapes, pairs, loads, bolts = scene.shapes, scene.pairs, scene.loads, scene.known_bolts
     vertices, triangles, owner = _owned(shapes.solids)
     middle, size = _middle(vertices if len(vertices) else shapes.contacts.corners)
     moved = _at(vertices, shapes.centroids, scene.velocity, owner)
@@ -76,6 +86,11 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
         "pair_kn": _single(pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn),
         "load_what": _whole(loads.what), "load_block": _whole(loads.block), "load_kn": _single(loads.force_kn),
         "load_at": _single(loads.at_m - middle),
+        "bolt_number": _whole(bolts.number), "bolt_block": _whole(bolts.block),
+        "bolt_passive": _whole(bolts.passive.astype(np.int64)), "bolt_kn": _single(bolts.force_kn),
+        "bolt_heads": _single(bolts.heads_m - middle), "bolt_ends": _single(bolts.ends_m - middle),
+        "bolt_plates": _single(bolts.plates), "bolt_colours": [_hex(ACTIVE_BOLT), _hex(PASSIVE_BOLT)],
+        "bolt_plate_m": plate_width(stage),
     }  # fmt: skip
 
 
@@ -110,6 +125,8 @@ def _fits(scene: BlockScene) -> bool:
     shapes, pairs, loads = scene.shapes, scene.pairs, scene.loads
     solids, contacts = shapes.solids, shapes.contacts
     n, t, p, k, c = len(shapes.names), len(solids.triangles), len(pairs.joint), len(loads.what), len(contacts.joint)
+    bolts = scene.known_bolts
+    b = len(bolts)
     sizes: list[tuple[Any, tuple[int, ...]]] = [
         (shapes.fixed, (n,)), (shapes.centroids, (n, 3)), (scene.velocity, (n, 6)), (scene.order, (n,)),
         (scene.factor, (n,)), (solids.vertices, (len(solids.vertices), 3)), (solids.triangles, (t, 3)),
@@ -117,14 +134,16 @@ def _fits(scene: BlockScene) -> bool:
         (contacts.first, (c + 1,)), (contacts.minus, (c,)), (contacts.joint, (c,)), (pairs.points_m, (p, 3)),
         (pairs.control_area_m2, (p,)), (pairs.normals, (p, 3)), (pairs.plus, (p,)), (pairs.minus, (p,)),
         (pairs.normal_kn, (p,)), (pairs.shear_kn, (p, 3)), (pairs.mode, (p,)), (loads.block, (k,)),
-        (loads.force_kn, (k, 3)), (loads.at_m, (k, 3)),
+        (loads.force_kn, (k, 3)), (loads.at_m, (k, 3)), (bolts.number, (b,)), (bolts.block, (b,)),
+        (bolts.heads_m, (b, 3)), (bolts.ends_m, (b, 3)), (bolts.plates, (b, 3)), (bolts.passive, (b,)),
+        (bolts.force_kn, (b,)), (bolts.length_m, (b,)),
     ]  # fmt: skip
     indices: list[tuple[Any, int, int]] = [
         (solids.triangles, 0, len(solids.vertices)), (solids.block, 0, n), (solids.face, -1, len(solids.faces)),
         (contacts.minus, -1, n), (contacts.joint, 0, len(shapes.joints)),
         (contacts.first, 0, len(contacts.corners) + 1),
         (pairs.plus, -1, n), (pairs.minus, -1, n), (pairs.mode, 0, len(MODES)), (loads.block, -1, n),
-        (loads.what, 0, len(loads.names)),
+        (loads.what, 0, len(loads.names)), (bolts.block, -1, n), (bolts.number, 1, 1 << 31),
     ]  # fmt: skip
     return all(np.shape(values) == size for values, size in sizes) and all(
         not values.size or (values.min() >= low and values.max() < high) for values, low, high in indices

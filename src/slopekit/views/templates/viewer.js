@@ -109,7 +109,7 @@
 
   var groups = { rock: new Group(gl.TRIANGLES), blocks: new Group(gl.TRIANGLES), edges: new Group(gl.LINES),
     rockEdges: new Group(gl.LINES), joints: new Group(gl.TRIANGLES), outline: new Group(gl.LINES),
-    loads: new Group(gl.TRIANGLES), contact: new Group(gl.TRIANGLES) };
+    loads: new Group(gl.TRIANGLES), contact: new Group(gl.TRIANGLES), bolts: new Group(gl.TRIANGLES) };
   data.modes.forEach(function (mode) { groups["pairs-" + mode] = new Group(gl.POINTS); });
   var owner = { rock: [], blocks: [] };  // triangle of each drawn one
   var i, k, block, corners, normal, colour;
@@ -175,6 +175,35 @@
   var LOADS = ["#333333", "#0072b2", "#009e73", "#cc79a7", "#e69f00"];
   var longestLoad = arrows(groups.loads, data.load_at, data.load_kn, data.load_block, true, LOADS, data.load_what);
   var longestContact = arrows(groups.contact, data.pairs, data.pair_kn, data.pair_block, false, ["#8a1a6b"], null);
+  function square(way) {  // two ways square to one
+    var side = unit(cross(Math.abs(way[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], way));
+    return [side, cross(way, side)];
+  }
+  function prism(group, from, to, ring, colour, block) {  // between two rings about two points, closed at its far end
+    var n = ring.length, j;
+    function face(a, b, c, normal) { [a, b, c].forEach(function (p) { group.put(p, normal, colour, block); }); }
+    for (j = 0; j < n; j++) {
+      var a = ring[j], b = ring[(j + 1) % n], normal = unit(add(a, b));
+      face(add(from, a), add(from, b), add(to, a), normal);
+      face(add(from, b), add(to, b), add(to, a), normal);
+      face(add(to, a), add(to, b), to, unit(sub(to, from)));
+    }
+  }
+  var bolts = data.bolt_number.length;
+  for (i = 0; i < bolts; i++) {
+    var head = vec(data.bolt_heads, i), end = vec(data.bolt_ends, i), out = vec(data.bolt_plates, i);
+    var steel = rgb(data.bolt_colours[data.bolt_passive[i]]), wide = data.bolt_plate_m, about, ring = [];
+    about = square(unit(sub(end, head)));
+    for (k = 0; k < 6; k++) {
+      ring.push(mul(add(mul(about[0], Math.cos(Math.PI * k / 3)), mul(about[1], Math.sin(Math.PI * k / 3))), wide / 6));
+    }
+    prism(groups.bolts, head, end, ring, steel, data.bolt_block[i]);
+    about = square(out);
+    ring = [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(function (at) {
+      return mul(add(mul(about[0], at[0]), mul(about[1], at[1])), wide / 2);
+    });
+    prism(groups.bolts, head, add(head, mul(out, 0.2 * wide)), ring, steel, data.bolt_block[i]);
+  }
   Object.keys(groups).forEach(function (name) { groups[name].load(); });
 
   // -- shaders ------------------------------------------------------------------------------------------------------
@@ -267,6 +296,7 @@
     if (ticked("v-blocks") && ticked("v-edges")) { show("edges", { bias: 1.2e-3 }); }
     if (ticked("v-loads")) { show("loads", { lit: true }); }
     if (ticked("v-contact")) { show("contact", { lit: true }); }
+    if (ticked("v-bolts")) { show("bolts", { lit: true, bias: 0.3 }); }  // before all else: rock hides no rod
     data.modes.forEach(function (mode) { if (ticked("v-" + mode)) { show("pairs-" + mode, { bias: 2e-3 }); } });
     if (ticked("v-blocks") && clear) { show("blocks", { lit: true, alpha: 0.28 }); }
     marks(axis, h);
@@ -284,6 +314,26 @@
     tag.textContent = name; tag.className = "tag"; box.querySelector(".stage").appendChild(tag);
     return tag;
   });
+  var boltTags = [];
+  for (i = 0; i < bolts && bolts <= 1000; i++) {
+    var tagged = document.createElement("span");
+    tagged.textContent = String(data.bolt_number[i]); tagged.className = "tag"; tagged.hidden = true;
+    box.querySelector(".stage").appendChild(tagged); boltTags.push(tagged);
+  }
+  function markBolts(axis, perPixel, explode, along) {  // a number that would lie on another, or on the axes, is left out
+    var taken = [], wide = canvas.clientWidth, high = canvas.clientHeight;
+    boltTags.forEach(function (tag, j) {
+      tag.hidden = !ticked("v-numbers");
+      if (tag.hidden) { return; }
+      var c = vec(data.bolt_heads, j), block = data.bolt_block[j];
+      var p = sub(add(add(c, mul(away(block), explode)), mul(moves(block, c), along)), eye.pan);
+      var x = wide / 2 + dot(p, axis.right) / perPixel, y = high / 2 - dot(p, axis.up) / perPixel - 12;
+      var free = x > 8 && x < wide - 8 && y > 8 && !(x < 108 && y > high - 108) && !(x > wide - 180 && y > high - 44);
+      tag.hidden = !free || taken.some(function (at) { return Math.abs(at[0] - x) < 22 && Math.abs(at[1] - y) < 14; });
+      if (tag.hidden) { return; }
+      taken.push([x, y]); tag.style.left = x + "px"; tag.style.top = y + "px";
+    });
+  }
   function marks(axis, h) {
     var places = [];
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach(function (way, j) {
@@ -306,6 +356,7 @@
     document.getElementById("scale-bar").style.width = length / perPixel + "px";
     document.getElementById("scale-text").textContent = length >= 1 ? length + " m" : figure(length * 1000) + " mm";
     var named = ticked("v-names"), explode = value("v-explode"), along = value("v-along");
+    markBolts(axis, perPixel, explode, along);
     tags.forEach(function (tag, j) {
       if (!tag) { return; }
       tag.hidden = !named;
@@ -384,10 +435,28 @@
       });
     }
     parts = parts.concat(pairColours());
-    if (ticked("v-loads") && longestLoad) { parts.push(key(LOADS[0], "loads (longest " + figure(longestLoad) + " kN): " + data.load_names.join(", "))); }
+    [0, 1].forEach(function (passive) {
+      var own = Array.prototype.filter.call(data.bolt_kn, function (_, j) { return data.bolt_passive[j] === passive; });
+      if (!ticked("v-bolts") || !own.length) { return; }
+      var ends = range(own), low = figure(ends[0]), high = figure(ends[1]);
+      parts.push(key(data.bolt_colours[passive], own.length + (passive ? " passive" : " active") + " bolt" +
+        (own.length > 1 ? "s, " : ", ") + (low === high ? low : low + " to " + high) + " kN"));
+    });
+    if (ticked("v-loads") && longestLoad) { parts.push(key(LOADS[0], "loads (longest " + figure(longestLoad) + " kN): " + loadNames())); }
     if (ticked("v-contact") && longestContact) { parts.push(key("#8a1a6b", "contact forces (longest " + figure(longestContact) + " kN)")); }
     legend.textContent = "";
     parts.forEach(function (part) { legend.appendChild(part); });
+  }
+  function loadNames() {  // many bolts or forces in one word
+    var many = {}, names = [];
+    data.load_names.forEach(function (name) {
+      var found = /^(active bolt|passive bolt|force) \d+/.exec(name), word = found ? found[1] : name;
+      if (!many[word]) { names.push(word); }
+      many[word] = { count: (many[word] ? many[word].count : 0) + 1, name: name };
+    });
+    return names.map(function (word) {
+      return many[word].count > 1 ? many[word].count + " " + word + "s" : many[word].name;
+    }).join(", ");
   }
   function faceColour(face) {
     var joint = data.joints.indexOf(data.faces[face]);
@@ -501,7 +570,7 @@
           (j === 1 ? "bold " : "") + "12px sans-serif");
       }
     });
-    tags.forEach(function (tag) {
+    tags.concat(boltTags).forEach(function (tag) {
       if (tag && !tag.hidden) { write(tag.textContent, parseFloat(tag.style.left), parseFloat(tag.style.top) + 4, "#1c1c1c", "11px sans-serif"); }
     });
     length = parseFloat(document.getElementById("scale-bar").style.width);
@@ -523,7 +592,7 @@
   var alone = moving <= 1, hasFaces = data.faces.length > 0;
   ["blocks", "rock", "edges"].forEach(function (name) { set("v-" + name, true); });
   ["clear", "joints", "loads"].concat(data.modes).forEach(function (name) { set("v-" + name, alone); });
-  set("v-contact", false); set("v-names", moving > 1 && moving <= 20);
+  set("v-contact", false); set("v-bolts", true); set("v-numbers", false); set("v-names", moving > 1 && moving <= 20);
   document.getElementById("v-colour").value = alone ? (hasFaces ? "face" : "plain") :
     range(data.factor)[1] > 1.02 * range(data.factor)[0] ? "factor" : "order";
   document.getElementById("v-pair").value = "mode";

@@ -1,0 +1,147 @@
+"""Bolts in a scene: where each begins and ends, the face that its plate lies on, and rods and plates as triangles."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.block_scene import Bolts, Shapes
+from slopekit.design.common import Bolt
+
+_CLEAR = 1e-9  # of the size of the blocks: a head this near to a face lies on it
+_ON_EDGE = 1e-9  # of a triangle: a line through its edge meets it
+_SIDES = 12  # of a rod
+
+
+def placed(bolts: Sequence[Bolt], shapes: Shapes) -> Bolts | None:
+    """The bolts of a design that have a head, in a scene; None without any.
+
+    Each belongs to the block that the design names, else to the first that it passes through from its head on.
+    """
+    kept = [(k, bolt, np.array(bolt.head_m)) for k, bolt in enumerate(bolts, 1) if bolt.head_m is not None]
+    if not kept:
+        return None
+    names = {name: k for k, name in enumerate(shapes.names)}
+    solids = shapes.solids
+    free = ~shapes.fixed[solids.block]
+    corners, owner = solids.vertices[solids.triangles[free]], solids.block[free]
+    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = float(np.ptp(solids.vertices, axis=0).max())
+    blocks, ends, plates = [], [], []
+    for _, bolt, head in kept:
+        way = bolt.toward.vector()
+        block, normal, leaves = _through(head, way, corners, normals, owner, size, names.get(bolt.block or "", -1))
+        blocks.append(block)
+        ends.append(head + (leaves if bolt.length_m is None else bolt.length_m) * way)
+        plates.append(-way if normal is None else normal)
+    return Bolts(
+        np.array([k for k, _, _ in kept]), np.array(blocks), np.array([head for _, _, head in kept]), np.array(ends),
+        np.array(plates), np.array([bolt.acts == "passive" for _, bolt, _ in kept]),
+        np.array([bolt.force_kn for _, bolt, _ in kept]),
+        np.array([math.nan if bolt.length_m is None else bolt.length_m for _, bolt, _ in kept]),
+    )  # fmt: skip
+
+
+def _through(
+    head: Floats, way: Floats, corners: Floats, normals: Floats, owner: Ints, size: float, own: int
+) -> tuple[int, Floats | None, float]:
+    """What a bolt passes through: its block (-1: none), the normal (3,) where it enters, how far off it leaves, m.
+
+    Parameters
+    ----------
+    corners : (t, 3, 3) and normals : (t, 3) of the triangles of the blocks `owner` (t,); own : the block that is
+        known to be its own, -1 for none; size : m
+    """
+    at, met = _meetings(head, way, corners, normals)
+    into = (normals[met] @ way) < 0.0
+    first: dict[int, float] = {}
+    for block in np.unique(owner[met]).tolist() if own < 0 else [own]:
+        mine = owner[met] == block
+        if (at[mine] > _CLEAR * size).any():
+            first[block] = max(float(at[mine].min()), 0.0)
+    if not first:
+        return own, None, 0.0
+    block = min(first, key=lambda one: (first[one] > _CLEAR * size) * first[one])
+    mine = owner[met] == block
+    beyond = at[mine & ~into & (at > first[block] + _CLEAR * size)]
+    enters = np.flatnonzero(mine & into)
+    leaves = float(beyond.min()) if len(beyond) else float(at[mine].max())
+    if len(enters) == 0:
+        return block, None, leaves
+    normal = normals[met[enters[np.argmin(np.abs(at[enters]))]]]
+    return block, normal / math.sqrt(float(normal @ normal)), leaves
+
+
+def _meetings(head: Floats, way: Floats, corners: Floats, normals: Floats) -> tuple[Floats, Ints]:
+    """Where a line meets triangles (t, 3, 3): how far from the head (k,), m, and which (k,)."""
+    slope = normals @ way
+    met = np.flatnonzero(np.abs(slope) > 1e-12 * np.sqrt((normals * normals).sum(axis=1)))
+    arms = corners[met] - head
+    at = (arms[:, 0] * normals[met]).sum(axis=1) / slope[met]
+    points = arms - at[:, None, None] * way
+    size = (normals[met] ** 2).sum(axis=1)
+    parts = [(cross(points[:, k], points[:, (k + 1) % 3]) * normals[met]).sum(axis=1) / size for k in range(3)]
+    inside: Bools = np.min(parts, axis=0) > -_ON_EDGE
+    return at[inside], met[inside]
+
+
+def nearest(points: Floats) -> float:
+    """The least distance between two of the points (n, 3) that are not the same, m; inf where there are none."""
+    from scipy.spatial import cKDTree
+
+    own = np.unique(points, axis=0)
+    return float(cKDTree(own).query(own, k=2)[0][:, 1].min()) if len(own) > 1 else math.inf
+
+
+# -- as triangles -----------------------------------------------------------------------------------------------------
+
+
+def rods(heads: Floats, ends: Floats, radius: float) -> tuple[Floats, Ints]:
+    """Round rods (b) from `heads` (b, 3) to `ends` (b, 3), m: vertices and triangles, closed.
+
+    The last two vertices of each rod are the middles of its ends: its head and its end.
+
+    >>> vertices, triangles = rods(np.zeros((1, 3)), np.array([[0.0, 0.0, 4.0]]), 0.05)
+    >>> vertices[-2:].tolist()
+    [[0.0, 0.0, 0.0], [0.0, 0.0, 4.0]]
+    """
+    _, u, v = _axes(ends - heads)
+    angle = np.arange(_SIDES) * (2.0 * math.pi / _SIDES)
+    ring = radius * (np.cos(angle)[None, :, None] * u[:, None, :] + np.sin(angle)[None, :, None] * v[:, None, :])
+    near, far = heads[:, None, :], ends[:, None, :]
+    points = np.concatenate([near + ring, far + ring, near, far], axis=1)
+    n, here = _SIDES, np.arange(_SIDES)
+    after = (here + 1) % n
+    faces = [
+        (here, after, here + n), (after, after + n, here + n), (after, here, np.full(n, 2 * n)),
+        (here + n, after + n, np.full(n, 2 * n + 1)),
+    ]  # fmt: skip
+    return _each(points, np.concatenate([np.stack(three, axis=1) for three in faces]))
+
+
+def plates(heads: Floats, normals: Floats, edge: float) -> tuple[Floats, Ints]:
+    """Square plates (b) at `heads` (b, 3), their faces square to `normals` (b, 3), `edge` m wide: closed boxes."""
+    out, u, v = _axes(normals)
+    half, thick = 0.5 * edge, 0.2 * edge
+    square = half * np.stack([u + v, v - u, -u - v, u - v], axis=1)
+    base = heads[:, None, :] + square
+    points = np.concatenate([base, base + thick * out[:, None, :]], axis=1)
+    sides = [(k, (k + 1) % 4, k + 4) for k in range(4)] + [((k + 1) % 4, (k + 1) % 4 + 4, k + 4) for k in range(4)]
+    return _each(points, np.array([(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), *sides]))
+
+
+def _axes(ways: Floats) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors (b, 3) along `ways` (b, 3), and two square to each, right-handed."""
+    lengths = np.sqrt((ways * ways).sum(axis=1))
+    along = np.where(lengths[:, None] > 0.0, ways / np.where(lengths > 0.0, lengths, 1.0)[:, None], [0.0, 0.0, 1.0])
+    other = np.where(np.abs(along[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    u = cross(other, along)
+    u /= np.sqrt((u * u).sum(axis=1))[:, None]
+    return along, u, cross(along, u)
+
+
+def _each(points: Floats, triangles: Ints) -> tuple[Floats, Ints]:
+    """Points (b, k, 3) of bodies that all have the same triangles, as one set."""
+    count, size = points.shape[:2]
+    return points.reshape(-1, 3), (np.arange(count)[:, None, None] * size + triangles).reshape(-1, 3)
