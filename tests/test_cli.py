@@ -122,6 +122,26 @@ def test_explain_and_version() -> None:
     assert slopekit("--version").stdout == "slopekit 0.1.0\n"
 
 
+@pytest.mark.parametrize(
+    ("typed", "wanted"),
+    [
+        ("kin", ["kinematic"]),
+        ("templates show wedge-", ["wedge-scatter"]),
+        ("explain E37", ["E371", "E372", "E373"]),
+        ("plot result.json ex", ["exploded"]),
+        ("combos --convention l", ["left-hand-rule"]),
+    ],
+)
+def test_the_shell_completes(typed, wanted) -> None:
+    words = f"slopekit {typed}"
+    asked = {"_SLOPEKIT_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
+    start = "import sys; sys.argv = ['slopekit']; from slopekit.cli import main; main()"
+    ran = subprocess.run(
+        [sys.executable, "-c", start], env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    assert ran.stdout.split() == wanted
+
+
 def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
     """DESIGN.md: heavy imports sit inside the functions that need them."""
     heavy = ["trimesh", "pyvista", "matplotlib", "ezdxf", "scipy", "clarabel", "pydantic", "ruamel", "shapely", "yaml"]

@@ -246,14 +246,15 @@ def combos(
 
     Parameters
     ----------
-    joints : path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array or {name: plane}
+    joints : path of a list (CSV, .xlsx, text of Dips, CloudCompare), a pandas or polars frame with such columns, planes
+        ("45/115", (45, 115)), an (n, 2) array or {name: plane}
     face, upper : dip / dip direction; upper [level]
     height : of the slope, vertical, from the toe of a wedge up the dip of the face to the crest [15 m]
     c, phi : of joints whose own columns are empty
     density, unit_weight, water, seismic, gravity, water_unit_weight, agree_within : as for `wedge`
     fos : target; top : how many of the worst PRE-IE looks at [10]
     persistence, bench_width, max_volume : wedges are scaled down to these; min_volume : smaller ones are left out
-    convention : what a strike column means; skip_bad : leave bad rows out, listed
+    convention : what a strike column means, "RHR" or "LHR"; skip_bad : leave bad rows out, listed
     jobs, scheduler : who does PRE-IE's part
 
     Raises
@@ -293,11 +294,12 @@ def kinematic(
 
     Parameters
     ----------
-    joints : path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array or {name: plane}
+    joints : path of a list (CSV, .xlsx, text of Dips, CloudCompare), a pandas or polars frame with such columns, planes
+        ("45/115", (45, 115)), an (n, 2) array or {name: plane}
     face : dip / dip direction
     phi : friction angle of joints without their own [30]; lateral, lateral_toppling : limits in degrees [20, 30]
     faces : dips of the face to go through, "45:90:5" or a list
-    convention : what a strike column means; skip_bad : leave bad rows out, listed
+    convention : what a strike column means, "RHR" or "LHR"; skip_bad : leave bad rows out, listed
 
     Raises
     ------

@@ -74,6 +74,8 @@ def _read_notices(design: Design) -> Iterator[Notice]:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
+    if design.read_as:
+        yield Notice("W373", f"read of {'; '.join(design.read_as)}")
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
 

@@ -15,6 +15,10 @@ from slopekit.errors import DesignError, Fault
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 _PAIR = re.compile(r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$")
 _QUADRANT = re.compile(r"^\s*[NSns]\s*\d+(\.\d+)?\s*[°]?\s*[EWew]|\d\s*[NESWnesw]{1,2}\s*$")
+_STRIKE = re.compile(r"^\s*(?:([NS])\s*(\d+(?:\.\d+)?)\s*°?\s*([EW])|(\d+(?:\.\d+)?)\s*°?)\s*$", re.IGNORECASE)
+_DIP_TO_SIDE = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*°?\s*([NESW]{1,3})\s*$", re.IGNORECASE)
+_DECIMALS = re.compile(r"\.\d\d")
+_QUARTER_TURN, _FULL_TURN = math.pi / 2.0 + 1e-4, 2.0 * math.pi + 1e-4  # in radians, rounded up
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +135,71 @@ def compass_point(degrees: float) -> str:
     return _COMPASS[round((degrees % 360.0) / 22.5) % 16]
 
 
+def azimuth_of(point: str) -> float | None:
+    """The direction of one of the sixteen compass points, None for any other word.
+
+    >>> azimuth_of("SE"), azimuth_of("east")
+    (135.0, None)
+    """
+    spelled = point.strip().upper()
+    return _COMPASS.index(spelled) * 22.5 if spelled in _COMPASS else None
+
+
+def parse_strike(text: str) -> float | None:
+    """The azimuth of a strike: `N25W` (335), or a number from 0 to 360; None for anything else.
+
+    >>> parse_strike("N25W"), parse_strike("S10E"), parse_strike("25"), parse_strike("W25N")
+    (335.0, 170.0, 25.0, None)
+    """
+    match = _STRIKE.match(text)
+    if match is None:
+        return None
+    end, angle, turn, plain = match.groups()
+    if plain is not None:
+        return float(plain) if float(plain) <= 360.0 else None
+    if float(angle) > 90.0:
+        return None
+    clockwise = (end.upper() == "N") == (turn.upper() == "E")
+    return ((0.0 if end.upper() == "N" else 180.0) + (float(angle) if clockwise else -float(angle))) % 360.0
+
+
+def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
+    """A plane by its strike, and its dip with the side it dips to: `45SE`, or `45` and `SE`.
+
+    One letter says on which side of the strike the plane dips; two or three name the quadrant or octant it dips to.
+    None where there is no such plane, or the side lies along the strike.
+
+    >>> print(plane_by_side(25.0, "45SE"), plane_by_side(205.0, "45", "E"), plane_by_side(25.0, "45NE"))
+    45/115 45/115 None
+    """
+    match = _DIP_TO_SIDE.match(f"{dip}{side}")
+    toward = None if match is None else azimuth_of(match.group(2))
+    if match is None or toward is None or float(match.group(1)) > 90.0:
+        return None
+    off, direction = min(
+        (abs((candidate - toward + 180.0) % 360.0 - 180.0), candidate)
+        for candidate in ((strike_deg + 90.0) % 360.0, (strike_deg - 90.0) % 360.0)
+    )
+    most = 90.0 - 1e-9 if len(match.group(2)) == 1 else 45.0 + 1e-9
+    return Plane(float(match.group(1)), direction) if off <= most else None
+
+
+def parse_quadrants(text: str) -> Plane | None:
+    """A plane in quadrant notation, `N25E/45SE`, also with a comma or a blank, or `025/45SE`; None for anything else.
+
+    >>> print(parse_quadrants("N25E/45SE"), parse_quadrants("N 25 W, 60 SW"), parse_quadrants("45/115"))
+    45/115 60/245 None
+    """
+    dip = re.search(r"(?:^|[\s/,;°EWew])\s*(\d+(?:\.\d+)?\s*°?\s*[NESWnesw]{1,3})\s*$", text)
+    strike = None if dip is None else parse_strike(text[: dip.start(1)].rstrip(" /,;\t"))
+    return None if dip is None or strike is None else plane_by_side(strike, dip.group(1))
+
+
+def look_like_radians(dip: float, direction: float) -> bool:
+    """Whether angles could be a plane in radians."""
+    return 0.0 <= dip <= _QUARTER_TURN and 0.0 <= direction <= _FULL_TURN
+
+
 def parse_plane(value: object, name: str, where: str = "") -> Plane:
     """Read `45/115`, a (dip, dip direction) pair or a `Plane`, and refuse what cannot be one.
 
@@ -138,7 +207,7 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
     ------
     DesignError
         E101 dip, E102 dip direction out of range, E103 the two look swapped, E104 not dip/dip direction
-        (strike notation among them), E105 not a finite number.
+        (strike notation among them), E105 not a finite number, E113 a text that looks like radians.
     """
     if isinstance(value, Plane):
         value = (value.dip_deg, value.dip_direction_deg)
@@ -158,7 +227,12 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
             numbers.append(float(str(part).rstrip("°")))
         except ValueError:
             raise DesignError([_not_a_plane(value, name, where)]) from None
-    return _checked_plane(numbers[0], numbers[1], name, where)
+    plane = _checked_plane(numbers[0], numbers[1], name, where)
+    if isinstance(value, str) and look_like_radians(*numbers) and all(_DECIMALS.search(str(part)) for part in parts):
+        meant = Plane(round(math.degrees(numbers[0]), 1), round(math.degrees(numbers[1]) % 360.0, 1))
+        advice = f"In degrees that would be {meant}; if degrees are meant, write one decimal."
+        raise DesignError([Fault("E113", f"{name} is {value}, that looks like radians", where, advice)])
+    return plane
 
 
 def _checked_plane(dip: float, direction: float, name: str, where: str) -> Plane:
@@ -166,7 +240,11 @@ def _checked_plane(dip: float, direction: float, name: str, where: str) -> Plane
         raise DesignError([Fault("E105", f"orientation of {name} is not a finite number", where)])
     if not 0.0 <= dip <= 90.0:
         if dip > 90.0 and 0.0 <= direction <= 90.0 and dip <= 360.0:
-            advice = f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}?"
+            struck = Plane(direction, (dip + 90.0) % 360.0)
+            advice = (
+                f"Dip comes first: did you mean {number(direction)}/{bearing(dip)}? If {bearing(dip)} is a strike by "
+                f"the right-hand rule, it is {struck}."
+            )
             message = f"{name} is {number(dip)}/{number(direction)}: dip and dip direction look swapped"
             raise DesignError([Fault("E103", message, where, advice)])
         advice = ""
@@ -187,7 +265,10 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
     message = f"{name} is {text!r}, a plane is written dip/dip direction, for example 45/115"
     advice = ""
     if _QUADRANT.search(text) or "strike" in text.lower():
+        meant = parse_quadrants(text)
         advice = (
-            "This looks like a strike. slopekit takes no strikes: dip direction = strike + 90 by the right-hand rule."
+            "This looks like a strike: dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."
+            if meant is None
+            else f"This looks like a strike and the side of the dip: write {meant}."
         )
     return Fault("E104", message, where, advice)

@@ -43,7 +43,8 @@ class _Commands(TyperGroup):
 
 app = typer.Typer(
     cls=_Commands,
-    add_completion=False,
+    # typer's completion is a module more for every command: it is there where the shell, or the user, asks for it
+    add_completion="_SLOPEKIT_COMPLETE" in os.environ or any(word.endswith("-completion") for word in sys.argv[1:2]),
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

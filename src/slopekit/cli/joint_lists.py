@@ -8,9 +8,21 @@ import typer
 from slopekit.cli.common import JOBS, JSON, SCHEDULER, checked_image, deliver, folder_of
 from slopekit.cli.progress import progress
 
-LIST = typer.Argument(help="A joint list (CSV): dip and dip direction, or strike by a convention.", metavar="JOINTS")
+
+def _conventions(incomplete: str) -> list[str]:
+    """The strike conventions that begin so, for the shell."""
+    from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION
+
+    return [name for name in STRIKE_TO_DIP_DIRECTION if name.startswith(incomplete.lower())]
+
+
+LIST = typer.Argument(
+    help="A joint list (CSV, .xlsx, Dips, CloudCompare): dip and dip direction, strikes, poles.", metavar="JOINTS"
+)
 FACE = typer.Option(help="Slope face, D/DD: has to be given.")
-CONVENTION = typer.Option(help="What a strike column means: right-hand-rule or left-hand-rule.")
+CONVENTION = typer.Option(
+    autocompletion=_conventions, help="What a strike column means: right-hand-rule (RHR) or left-hand-rule (LHR)."
+)
 SKIP_BAD = typer.Option("--skip-bad", help="Leave bad rows out, listed, where they would stop the run.")
 
 

@@ -13,7 +13,17 @@ from slopekit.studies.protocol import number_of, whole_number
 if TYPE_CHECKING:
     from slopekit.exchange.export import Written
 
-_WHAT = typer.Argument(help="The picture; without it: the pictures that this file can give.", metavar="WHAT")
+
+def _pictures(incomplete: str) -> list[str]:
+    """The pictures that begin so, for the shell, whatever the file can give."""
+    from slopekit.views.plots import EVERY
+
+    return [what for what in EVERY if what.startswith(incomplete)]
+
+
+_WHAT = typer.Argument(
+    help="The picture; without it: the pictures that this file can give.", metavar="WHAT", autocompletion=_pictures
+)
 
 
 def plot(

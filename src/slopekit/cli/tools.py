@@ -7,6 +7,24 @@ import typer
 
 from slopekit.errors import DesignError, Fault
 
+
+def _template_names(incomplete: str) -> list[str]:
+    """The templates that begin so, for the shell."""
+    from slopekit.design.templates import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
+def _codes(incomplete: str) -> list[str]:
+    """The codes of messages that begin so, for the shell."""
+    from slopekit.explanations import explanations
+
+    return [code for code in explanations() if code.startswith(incomplete)]
+
+
+_TEMPLATE = typer.Argument(help="A template, see list.", autocompletion=_template_names)
+_CODE = typer.Argument(help="A code such as E203.", metavar="CODE", autocompletion=_codes)
+
 templates = typer.Typer(help="Starter design files.", no_args_is_help=True, rich_markup_mode=None)
 
 
@@ -20,7 +38,7 @@ def list_templates() -> None:
 
 
 @templates.command("show")
-def show_template(name: Annotated[str, typer.Argument(help="A template, see list.")]) -> None:
+def show_template(name: Annotated[str, _TEMPLATE]) -> None:
     """Print a template."""
     from slopekit.design.templates import path_of
 
@@ -29,7 +47,7 @@ def show_template(name: Annotated[str, typer.Argument(help="A template, see list
 
 @templates.command("new")
 def new_template(
-    name: Annotated[str, typer.Argument(help="A template, see list.")],
+    name: Annotated[str, _TEMPLATE],
     target: Annotated[str | None, typer.Argument(help="The file to write [NAME.yaml].")] = None,
 ) -> None:
     """Write a template to a file of your own; nothing is written over."""
@@ -60,7 +78,7 @@ def doctor() -> None:
 
 
 def explain(
-    code: Annotated[str | None, typer.Argument(help="A code such as E203.", metavar="CODE")] = None,
+    code: Annotated[str | None, _CODE] = None,
     every: Annotated[bool, typer.Option("--all", help="Every message, as Markdown: docs/messages.md.")] = False,
 ) -> None:
     """The long text of a message."""

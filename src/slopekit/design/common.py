@@ -313,6 +313,7 @@ def _slips_of_density(
 
 _OF_STUDIES = ("variables", "correlation", "source")
 _OF_PAGES = ("project",)
+_OF_READING = ("defaults", "assumed", "left_out", "read_as")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -326,6 +327,7 @@ class Design:
     assumed : inputs that were given as distributions, with the value a deterministic run takes
     defaults : names of the inputs that were left out
     left_out : what of the files that the design names is not used, in words
+    read_as : what of them was read in another way than it stands there, in words
     variables : what scatters: numbers and orientations that were given as distributions
     correlation : pairs of them with their rank correlation
     source : the document it was read from, which studies read again with other values; None where it was not
@@ -428,6 +430,7 @@ class Design:
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
+    read_as: tuple[str, ...] = field(default=(), compare=False)
     variables: "tuple[Variable, ...]" = field(default=(), compare=False)
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
@@ -449,7 +452,7 @@ class Design:
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())
-        for key in ("defaults", "assumed", "left_out", *_OF_STUDIES, *_OF_PAGES):
+        for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES):
             del document[key]
         return document
 
@@ -462,6 +465,7 @@ class Design:
         exact = _plain(self._single(), exact=True) | {"kind": self.kind}
         for key in (*_OF_STUDIES, *_OF_PAGES):
             del exact[key]
+        del exact["read_as"]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

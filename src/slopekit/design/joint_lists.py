@@ -1,4 +1,4 @@
-"""Joints for studies of whole surveys: a CSV file, or planes from Python, with every fault at once."""
+"""Joints for studies of whole surveys: a file, a frame, or planes from Python, with every fault at once."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,8 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.design.survey import Joint, Survey, read_joints
+from slopekit.design.survey import Joint, Survey, read_frame, read_joints
+from slopekit.design.survey.tables import is_frame
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Plane, normals, parse_plane
 
@@ -23,11 +24,13 @@ class JointList:
     Attributes
     ----------
     name : of the file, or `joints`; left_out : rows and columns that are not used, in words
+    read_as : what was read in another way than it stands there, in words
     """
 
     name: str
     joints: tuple[Joint, ...]
     left_out: tuple[str, ...] = ()
+    read_as: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.joints)
@@ -41,6 +44,16 @@ class JointList:
     def dip_directions_deg(self) -> Floats:
         """(n,) dip directions."""
         return np.array([joint.plane.dip_direction_deg for joint in self.joints])
+
+    @property
+    def quantities(self) -> Floats:
+        """(n,) how often each counts."""
+        return np.array([joint.quantity for joint in self.joints])
+
+    @property
+    def has_quantities(self) -> bool:
+        """Whether any joint counts for more, or less, than one."""
+        return any(joint.quantity != 1.0 for joint in self.joints)
 
     def normals(self) -> Floats:
         """(n, 3) upward unit normals."""
@@ -61,13 +74,18 @@ class JointList:
         return tuple(sorted({joint.set_name for joint in self.joints if joint.set_name}))
 
 
-def joint_list(source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1) -> JointList:
+def joint_list(
+    source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1,
+    option: str = "convention =",
+) -> JointList:  # fmt: skip
     """The joints of a survey.
 
     Parameters
     ----------
-    source : path of a CSV file; or planes ("45/115", (45, 115), `Plane`, `Joint`), an (n, 2) array, or {name: plane}
+    source : path of a file, see `read_joints`; a frame of pandas or polars with such columns; or planes ("45/115",
+        (45, 115), `Plane`, `Joint`), an (n, 2) array, or {name: plane}
     convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
+    option : how `convention` is called where the user can give it
     at_least : how many joints the study needs
 
     Raises
@@ -79,8 +97,11 @@ def joint_list(source: Any, convention: str | None = None, skip_bad: bool = Fals
     Plane(dip_deg=45.0, dip_direction_deg=245.0)
     """
     if isinstance(source, str | os.PathLike):
-        survey: Survey = read_joints(source, convention, skip_bad)
-        found = JointList(Path(source).name, survey.joints, survey.left_out)
+        survey: Survey = read_joints(source, convention, skip_bad, option)
+        found = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
+    elif is_frame(source):
+        survey = read_frame(source, convention, skip_bad, option)
+        found = JointList("joints", survey.joints, survey.left_out, survey.read_as)
     else:
         found = JointList("joints", _from_python(source))
     if len(found) < at_least:
@@ -102,7 +123,7 @@ def _from_python(source: Any) -> tuple[Joint, ...]:
     elif isinstance(values, Sequence):
         named = [(f"J{k}", value) for k, value in enumerate(values, 1)]
     else:
-        message = f"joints are {type(source).__name__}, a path, a list of planes or {{name: plane}} is needed"
+        message = f"joints are {type(source).__name__}, a path, a frame, a list of planes or {{name: plane}} is needed"
         raise DesignError([Fault("E338", message, "joints", 'Give "joints.csv" or ["45/115", "45/245"].')])
     faults: list[Fault] = []
     found: list[Joint] = []

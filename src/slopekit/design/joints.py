@@ -69,6 +69,9 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
             reader.faults.append(fault if at is None else replace(fault, where=str(at.place)))
         return []
     reader.left_out += [f"{part} of {file.text}" for part in survey.left_out]
+    if any(joint.quantity != 1.0 for joint in survey.joints):
+        reader.left_out.append(f"quantities of {file.text}")
+    reader.read_as += [f"{file.text}: {part}" for part in survey.read_as]
     names = [joint.name for joint in survey.joints]
     wanted = names if pick is None else [item.text or "" for item in (pick.elements or (pick,))]
     missing = [name for name in wanted if name not in names]

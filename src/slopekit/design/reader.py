@@ -53,6 +53,7 @@ class Reader:
         self.faults: list[Fault] = []
         self.variables: dict[str, Variable] = {}
         self.left_out: list[str] = []
+        self.read_as: list[str] = []
         self.defaults: list[str] = []
         self.guesses = 0
         self._found: dict[int, Any] = {}
@@ -273,7 +274,8 @@ class Reader:
             given |= part
         variables = sorted(self.variables.values(), key=_drawn_order)
         return record(
-            **given, left_out=tuple(self.left_out), defaults=tuple(self.defaults), variables=tuple(variables),
+            **given, left_out=tuple(self.left_out), read_as=tuple(self.read_as), defaults=tuple(self.defaults),
+            variables=tuple(variables),
             assumed=tuple(pair for variable in variables for pair in variable.assumed()), correlation=correlation,
         )  # fmt: skip
 

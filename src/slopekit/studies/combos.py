@@ -300,3 +300,11 @@ def _notices(joints: JointList, pairs: Pairs, worst: tuple[PairCheck, ...]) -> I
         yield Notice("W365", ", ".join([message, *by]) + last)
     if joints.left_out:
         yield Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}")
+    if joints.read_as:
+        yield Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}")
+    if joints.has_quantities:
+        message = (
+            f"quantities of {joints.name} ({len(joints)} joints, {joints.quantities.sum():.6g} by quantity) count "
+            "nothing here: each pair of joints stands once"
+        )
+        yield Notice("W374", message)

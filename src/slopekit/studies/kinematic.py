@@ -42,6 +42,8 @@ class Kinematic:
     friction_deg : (n,) of each joint; measured : how many have their own
     lines, modes : see there; a stereonet needs no more than these, the joints and the limits
     over_faces : (dip of the face, counts) for each face that was asked for
+    percent, percent_of_faces : parts of the joints and of the lines, of the face and of each face that was asked for.
+        A joint counts by its quantity, a line by the product of those of its two joints, as that many joints would
     """
 
     joints: JointList
@@ -53,6 +55,8 @@ class Kinematic:
     lines: Lines
     modes: Modes
     over_faces: tuple[tuple[float, Mapping[str, int]], ...]
+    percent: Mapping[str, float | None]
+    percent_of_faces: tuple[Mapping[str, float | None], ...]
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
@@ -118,6 +122,7 @@ class Kinematic:
         faces = [dip for dip, _ in self.over_faces]
         limits = (self.lateral_deg, self.lateral_toppling_deg)
         exact = [face, faces, limits, self.joints.rows(), self.friction_deg.tolist()]
+        exact += [self.joints.quantities.tolist()] if self.joints.has_quantities else []
         return hashlib.sha256(json.dumps(exact).encode()).hexdigest()
 
     def to_dict(self) -> dict[str, Any]:
@@ -129,7 +134,8 @@ class Kinematic:
             "slopekit": __version__,
             "study": "kinematic",
             "kind": "kinematic",
-            "survey": {"name": self.joints.name, "joints": n, "left_out": list(self.joints.left_out)},
+            "survey": {"name": self.joints.name, "joints": n, "left_out": list(self.joints.left_out)}
+            | ({"quantity": float(self.joints.quantities.sum())} if self.joints.has_quantities else {}),
             "input_sha256": self.input_hash(),
             "inputs": {
                 "face": str(self.face),
@@ -150,7 +156,7 @@ class Kinematic:
             "pairs": n * (n - 1) // 2,
             "intersections": m,
             "counts": counts,
-            "percent": percentages(counts, n, m),
+            "percent": dict(self.percent),
             "secondary_zone_of_dips": int(self.modes.secondary_of_dips.sum()),
             "direct_toppling": direct,
             "oblique_toppling": oblique,
@@ -162,20 +168,12 @@ class Kinematic:
             "sets": [{"set": name} | found for name, found in self.by_set().items()],
             "set_pairs": [{"sets": list(names)} | found for names, found in self.by_set_pair().items()],
             "faces": [
-                {"dip_deg": dip, "counts": dict(found), "percent": percentages(found, n, m)}
-                for dip, found in self.over_faces
+                {"dip_deg": dip, "counts": dict(found), "percent": dict(part)}
+                for (dip, found), part in zip(self.over_faces, self.percent_of_faces, strict=True)
             ],
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": {"total": self.seconds},
         }  # fmt: skip
-
-
-def percentages(counts: Mapping[str, int], joints: int, lines: int) -> dict[str, float | None]:
-    """Counts as percentages of the joints, or of the lines of intersection; None of none."""
-    return {
-        name: 100.0 * count / whole if (whole := joints if name in OF_JOINTS else lines) else None
-        for name, count in counts.items()
-    }
 
 
 def kinematic(
@@ -208,7 +206,7 @@ def kinematic(
     began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
 
-    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad))
+    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad, 1, option("convention")))
     plane: Plane | None = faults.of(lambda: plane_of(face, "face", option("face")))
     friction_angle = faults.of(lambda: _friction(phi, f"{option('phi')} {phi}")) if phi is not None else PHI_DEG
     limits: list[float | None] = []
@@ -227,13 +225,13 @@ def kinematic(
         defaults.append("phi")
     lines = lines_of(listed)
     limits_deg = lateral_deg, toppling_deg
-    over = tuple(
-        (dip, modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg).counts())
-        for dip in dips
-    )
+    weights = listed.quantities, listed.quantities[lines.first] * listed.quantities[lines.second]
+    over = [modes_of(listed, lines, Plane(dip, plane.dip_direction_deg), friction, *limits_deg) for dip in dips]
     modes = modes_of(listed, lines, plane, friction, *limits_deg)
     return Kinematic(
-        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, modes, over, tuple(defaults),
+        listed, plane, friction, measured, lateral_deg, toppling_deg, lines, modes,
+        tuple((dip, found.counts()) for dip, found in zip(dips, over, strict=True)), modes.shares(*weights),
+        tuple(found.shares(*weights) for found in over), tuple(defaults),
         tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
     )  # fmt: skip
 
@@ -285,6 +283,14 @@ def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, mo
     found = []
     if joints.left_out:
         found.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
+    if joints.read_as:
+        found.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
+    if joints.has_quantities:
+        message = (
+            f"percentages count each joint of {joints.name} by its quantity ({len(joints)} joints, "
+            f"{joints.quantities.sum():.6g} by quantity) and each line by the product of its two; counts are of rows"
+        )
+        found.append(Notice("W374", message))
     if any(joint.cohesion_kpa for joint in joints.joints):
         message = "the cohesion of the list is left out: kinematic tests know friction alone, combos takes it"
         found.append(Notice("W367", message))

@@ -135,6 +135,14 @@ class Modes:
         """How many joints and lines."""
         return {name: int(found.sum()) for name, found in (self.of_joints() | self.of_lines()).items()}
 
+    def shares(self, of_joints: Floats, of_lines: Floats) -> dict[str, float | None]:
+        """The part of all joints, or of all lines, in per cent, each by its weight (n,), (m,); None of none."""
+        return {
+            name: 100.0 * float(weights[found].sum()) / whole if (whole := float(weights.sum())) else None
+            for weights, kinds in ((of_joints, self.of_joints()), (of_lines, self.of_lines()))
+            for name, found in kinds.items()
+        }
+
 
 def lines_of(joints: Joints) -> Lines:
     """The lines of intersection of all pairs that are not parallel."""

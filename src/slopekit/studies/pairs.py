@@ -238,7 +238,7 @@ def pair_inputs(
 ) -> PairInputs:
     """Read and check what `combos` is given; every fault at once."""
     faults = Faults()
-    listed: JointList | None = faults.of(partial(joint_list, joints, convention, skip_bad, 2))
+    listed: JointList | None = faults.of(partial(joint_list, joints, convention, skip_bad, 2, option("convention")))
     face: Plane | None = faults.of(partial(plane_of, given.get("face"), "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
     sizes: SizeLimits | None = faults.of(partial(_limits, limits, option))

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from slopekit._version import __version__
 from slopekit.core.sheet import WIDTH, block
 from slopekit.orientation import number
-from slopekit.studies.kinematic import Kinematic, percentages
+from slopekit.studies.kinematic import Kinematic
 from slopekit.studies.kinematic_criteria import (
     DIRECT,
     OBLIQUE,
     OBLIQUE_RELEASE,
+    OF_JOINTS,
     PRIMARY_BOTH,
     PRIMARY_ONE,
     RELEASE,
@@ -29,7 +30,7 @@ _BASES = {0: "", SLIDING_BASE: "sliding", RELEASE: "release", OBLIQUE_RELEASE: "
 
 def kinematic_sheet(found: Kinematic) -> str:
     """The sheet, lines joined, no trailing newline."""
-    counts, n, m = found.counts, len(found.joints), len(found.lines.first)
+    counts, n, m, of = found.counts, len(found.joints), len(found.lines.first), _Shares(found)
     head = f"slopekit {__version__}   kinematic   sha {found.input_hash()[:6]}   {found.joints.name}"
     lines = textwrap.wrap(head, WIDTH)
     parallel = n * (n - 1) // 2 - m
@@ -41,15 +42,14 @@ def kinematic_sheet(found: Kinematic) -> str:
     lines += block("SLOPE", [f"face {found.face}  {found.face.in_words()}; horizontal behind the crest"])
     lines += block("LIMITS", [_limits(found)])
     lines += block("PLANAR", [
-        f"{_of(counts['planar'], n)} joints slide within the lateral limit, "
-        f"{_of(counts['planar_without_limits'], n)} without one",
+        f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
         *_names(found.joint_names("planar")),
     ])  # fmt: skip
-    lines += block("WEDGE", _wedge(found, counts, m))
+    lines += block("WEDGE", _wedge(found, counts, of))
     lines += block("FLEXURAL", [
-        f"{_of(counts['flexural'], n)} joints could bend over as layers", *_names(found.joint_names("flexural"))
+        f"{of('flexural')} joints could bend over as layers", *_names(found.joint_names("flexural"))
     ])  # fmt: skip
-    lines += block("DIRECT", _direct(found, counts, n, m))
+    lines += block("DIRECT", _direct(found, counts, of))
     lines += block("SETS", _sets(found))
     lines += block("FACES", _faces(found, n, m))
     lines += block("READS AS", [_MEANING])
@@ -108,8 +108,19 @@ def _csv(header: str, rows: Sequence[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-def _of(count: int, whole: int) -> str:
-    return f"{count} of {whole} ({100.0 * count / whole:.1f} %)" if whole else "0 of 0"
+class _Shares:
+    """Counts with what they are counted of and their percentages, by quantity where joints have such."""
+
+    def __init__(self, found: Kinematic) -> None:
+        self.counts, self.percent = found.counts, found.percent
+        self.joints, self.lines = len(found.joints), len(found.lines.first)
+        self.by = " by quantity" if found.joints.has_quantities else ""
+
+    def __call__(self, *kinds: str) -> str:
+        whole = self.joints if kinds[0] in OF_JOINTS else self.lines
+        percent = sum(self.percent[kind] or 0.0 for kind in kinds)
+        count = sum(self.counts[kind] for kind in kinds)
+        return f"{count} of {whole} ({percent:.1f} %{self.by})" if whole else "0 of 0"
 
 
 def _names(names: Sequence[str]) -> list[str]:
@@ -128,12 +139,12 @@ def _limits(found: Kinematic) -> str:
     )
 
 
-def _wedge(found: Kinematic, counts: Mapping[str, int], m: int) -> list[str]:
+def _wedge(found: Kinematic, counts: Mapping[str, int], of: _Shares) -> list[str]:
     on_one = counts["wedge_primary"] - counts["wedge_on_both"]
     entries = [
-        f"primary    {_of(counts['wedge_primary'], m)} lines daylight and plunge steeper than friction: "
+        f"primary    {of('wedge_primary')} lines daylight and plunge steeper than friction: "
         f"{counts['wedge_on_both']} slide on both joints, {on_one} on one",
-        f"secondary  {_of(counts['wedge_secondary'], m)} plunge flatter, the wedge slides on one steeper joint "
+        f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint "
         f"(Dips draws this zone otherwise: {int(found.modes.secondary_of_dips.sum())} lines)",
         f"friction alone does not hold {counts['wedge_by_friction']} of the {counts['wedge']}; the others stick "
         "between their joints (c = 0, dry: F > 1)",
@@ -148,9 +159,8 @@ def _partners(found: Kinematic, kind: str) -> list[str]:
     return ["most often: " + ", ".join(f"{name} ({times})" for name, times in most)]
 
 
-def _direct(found: Kinematic, counts: Mapping[str, int], n: int, m: int) -> list[str]:
+def _direct(found: Kinematic, counts: Mapping[str, int], of: _Shares) -> list[str]:
     direct, oblique = found.toppling
-    bases = counts["base_sliding"] + counts["base_release"]
     verdict = {
         (True, True): "possible, also obliquely: there are edges of columns and bases under them",
         (True, False): "possible: there are edges of columns and bases under them",
@@ -162,9 +172,9 @@ def _direct(found: Kinematic, counts: Mapping[str, int], n: int, m: int) -> list
         verdict = f"not possible: there are no {lacking}"
     return [
         verdict,
-        f"edges  {_of(counts['direct'], m)} lines plunge steeply into the slope; {counts['oblique']} oblique",
-        f"bases  {_of(bases, n)} joints, on {counts['base_sliding']} of them columns may slide as well; "
-        f"{counts['base_oblique']} oblique",
+        f"edges  {of('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
+        f"bases  {of('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
+        f"as well; {counts['base_oblique']} oblique",
         *_partners(found, "direct"),
     ]
 
@@ -196,13 +206,15 @@ def _sets(found: Kinematic) -> list[str]:
 def _faces(found: Kinematic, n: int, m: int) -> list[str]:
     if not found.over_faces:
         return []
+    by = " by quantity" if found.joints.has_quantities else ""
     rows = [
-        f"toward {found.face.dip_direction_deg:03.0f}; per cent of {n} joints (planar, flexural, bases), of {m} lines",
+        f"toward {found.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
+        f"of {m} lines",
         f"{'dip':>5}{'planar':>9}{'primary':>10}{'secondary':>11}{'by friction':>13}{'flexural':>10}{'direct':>9}"
         f"{'oblique':>9}{'bases':>8}",
     ]
-    for dip, counts in found.over_faces:
-        part = {kind: value or 0.0 for kind, value in percentages(counts, n, m).items()}
+    for (dip, _), percent in zip(found.over_faces, found.percent_of_faces, strict=True):
+        part = {kind: value or 0.0 for kind, value in percent.items()}
         rows.append(
             f"{dip:>4.4g}°{part['planar']:>9.1f}{part['wedge_primary']:>10.2f}{part['wedge_secondary']:>11.2f}"
             f"{part['wedge_by_friction']:>13.2f}{part['flexural']:>10.1f}{part['direct']:>9.2f}{part['oblique']:>9.2f}"

@@ -1,0 +1,9 @@
+"""Joint lists as surveys, stereonet programs and point clouds write them: one joint a row.
+
+`columns` holds what columns are called, `tables` makes rows of cells of a file or frame, `preamble` reads what stands
+above the header, `reading` makes joints of the rows.
+"""
+
+from slopekit.design.survey.reading import Joint, Survey, read_frame, read_joints
+
+__all__ = ["Joint", "Survey", "read_frame", "read_joints"]

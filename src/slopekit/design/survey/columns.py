@@ -1,0 +1,155 @@
+"""What the columns of joint lists are called, in English and German, and which of them give a plane.
+
+A new name, a new way to give a plane, a new program whose lists are known: one line in one of these tables.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+RIGHT, LEFT = "right-hand-rule", "left-hand-rule"
+#: Dip direction less strike by each convention.
+STRIKE_TO_DIP_DIRECTION: Mapping[str, float] = {RIGHT: 90.0, LEFT: -90.0}
+#: What a convention may be called besides its own name.
+_CONVENTIONS: Mapping[str, str] = {
+    "rhr": RIGHT, "right": RIGHT, "right_hand_rule": RIGHT, "r": RIGHT,
+    "lhr": LEFT, "left": LEFT, "left_hand_rule": LEFT, "l": LEFT,
+}  # fmt: skip
+_SHORT = ("rhr", "lhr")
+
+#: What a column may be called, as `spelled` writes it; of several columns of names the first name given here wins.
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "dip": ("dip", "dip_angle", "dip_deg", "fallwinkel", "einfallwinkel", "einfallen", "neigung"),
+    "dip_direction": (
+        "dip_direction", "dipdirection", "dip_dir", "dipdir", "dip_dirn", "dipdirn", "dd", "ddr", "dip_azimuth",
+        "dipazimuth", "azimuth", "azi", "direction", "dip_direction_deg", "fallrichtung", "einfallrichtung",
+        "einfallsrichtung", "fallazimut", "azimut",
+    ),
+    "strike": (
+        "strike", "strike_deg", "streichen", "streichrichtung", "strike_right", "strike_rhr", "strike_r", "strike_left",
+        "strike_lhr", "strike_l",
+    ),
+    "trend": ("trend", "pole_trend", "trend_of_pole", "poltrend"),
+    "plunge": ("plunge", "pole_plunge", "plunge_of_pole", "polplunge"),
+    "plane": (
+        "plane", "orientation", "attitude", "dip/dip_direction", "dip/dipdirection", "dip/dipdir", "dip/dd", "lage",
+        "raumlage",
+    ),
+    "clar": ("clar", "clarwert", "dd/dip", "dip_direction/dip", "dipdir/dip", "fallrichtung/fallwinkel"),
+    "strike/dip": ("strike/dip", "streichen/fallen", "streichen/einfallen"),
+    "name": (
+        "name", "id", "joint", "joint_id", "kluft", "trennfläche", "bezeichnung", "nr", "index",
+    ),
+    "set": ("set", "joint_set", "set_id", "family", "family_ind", "schar", "kluftschar", "kluftset"),
+    "c": ("c", "cohesion", "c_kpa", "cohesion_kpa", "kohäsion"),
+    "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg", "reibungswinkel"),
+    "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight"),
+}  # fmt: skip
+#: Of these two columns may stand in a list: the name that is given first above is taken.
+RANKED = ("name", "quantity")
+#: Numbers that are names only where each stands once.
+COUNTERS = ("nr", "index")
+ORIENTATIONS = ("dip", "dip_direction", "strike", "trend", "plunge")
+#: Columns that give a plane together, best first.
+WAYS: tuple[tuple[str, ...], ...] = (
+    ("dip", "dip_direction"), ("strike", "dip"), ("plane",), ("clar",), ("strike/dip",), ("trend", "plunge"),
+)  # fmt: skip
+#: A strike, a dip, and the side it dips to where a dip direction would stand.
+STRIKE_WITH_SIDE = ("strike", "dip", "dip_direction")
+WORDS: Mapping[str, str] = {key: key.replace("_", " ") for key in COLUMNS}
+_DEGREES = ("", "°", "deg", "degree", "degrees", "º", "grad")
+_HEADER = re.compile(r"^(.*?)\s*(?:\(([^)]*)\)|\[([^\]]*)\])?\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """Where a column stands, what it is called in the list, the unit or the convention in its header."""
+
+    index: int
+    heading: str = ""
+    unit: str = ""
+    convention: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A program whose lists are known by their columns.
+
+    Attributes
+    ----------
+    columns : all of which stand in its header; repeats : whether its names may stand twice
+    refusal : why its lists hold no joints, where they do not
+    """
+
+    name: str
+    columns: frozenset[str]
+    repeats: bool = False
+    refusal: str = ""
+
+
+PROGRAMS = (
+    Program("CloudCompare Compass", frozenset(("strike", "dip", "dip_dir", "nx", "ny", "nz")), repeats=True),
+    Program("CloudCompare FACETS", frozenset(("normalx", "dip_dir", "dip", "family_ind"))),
+    Program(
+        "CloudCompare Compass", frozenset(("sx", "sy", "sz", "ex", "ey", "ez", "trend", "plunge")),
+        refusal="are lines between two points: lineations or thicknesses, no poles of joints",
+    ),
+    Program(
+        "CloudCompare Compass", frozenset(("trace_id", "start_x", "end_x", "cost")),
+        refusal="are the segments of traces, no joints: its planes stand in the file that ends in _planes",
+    ),
+)  # fmt: skip
+
+
+def convention_of(word: str) -> str | None:
+    """The strike convention that a word means, None where it is not known: the long names, RHR and LHR.
+
+    >>> convention_of("RHR"), convention_of("left-hand-rule"), convention_of("right")
+    ('right-hand-rule', 'left-hand-rule', None)
+    """
+    lower = word.strip().lower()
+    return lower if lower in STRIKE_TO_DIP_DIRECTION else _CONVENTIONS[lower] if lower in _SHORT else None
+
+
+def spelled(heading: str) -> str:
+    """A heading without its unit, in lower case, with _ for blanks and hyphens.
+
+    >>> spelled(" Dip-Direction (°)"), spelled("Family ind."), spelled("DIP / DIP DIRECTION")
+    ('dip_direction', 'family_ind', 'dip/dip_direction')
+    """
+    bare = _split(heading)[0].strip().lower().rstrip(".")
+    return re.sub(r"_*/_*", "/", re.sub(r"[\s\-]+", "_", bare))
+
+
+def key_of(heading: str) -> str | None:
+    """What a column holds, None where its name is not known."""
+    name = spelled(heading)
+    return next((key for key, names in COLUMNS.items() if name in names), None)
+
+
+def column_of(index: int, heading: str) -> Column:
+    """A column from its heading; `Strike (RHR)` and `strike_right` carry their convention."""
+    bare, within = _split(heading)
+    last = spelled(within) if within else spelled(bare).rpartition("_")[2]
+    convention = _CONVENTIONS.get(last) if key_of(bare) == "strike" else None
+    unit = "" if within.lower() in _DEGREES or (within and convention) else within
+    return Column(index, heading, unit, convention)
+
+
+def way_of(keys: Iterable[str]) -> tuple[str, ...] | None:
+    """The columns that give the plane, None where they do not suffice."""
+    there = set(keys)
+    return next((way for way in WAYS if there.issuperset(way)), None)
+
+
+def program_of(headings: Sequence[str]) -> Program | None:
+    """The program that wrote a list with these headings."""
+    there = {spelled(heading) for heading in headings}
+    return next((program for program in PROGRAMS if program.columns <= there), None)
+
+
+def _split(heading: str) -> tuple[str, str]:
+    match = _HEADER.match(heading)
+    if match is None:  # a line break in a cell
+        return heading, ""
+    return match.group(1), (match.group(2) or match.group(3) or "").strip()

@@ -1,0 +1,152 @@
+"""The plane of a joint from the cells that give it: dip direction, strike, quadrants, Clar's notation, poles."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+
+from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import (
+    Plane,
+    look_like_radians,
+    number,
+    parse_plane,
+    parse_quadrants,
+    parse_strike,
+    plane_by_side,
+)
+from slopekit.units import quantity
+
+#: The order in which missing cells are named.
+DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge").index
+_NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
+_BESIDE = "Write the side it dips to, beside the strike: N25E/45SE is 45/115."
+
+
+class PlaneReader:
+    """Planes of a list, all by the same columns.
+
+    Parameters
+    ----------
+    way : those columns; convention : of strikes; conventions : what is said where it is missing
+    declination_deg : added to every azimuth
+    """
+
+    def __init__(self, way: tuple[str, ...], convention: str | None, conventions: str, declination_deg: float) -> None:
+        self.read = _PLANE_BY[way]
+        self.convention, self.conventions, self.declination_deg = convention, conventions, declination_deg
+        self.angles: list[tuple[float, float]] = []  # as they stand in the list
+
+    def plane(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """The plane of the texts of one row.
+
+        Raises
+        ------
+        DesignError
+            E101 to E105 for what is no plane, E192 a strike that needs a convention.
+        """
+        plane = self.read(self, name, texts, where)
+        turn = self.declination_deg
+        return Plane(plane.dip_deg, (plane.dip_direction_deg + turn) % 360.0) if turn else plane
+
+    def by_dip_direction(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        return self.checked(texts[0], texts[1], name, where)
+
+    def by_strike(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        strike, dip = texts
+        azimuth = parse_strike(strike)
+        plane = None if azimuth is None else plane_by_side(azimuth, dip)
+        if plane is not None:
+            return plane
+        sided = re.search(r"[NESWnesw]$", dip) is not None
+        if sided or (azimuth is not None and re.match(r"[NSns]", strike)):
+            message = f"{name} strikes {strike} and dips {dip}: the side it dips to " + (
+                "does not lie beside the strike" if sided else "is not said"
+            )
+            raise DesignError([Fault("E104", message, where, _BESIDE)])
+        if azimuth is None:
+            azimuth = quantity(strike, "angle", f"strike of {name}", where)
+            if not 0.0 <= azimuth <= 360.0:
+                message = f"strike of {name} is {number(azimuth)}, a direction lies between 0 and 360"
+                raise DesignError([Fault("E102", message, where)])
+        if self.convention is None:
+            message = f"strike {strike} of {name} has two meanings, its convention is not said"
+            raise DesignError([Fault("E192", message, where, self.conventions)])
+        turned = (azimuth + STRIKE_TO_DIP_DIRECTION[self.convention]) % 360.0
+        return self.checked(dip, f"{turned!r}", name, where, azimuth)
+
+    def by_side(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """A strike, a dip, and the side it dips to in a column of its own."""
+        strike, dip, side = texts
+        azimuth = parse_strike(strike)
+        plane = None if azimuth is None else plane_by_side(azimuth, dip, side)
+        if plane is None:
+            message = f"{name} strikes {strike}, dips {dip} toward {side}: that is no plane"
+            raise DesignError([Fault("E104", message, where, _BESIDE)])
+        return plane
+
+    def by_word(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """`45/115` or `N25E/45SE`."""
+        plane = parse_quadrants(texts[0])
+        if plane is not None:
+            return plane
+        dip, slash, direction = texts[0].partition("/")
+        return self.checked(dip, direction, name, where) if slash else parse_plane(texts[0], name, where)
+
+    def by_clar(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        """`115/45`, as Clar wrote it."""
+        direction, _slash, dip = texts[0].partition("/")
+        return self.checked(dip, direction, name, where)
+
+    def by_strike_word(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        plane = parse_quadrants(texts[0])
+        strike, _slash, dip = texts[0].partition("/")
+        return plane or self.by_strike(name, (strike.strip(), dip.strip()), where)
+
+    def by_pole(self, name: str, texts: Sequence[str], where: str) -> Plane:
+        trend, plunge = (
+            quantity(text, "angle", f"{key} of {name}", where)
+            for key, text in zip(("trend", "plunge"), texts, strict=True)
+        )
+        if not 0.0 <= plunge <= 90.0:
+            message = f"the pole of {name} plunges {number(plunge)}, a pole points down by 0 to 90"
+            raise DesignError([Fault("E101", message, where)])
+        if not 0.0 <= trend <= 360.0:
+            message = f"trend of {name} is {number(trend)}, a direction lies between 0 and 360"
+            raise DesignError([Fault("E102", message, where)])
+        self.angles.append((plunge, trend))
+        return Plane(90.0 - plunge, (trend + 180.0) % 360.0)
+
+    def checked(self, dip: str, direction: str, name: str, where: str, written: float | None = None) -> Plane:
+        """A plane of two texts; the angles as they are `written` are kept, to be looked at for radians."""
+        dip, direction = (
+            text.strip().rstrip("°").replace(",", ".") if _NUMBER.match(text.strip()) else text
+            for text in (dip, direction)
+        )
+        try:
+            pair = (float(dip), float(direction))
+        except ValueError:
+            return parse_plane(f"{dip}/{direction}", name, where)
+        plane = parse_plane(pair, name, where)
+        self.angles.append((pair[0], pair[1] if written is None else written))
+        return plane
+
+    def radians(self, name: str) -> list[Fault]:
+        """The fault of a list all of whose angles are those of planes in radians."""
+        whole = all(angle.is_integer() for pair in self.angles for angle in pair)
+        if not self.angles or whole or not all(look_like_radians(*pair) for pair in self.angles):
+            return []
+        steepest, last = (number(max(angles)) for angles in zip(*self.angles, strict=True))
+        message = f"no angle of {name} is beyond {steepest} and {last}: that looks like radians"
+        return [Fault("E113", message, name, "Degrees are needed: multiply them by 57.29578.")]
+
+
+#: How the columns of each way make a plane.
+_PLANE_BY: Mapping[tuple[str, ...], Callable[[PlaneReader, str, Sequence[str], str], Plane]] = {
+    ("dip", "dip_direction"): PlaneReader.by_dip_direction,
+    ("strike", "dip"): PlaneReader.by_strike,
+    STRIKE_WITH_SIDE: PlaneReader.by_side,
+    ("plane",): PlaneReader.by_word,
+    ("clar",): PlaneReader.by_clar,
+    ("strike/dip",): PlaneReader.by_strike_word,
+    ("trend", "plunge"): PlaneReader.by_pole,
+}

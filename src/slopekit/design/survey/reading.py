@@ -1,0 +1,453 @@
+"""Joints from the rows of a list: its header, then row after row, every fault at once."""
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, Literal, NoReturn
+
+from slopekit.design.document import read_bytes
+from slopekit.design.survey.columns import (
+    COLUMNS,
+    COUNTERS,
+    ORIENTATIONS,
+    RANKED,
+    STRIKE_TO_DIP_DIRECTION,
+    STRIKE_WITH_SIDE,
+    WAYS,
+    WORDS,
+    Column,
+    column_of,
+    convention_of,
+    key_of,
+    program_of,
+    spelled,
+    way_of,
+)
+from slopekit.design.survey.planes import DIP_FIRST, PlaneReader
+from slopekit.design.survey.preamble import Preamble, preamble_of
+from slopekit.design.survey.tables import Table, frame_table, table_of
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import (
+    Plane,
+    azimuth_of,
+    number,
+    plane_by_side,
+)
+from slopekit.units import quantity
+
+_NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
+_THOUSANDS = re.compile(r"^\d{1,3},\d{3}$")
+_HIGHEST_HEADER = 60  # rows among which the header is looked for
+_FEW = 4  # columns that are listed one by one
+_NAME_THE_COLUMNS = "Name the columns in the first line: name,dip,dip_direction."
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
+
+    quantity : how many like it were measured, or its weight against the bias of a scanline
+    """
+
+    name: str
+    plane: Plane
+    line: int
+    cohesion_kpa: float | None = None
+    friction_angle_deg: float | None = None
+    set_name: str = ""
+    quantity: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """The joints of a list, in words what of it was left out, and what was read in another way than it stands there."""
+
+    joints: tuple[Joint, ...]
+    left_out: tuple[str, ...] = field(default=())
+    read_as: tuple[str, ...] = field(default=())
+
+
+def read_joints(
+    path: str | os.PathLike[str], convention: str | None = None, skip_bad: bool = False, option: str = "convention:"
+) -> Survey:
+    """Read a joint list.
+
+    Comma, semicolon, tab or blanks between the columns; decimal commas with all but the comma, or in quotes; lines that
+    start with # or * are comments; or the first sheet of an .xlsx workbook. Columns are known by their names in any
+    case, in English and German; two columns of numbers without a header are dip and dip direction. Lines above the
+    header are a preamble as Dips writes it. A column of sets serves as the names where no column of names is there and
+    no set stands twice.
+
+    Parameters
+    ----------
+    convention : what a strike column means: right-hand-rule, RHR (dip direction = strike + 90) or left-hand-rule, LHR
+        (- 90)
+    skip_bad : leave bad rows out, and say so, where they would stop the run
+    option : how `convention` is called where the user can give it
+
+    Raises
+    ------
+    DesignError
+        E101 to E108 and E113 to E115 for the values, E140 a workbook without openpyxl, E147 to E149 and E159 for the
+        file, E173 quantities, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
+        convention, or two formats, E193 a row that does not fit, E194 a name twice: every bad row of the file.
+    """
+    table = table_of(Path(path).name, read_bytes(path))
+    return _Reader(table, convention, skip_bad, option).survey()
+
+
+def read_frame(
+    frame: Any, convention: str | None = None, skip_bad: bool = False, option: str = "convention ="
+) -> Survey:
+    """Read a frame of pandas or polars as `read_joints` reads a file; its columns are named likewise."""
+    return _Reader(frame_table(frame), convention, skip_bad, option).survey()
+
+
+class _Reader:
+    """Reads the rows one after the other and collects their faults."""
+
+    def __init__(self, table: Table, convention: str | None, skip_bad: bool, option: str) -> None:
+        self.table, self.name, self.skip_bad, self.option = table, table.name, skip_bad, option
+        self.given = self.convention = convention
+        self.width = 2
+        self.columns: dict[str, Column] = {}
+        self.way: tuple[str, ...] = ("dip", "dip_direction")
+        self.may_repeat = False
+        self.said = Preamble()
+        self.faults: list[Fault] = []
+        self.left_out: list[str] = list(table.left_out)
+        self.read_as: list[str] = []
+        self.first_lines: dict[str, int] = {}
+        self.repeated = 0
+
+    def survey(self) -> Survey:
+        if self.given is not None:
+            self.convention = convention_of(self.given)
+            if self.convention is None:
+                near = get_close_matches(self.given.lower(), STRIKE_TO_DIP_DIRECTION, n=1)
+                advice = f"Did you mean {near[0]}?" if near else "It is right-hand-rule or left-hand-rule."
+                _fail("E192", f"the strike convention {self.given!r} is not known", self.name, advice)
+        if not self.table.rows:
+            advice = "The first line names the columns: name,dip,dip_direction."
+            _fail("E190", f"{self.name} holds no joints", self.name, advice)
+        rows = self.header()
+        self.planes = PlaneReader(self.way, self.convention, self.conventions(), self.said.declination_deg)
+        self.names_of_rows(rows)
+        joints = []
+        for line in rows:
+            joint = self.joint(line)
+            if joint is not None:
+                joints.append(joint)
+            elif self.skip_bad and self.faults:
+                said = "; ".join(f"{part.code} {part.message}" for part in self.faults)
+                self.left_out.append(f"{self.table.noun} {line} ({said})")
+                self.faults = []
+                if "name" in self.columns:  # a name that went with its row may be used again
+                    self.first_lines = {name: at for name, at in self.first_lines.items() if at != line}
+        if not joints and not self.faults:
+            bad = sum(part.startswith(f"{self.table.noun} ") for part in self.left_out)
+            if self.skip_bad and bad:
+                message = f"{self.name} holds no joints: {bad} rows are bad"
+                _fail("E190", message, self.name, f"The first: {self.left_out[-bad]}")
+            _fail("E190", f"{self.name} has a header and no joints", self.name, "Each row below it is one joint.")
+        self.faults += self.planes.radians(self.name)
+        if self.faults:
+            raise DesignError(self.faults)
+        if self.repeated:
+            many = self.repeated > 1
+            names, them = ("names that stand", "them") if many else ("name that stands", "it")
+            self.read_as.append(f"{self.repeated} {names} more than once got a number behind {them}")
+        return Survey(tuple(joints), tuple(self.left_out), tuple(self.read_as))
+
+    def where(self, line: int) -> str:
+        text = " ".join(self.table.shown(line).split())
+        return f"{self.name}:{line}  {text if len(text) <= 80 else text[:79] + '…'}"
+
+    def fault(self, code: str, message: str, line: int, advice: str = "") -> None:
+        self.faults.append(Fault(code, message, self.where(line), advice))
+
+    # -- columns -----------------------------------------------------------------------------------------------
+
+    def header(self) -> list[int]:
+        """Find the columns; returns the rows below the header."""
+        rows = self.table.rows
+        at = next((k for k, row in enumerate(rows[:_HIGHEST_HEADER]) if self.is_header(row)), None)
+        above = rows if at is None else rows[:at]
+        self.said = preamble_of([self.table.shown(row) for row in above[:_HIGHEST_HEADER]])
+        if at is None and self.said.columns:
+            at = self.first_of_numbers(rows)
+            if at is not None:
+                self.preamble(rows[:at])
+                return list(rows[at:])
+        if at is None:
+            at = 0
+        self.table.start(rows[at])
+        cells = self.table.cells(rows[at])
+        self.width = len(cells)
+        if at == 0 and all(_NUMBER.match(cell) for cell in cells if cell):
+            if len(cells) != 2:
+                message = f"{self.name} has no header, and {len(cells)} columns of numbers"
+                raise DesignError([Fault("E191", message, self.where(rows[at]), _NAME_THE_COLUMNS)])
+            self.columns = {"dip": Column(0), "dip_direction": Column(1)}
+            return list(rows)
+        self.named_columns(cells, rows[at], rows[at + 1 :])
+        self.preamble(rows[:at])
+        return list(rows[at + 1 :])
+
+    def is_header(self, row: int) -> bool:
+        self.table.start(row)
+        return way_of(key for key in map(key_of, self.table.cells(row)) if key) is not None
+
+    def first_of_numbers(self, rows: Sequence[int]) -> int | None:
+        """The first row that begins with two numbers, and as many cells as all rows below it."""
+        for k, row in enumerate(rows[:_HIGHEST_HEADER]):
+            self.table.start(row)
+            cells = self.table.cells(row)
+            begins = len(cells) > 1 and all(_NUMBER.match(cell) for cell in cells[:2])
+            if begins and all(len(self.table.cells(below)) == len(cells) for below in rows[k:]):
+                self.width, self.way = len(cells), self.said.columns
+                keys = [*self.way, *(["quantity"] if self.said.has_quantity and len(cells) > 2 else [])]
+                self.columns = {key: Column(index, WORDS[key]) for index, key in enumerate(keys)}
+                more = len(cells) - len(keys)
+                self.left_out += [f"{more} column{'s' if more > 1 else ''} without a name"] if more else []
+                return k
+        return None
+
+    def preamble(self, above: Sequence[int]) -> None:
+        """What the lines above the header say of the orientations."""
+        if above:
+            noun = self.table.noun + ("s" if len(above) > 1 else "")
+            lines = f"{above[0]} to {above[-1]}" if len(above) > 1 else f"{above[0]}"
+            self.left_out.append(f"{noun} {lines} (above the columns)")
+        said = self.said
+        if said.traverses:
+            self.left_out.append(f"{said.traverses} traverses (no joint is weighted by them)")
+        if said.core or said.others:
+            what = "alpha and beta on core" if said.core else f"{said.written} and {', '.join(said.others)}"
+            advice = "Save the processed file in Dips: one format for all rows."
+            self.fault("E192", f"the orientations of {self.name} are {what}: not all mean the same", above[0], advice)
+        self.strikes(above[0] if above else self.table.rows[0])
+        self.poles()
+        if said.declination_deg:
+            self.read_as.append(f"a declination of {number(said.declination_deg)}° is added to all azimuths")
+        if self.faults:
+            raise DesignError(self.faults)
+
+    def strikes(self, line: int) -> None:
+        """The convention of a strike: of the header, the preamble or the user, who must not contradict each other."""
+        if self.way[0] not in ("strike", "strike/dip") or self.way == STRIKE_WITH_SIDE:
+            return
+        column = self.columns[self.way[0]]
+        of_list = column.convention or (self.said.convention if "strike" in self.said.columns else None)
+        if of_list is None:
+            return
+        if self.convention is not None and self.convention != of_list:
+            message = f"strikes are {of_list} by {self.name}, {self.convention} by {self.option.rstrip(' =:')}"
+            self.fault("E192", message, line, "Leave one of them out.")
+        self.convention = of_list
+        self.read_as.append(f"strikes are {of_list}, as {column.heading if column.convention else 'the preamble'} says")
+
+    def poles(self) -> None:
+        if "trend" in self.way:
+            self.read_as.append("trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180")
+
+    def named_columns(self, cells: Sequence[str], line: int, below: Sequence[int]) -> None:
+        """The columns by their headings, and how they give a plane."""
+        program = program_of(cells)
+        if program is not None and program.refusal:
+            raise DesignError([Fault("E191", f"the rows of {self.name} {program.refusal}", self.where(line))])
+        self.may_repeat = program is not None and program.repeats
+        ignored: list[str] = []
+        for index, cell in enumerate(cells):
+            if key_of(cell) is not None:
+                self.column(index, cell, cells, line)
+            elif any(len(row) > index and row[index] for row in map(self.table.cells, below)):
+                ignored.append(cell or str(index + 1))
+        if len(ignored) > _FEW:
+            self.left_out.append(f"{len(ignored)} columns ({', '.join(ignored)})")
+        else:
+            self.left_out += [f"column {cell}" for cell in ignored]
+        way = way_of(self.columns)
+        if way is None:
+            missing = [key for key in WAYS[0] if key not in self.columns]
+            names = " and ".join(WORDS[key] for key in missing)
+            self.fault("E191", f"{self.name} has no column for {names}", line, self.near_columns(cells))
+            raise DesignError(self.faults)
+        self.way = way
+        if way == WAYS[0] and "strike" in self.columns:
+            column = self.columns["dip_direction"].index
+            sides = [row[column] for row in map(self.table.cells, below) if len(row) > column and row[column]]
+            if sides and all(azimuth_of(side) is not None for side in sides):
+                self.way = STRIKE_WITH_SIDE
+        for key in [key for key in self.columns if key not in self.way and any(key in way for way in WAYS)]:
+            given = WORDS[way[-1]] if way == WAYS[0] else " and ".join(WORDS[part] for part in way)
+            verb = "is" if way == WAYS[0] or len(way) == 1 else "are"
+            self.left_out.append(
+                f"column {key if key == 'strike' else self.columns[key].heading} (the {given} {verb} given)"
+            )
+            del self.columns[key]
+        if way == ("strike", "dip") and self.convention is None and self.columns["strike"].convention is None:
+            self.without_convention(line, below)
+        if self.faults:
+            raise DesignError(self.faults)
+
+    def without_convention(self, line: int, below: Sequence[int]) -> None:
+        """A strike needs its convention, but where every dip says which side it dips to, or a preamble says it."""
+        column = self.columns["dip"].index
+        dips = [row[column] for row in map(self.table.cells, below) if len(row) > column and row[column]]
+        says = self.said.convention is not None and "strike" in self.said.columns
+        if not says and not (dips and all(plane_by_side(0.0, dip) or plane_by_side(45.0, dip) for dip in dips)):
+            self.fault("E192", "a strike column has two meanings, its convention is not said", line, self.conventions())
+
+    def conventions(self) -> str:
+        right, left = "right-hand-rule (RHR: dip direction = strike + 90)", "left-hand-rule (LHR: strike - 90)"
+        return f"Say {self.option} {right} or {left}."
+
+    def column(self, index: int, cell: str, cells: Sequence[str], line: int) -> None:
+        column = column_of(index, cell)
+        key = key_of(cell)
+        assert key is not None
+        if key in self.columns:
+            other = cells[self.columns[key].index]
+            if key not in RANKED:
+                message = f"{self.name} has two columns for {WORDS[key]}: {other} and {cell}"
+                self.fault("E191", message, line, "Leave one of them out.")
+                return
+            names = COLUMNS[key]
+            if names.index(spelled(cell)) > names.index(spelled(other)):
+                self.left_out.append(f"column {cell}")
+                return
+            self.left_out.append(f"column {other}")
+        if key in ORIENTATIONS and column.unit:
+            self.fault("E191", f"the column {cell} is in {column.unit}, an orientation is in degrees", line)
+        self.columns[key] = column
+
+    def near_columns(self, cells: Sequence[str]) -> str:
+        known = [name for key in WAYS[0] for name in COLUMNS[key]]
+        free = [cell for k, cell in enumerate(cells) if k not in {column.index for column in self.columns.values()}]
+        near = [(cell, found[0]) for cell in free if (found := get_close_matches(cell.lower(), known, n=1))]
+        if near:
+            return f"Did you mean {near[0][1]} by {near[0][0]}?"
+        if len(cells) == 1:
+            return "Columns are separated by a comma, a semicolon or a tab: dip,dip_direction."
+        return _NAME_THE_COLUMNS
+
+    def names_of_rows(self, rows: Sequence[int]) -> None:
+        """Where only sets are given and each stands once, they are what the joints are called; so are counters."""
+        name, group = self.columns.get("name"), self.columns.get("set")
+        if name is not None and spelled(name.heading) in COUNTERS and not self.once(name, rows):
+            self.left_out.append(f"column {name.heading} (its numbers stand more than once)")
+            del self.columns["name"]
+        elif name is None and group is not None and self.once(group, rows):
+            self.columns["name"] = self.columns.pop("set")
+
+    def once(self, column: Column, rows: Sequence[int]) -> bool:
+        found = [cells[column.index] for cells in map(self.table.cells, rows) if len(cells) > column.index]
+        return len(set(found)) == len(rows)
+
+    # -- rows --------------------------------------------------------------------------------------------------
+
+    def joint(self, line: int) -> Joint | None:
+        cells = self.table.cells(line)
+        if not any(cells):
+            self.left_out.append(f"{self.table.noun} {line} (empty cells)")
+            return None
+        if len(cells) > self.width and not any(cells[self.width :]):
+            cells = cells[: self.width]
+        if len(cells) > self.width:
+            decimal = self.table.delimiter == "," and "." not in self.table.shown(line)
+            advice = "Decimals take a point; decimal commas need ; between the columns." if decimal else ""
+            message = f"{self.table.noun} {line} has {len(cells)} values for {self.width} columns"
+            self.fault("E193", message, line, advice)
+            return None
+        cells = [*cells, *[""] * (self.width - len(cells))]
+        weight = self.quantity(cells, line)
+        if weight == 0.0:
+            self.left_out.append(f"{self.table.noun} {line} (quantity 0)")
+            return None
+        found = len(self.faults) - (weight is None)
+        name = self.joint_name(cells, line)
+        plane = self.plane(name, cells, line)
+        cohesion = self.strength("c", name, cells, line)
+        friction = self.strength("phi", name, cells, line)
+        if plane is None or weight is None or len(self.faults) > found:
+            return None
+        column = self.columns.get("set")
+        return Joint(name, plane, line, cohesion, friction, cells[column.index] if column else "", weight)
+
+    def cell(self, key: str, cells: Sequence[str]) -> str:
+        """The text of a column in a row, with a decimal point and the unit of the header."""
+        column = self.columns.get(key)
+        text = cells[column.index] if column else ""
+        if _NUMBER.match(text):  # a comma between the columns is none here: the number stands in quotes
+            text = text.replace(",", ".")
+        return f"{text} {column.unit}" if column and column.unit and _NUMBER.match(text) else text
+
+    def quantity(self, cells: Sequence[str], line: int) -> float | None:
+        """How often a row counts; 1 where nothing is given, None where that is no number."""
+        text = self.cell("quantity", cells)
+        if not text:
+            return 1.0
+        value = float(text) if _NUMBER.match(text) and "°" not in text else -1.0
+        if value < 0.0:
+            heading = self.columns["quantity"].heading
+            self.fault("E173", f"{heading} of {self.table.noun} {line} is {text!r}, it is a number from 0", line)
+            return None
+        return value
+
+    def joint_name(self, cells: Sequence[str], line: int) -> str:
+        column = self.columns.get("name")
+        name = (cells[column.index] if column else "") or f"J{line if column else len(self.first_lines) + 1}"
+        if name in self.first_lines and self.may_repeat:
+            self.repeated += 1
+            name = next(new for k in range(2, line + 3) if (new := f"{name}-{k}") not in self.first_lines)
+        elif name in self.first_lines:
+            advice = "Give each joint a name of its own, in a column called name or id."
+            self.fault(
+                "E194", f"{name} stands in the {self.table.noun}s {self.first_lines[name]} and {line}", line, advice
+            )
+        self.first_lines.setdefault(name, line)
+        return name
+
+    def plane(self, name: str, cells: Sequence[str], line: int) -> Plane | None:
+        texts = {key: self.cell(key, cells) for key in self.way}
+        empty = [WORDS[key] for key in sorted(texts, key=DIP_FIRST) if not texts[key]]
+        if empty:
+            self.fault("E193", f"{name} has no {' and no '.join(empty)}", line)
+            return None
+        try:
+            return self.planes.plane(name, tuple(texts.values()), self.where(line))
+        except DesignError as error:
+            self.faults += error.faults
+            return None
+
+    # -- strength ----------------------------------------------------------------------------------------------
+
+    def strength(self, key: Literal["c", "phi"], name: str, cells: Sequence[str], line: int) -> float | None:
+        text = self.cell(key, cells)
+        if not text:
+            return None
+        if key == "c" and self.table.delimiter == "," and _THOUSANDS.match(cells[self.columns[key].index]):
+            advice = "Write it without the comma, or with a point."
+            self.fault("E193", f"c of {name} has a comma that may part decimals or thousands", line, advice)
+            return None
+        try:
+            value = quantity(text, "pressure" if key == "c" else "angle", f"{key} of {name}", self.where(line))
+        except DesignError as error:
+            self.faults += error.faults
+            return None
+        if key == "c" and value < 0.0:
+            self.fault("E114", f"c of {name} is {number(value)} kPa, cohesion is never negative", line)
+        elif key == "phi" and not 0.0 <= value < 90.0:
+            self.fault("E115", f"phi of {name} is {number(value)}°, a friction angle lies from 0 to below 90", line)
+        elif key == "phi" and 0.0 < value < 1.571 and value != int(value):
+            advice = "Degrees are needed; write 0 for a joint without friction."
+            self.fault("E113", f"phi of {name} is {number(value)}°, that looks like radians", line, advice)
+        return value
+
+
+def _fail(code: str, message: str, where: str, advice: str) -> NoReturn:
+    raise DesignError([Fault(code, message, where, advice)])

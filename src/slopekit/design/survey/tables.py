@@ -1,0 +1,192 @@
+"""The rows of a joint list as cells, whatever it stands in: a text, a workbook, a frame of pandas or polars."""
+
+import csv
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from io import BytesIO
+from typing import Any, NoReturn, Protocol
+from zipfile import BadZipFile
+
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import number
+
+_EMPTY = ("none", "nan", "nat", "<na>")
+_COMMENTS = ("#", "*")
+_BLANKS = re.compile(r"\s{2,}|\t")
+
+
+class Table(Protocol):
+    """Rows by their number.
+
+    Attributes
+    ----------
+    name : of the list; noun : what a row is called; rows : numbers of those that are neither empty nor comments
+    delimiter : between the cells of a text, `,` where there is none; left_out : parts that are not looked at
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def noun(self) -> str: ...
+    @property
+    def rows(self) -> Sequence[int]: ...
+    @property
+    def delimiter(self) -> str: ...
+    @property
+    def left_out(self) -> Sequence[str]: ...
+
+    def start(self, row: int) -> None:
+        """Take a row for the header: it says what stands between the cells."""
+
+    def cells(self, row: int) -> list[str]:
+        """The cells of a row, stripped."""
+
+    def shown(self, row: int) -> str:
+        """The row as the user has it."""
+
+
+class Text:
+    """Lines with a semicolon, a tab, a comma or blanks between the cells; # and * begin comments."""
+
+    noun, left_out = "line", ()
+
+    def __init__(self, name: str, content: bytes) -> None:
+        self.name, self.delimiter, self.width = name, ",", 0
+        self.lines = re.split(r"\r\n|\n|\r", _decoded(content, name))
+        self.rows = [
+            k for k, line in enumerate(self.lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)
+        ]
+
+    def start(self, row: int) -> None:
+        text = self.lines[row - 1]
+        self.delimiter, self.width = next((mark for mark in (";", "\t", ",") if mark in text), ","), 0
+        if self.delimiter not in text and len(_BLANKS.split(text.strip())) > 1:
+            self.delimiter = " "
+            self.width = len(self.cells(row))
+
+    def cells(self, row: int) -> list[str]:
+        text = self.lines[row - 1]
+        if self.delimiter == " ":
+            cells = text.split()
+            return cells if len(cells) == self.width else _BLANKS.split(text.strip())
+        try:
+            found = next(csv.reader([text], delimiter=self.delimiter, skipinitialspace=self.delimiter != "\t"), [])
+        except csv.Error:  # a field longer than csv takes
+            found = text.split(self.delimiter)
+        return [cell.strip() for cell in found]
+
+    def shown(self, row: int) -> str:
+        return self.lines[row - 1]
+
+
+class Grid:
+    """Rows of values: of a sheet of a workbook, or of a frame, whose columns' names are its row 0."""
+
+    noun, delimiter = "row", "\t"
+
+    def __init__(self, name: str, values: Iterable[Sequence[Any]], first: int, left_out: Sequence[str] = ()) -> None:
+        self.name, self.left_out, self.first = name, left_out, first
+        self.values = [[_text(value) for value in row] for row in values]
+        self.rows = [
+            k for k, row in enumerate(self.values, first)
+            if any(row) and not next(cell for cell in row if cell).startswith(_COMMENTS)
+        ]  # fmt: skip
+
+    def start(self, row: int) -> None:
+        """There is nothing between cells that are values."""
+
+    def cells(self, row: int) -> list[str]:
+        return self.values[row - self.first]
+
+    def shown(self, row: int) -> str:
+        return "; ".join(self.cells(row)).rstrip("; ")
+
+
+def table_of(name: str, content: bytes) -> Table:
+    """The table in a file, known by how its content begins.
+
+    Raises
+    ------
+    DesignError
+        E140 a workbook without openpyxl, E159 neither a text nor a workbook.
+    """
+    made: Callable[[str, bytes], Table] = Text
+    return next((read for mark, read in _KNOWN_BY.items() if content.startswith(mark)), made)(name, content)
+
+
+def frame_table(frame: Any, name: str = "joints") -> Table:
+    """The table of a frame of pandas or polars, or of whatever has `columns` and gives each by its name."""
+    names = list(frame.columns)
+    columns = [list(frame[column]) for column in names]
+    index = getattr(getattr(frame, "index", None), "name", None)
+    left_out = () if index is None else (f"index {index}",)
+    return Grid(name, [names, *zip(*columns, strict=True)], 0, left_out)
+
+
+def is_frame(source: Any) -> bool:
+    """Whether something has columns by name, as frames of pandas and polars have."""
+    return hasattr(source, "columns") and hasattr(source, "__getitem__") and not isinstance(source, Mapping)
+
+
+def _workbook(name: str, content: bytes) -> Table:
+    try:
+        from openpyxl import load_workbook
+    except ImportError:
+        advice = "pip install 'slopekit[survey]', or save the sheet as CSV."
+        _fail("E140", f"reading {name} needs the extra survey (openpyxl)", name, advice)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of styles and extensions, which hold no joints
+            book = load_workbook(BytesIO(content), read_only=True, data_only=True)
+            sheets = book.worksheets
+            values = [list(row) for row in sheets[0].iter_rows(values_only=True)]
+    except (BadZipFile, KeyError, IndexError, ValueError, TypeError, OSError, SyntaxError):  # a broken part
+        _fail("E159", f"{name} is no workbook that can be read", name, "Save the sheet as .xlsx again, or as CSV.")
+    others = [sheet.title for sheet in sheets[1:]]
+    left_out = [f"{'sheet' if len(others) == 1 else 'sheets'} {', '.join(others)}"] if others else []
+    return Grid(name, values, 1, left_out)
+
+
+def _old_workbook(name: str, _: bytes) -> Table:
+    _fail("E159", f"{name} is a workbook of before 2007", name, "Save it as .xlsx, or the sheet as CSV.")
+
+
+_KNOWN_BY: Mapping[bytes, Callable[[str, bytes], Table]] = {
+    b"PK\x03\x04": _workbook,
+    b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1": _old_workbook,
+}
+
+
+def _text(value: Any) -> str:
+    """A cell as it would stand in a CSV; what stands for nothing is empty."""
+    if isinstance(value, float) and value.is_integer():
+        return number(value)
+    text = str(value).strip()
+    return "" if text.lower() in _EMPTY else text
+
+
+def _decoded(content: bytes, name: str) -> str:
+    """The text of UTF-8, UTF-16 or Windows files; what is no text at all is refused."""
+    text = None
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        encodings: Sequence[str] = ("utf-16",)
+    elif b"\x00" in content[:200]:  # UTF-16 without its mark: every other byte of ASCII is zero
+        encodings = ("utf-16-le" if content[1:2] == b"\x00" else "utf-16-be",)
+    else:
+        encodings = ("utf-8-sig", "cp1252", "latin-1")
+    for encoding in encodings:
+        try:
+            text = content.decode(encoding)
+            break
+        except UnicodeDecodeError:
+            continue
+    bad = re.search("[\x00-\x08\x0e-\x1f\x7f\ud800-\udfff]", text) if text is not None else None
+    if text is None or bad:
+        shown = f" (character U+{ord(bad.group()):04X})" if bad else ""
+        _fail("E159", f"{name} is not a text file{shown}", name, "Save the list as CSV.")
+    return text
+
+
+def _fail(code: str, message: str, where: str, advice: str) -> NoReturn:
+    raise DesignError([Fault(code, message, where, advice)])
