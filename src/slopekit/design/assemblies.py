@@ -102,8 +102,7 @@ def _on_blocks(
     for node in reader.items(path):
         value = reader.value(node)
         bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
-        where = str(node.place)
-        load = None if value is None else reader.kept(lambda bare=bare, where=where: read(bare, where))  # type: ignore[misc]
+        load = None if value is None else reader.kept(read, bare, str(node.place))
         block = _block_of(reader, node, what, blocks) if value is not None else None
         if load is None:
             continue

@@ -58,7 +58,7 @@ def _crack(reader: Reader, node: Node) -> Crack | None:
         value.pop("water", None)
         if None in value.values():
             return None
-    return None if value is None else reader.kept(lambda: words.crack(value, str(node.place)))
+    return None if value is None else reader.kept(words.crack, value, str(node.place))
 
 
 def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
@@ -73,12 +73,12 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
     joints = list(water) if isinstance(water, list) else [0.0, 0.0] if water in ("dry", 0.0) else None
 
     def read(word: Any, at: Node) -> Water:
-        return reader.kept(lambda: words.water(word, str(at.place), has_crack)) or Water()
+        return reader.kept(words.water, word, str(at.place), has_crack) or Water()
 
     if not is_unit_of(unit_of(value), "pressure"):
         if joints is None or len(joints) < 3:
             own = read(water, given[1]) if given is not None else Water()
-            return replace(own, crack_fill=reader.kept(lambda: words.fill(value, str(node.place))))
+            return replace(own, crack_fill=reader.kept(words.fill, value, str(node.place)))
     elif joints is not None and len(joints) < 3:
         return read([*(joints * 2)[:2], value], node)
     advice = "Give the crack's water in one place; beside full joints it is a part of full: crack: {water: 50 %}."

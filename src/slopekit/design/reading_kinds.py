@@ -1,5 +1,6 @@
 """Designs of one block beside the wedge, from their documents: all faults at once."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -140,12 +141,8 @@ def _profile(reader: Reader, node: Node | None) -> Points | None:
         return None
     points: list[tuple[float, ...]] = []
     for k, item in enumerate(node.elements, 1):
-        name, where = f"point {k} of the profile", str(item.place)
-        found = reader.kept(
-            lambda item=item, name=name, where=where: tuple(  # type: ignore[misc]
-                quantity(part, "length", name, where) for part in reader.value(item)
-            )
-        )
+        name = f"point {k} of the profile"
+        found = reader.kept(_lengths, reader.value(item), name, str(item.place))
         if found is not None and found in points:
             advice = "Give each point once, from the toe to behind the crest."
             reader.fault("E109", f"{name} is the same as an earlier one", item, advice)
@@ -199,11 +196,8 @@ def _word(node: Node, key: str, otherwise: str) -> str:
     return otherwise if said is None or said.text is None else said.text.lower()
 
 
-def _lengths(reader: Reader, node: Node, name: str) -> list[float | None]:
-    return [
-        reader.kept(lambda part=part: quantity(reader.value(part), "length", name, str(part.place)))  # type: ignore[misc]
-        for part in node.elements
-    ]  # fmt: skip
+def _lengths(parts: Sequence[Any], name: str, where: str) -> tuple[float, ...]:
+    return tuple(quantity(part, "length", name, where) for part in parts)
 
 
 def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
@@ -211,7 +205,8 @@ def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, flo
     if node is None:
         reader.fault("E143", "slip.centre is missing", holder, "Give slip.centre.")
         return None
-    parts = [] if reader.value(node) is None else _lengths(reader, node, "centre")
+    given = () if reader.value(node) is None else node.elements
+    parts = [reader.kept(quantity, reader.value(part), "length", "centre", str(part.place)) for part in given]
     sure = [part for part in parts if part is not None]
     if not sure or len(sure) < len(parts):
         return None

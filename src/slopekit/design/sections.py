@@ -70,7 +70,7 @@ def read_seismic(reader: Reader) -> Seismic:
     if isinstance(value, dict):
         toward = value.get("toward")
         value = _text(value.get("k", 0)) + ("" if toward is None else f"@{_text(toward)}")
-    found = None if value is None else reader.kept(lambda: words.seismic(value, str(node.place)))
+    found = None if value is None else reader.kept(words.seismic, value, str(node.place))
     if found is not None and found.coefficient and found.trend_deg is None:
         reader.defaults.append("seismic.trend")
     return found or Seismic()
@@ -226,8 +226,8 @@ def read_stiffness(reader: Reader) -> Stiffness:
     normal = normal or Stiffness().normal_kn_m3
     shear = given[0].get("shear")
     if shear is not None and shear.is_mapping and not is_distribution(shear):
-        value, where = reader.value(shear), str(shear.place)
-        law = None if value is None else reader.kept(lambda: words.hyperbola(value, where))
+        value = reader.value(shear)
+        law = None if value is None else reader.kept(words.hyperbola, value, str(shear.place))
         return Stiffness(normal, None, law or HyperbolaParameters())
     if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
         shear = None
@@ -246,7 +246,7 @@ def read_water(reader: Reader, order: Sequence[str], has_crack: bool = False) ->
     if found is None:
         return Water(), node
     value, only = found
-    return reader.kept(lambda: words.water(value, str(only.place), has_crack)) or Water(), only
+    return reader.kept(words.water, value, str(only.place), has_crack) or Water(), only
 
 
 def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, Node] | None:
