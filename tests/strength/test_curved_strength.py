@@ -8,11 +8,11 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.common import Strength
-from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.secants import changed_laws
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb

@@ -10,8 +10,8 @@ import slopekit as sk
 from slopekit.design.fields import field_at
 from slopekit.design.files import with_values
 from slopekit.design.strength_laws import KEYS
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
+from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb

@@ -311,8 +311,8 @@ def field_at(record: Any, path: str) -> Field | None:
     ----------
     record : the dataclass of the design
 
-    >>> from slopekit.design.wedge import WedgeDesign
-    >>> field_at(WedgeDesign, "strength.weak.phi").measures
+    >>> from slopekit.design.common import Design
+    >>> field_at(Design, "strength.weak.phi").measures
     'angle'
     """
     parts = ("correlation", "*") if path.startswith("correlation.") else tuple(path.split("."))

@@ -176,12 +176,16 @@ def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[
 def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[str | None]:
     """The name of each interface's strength: the one it names, or the only one there is; E176, E195.
 
+    None where it has none, as all have none where the design gives no strengths.
+
     Parameters
     ----------
-    users : name of the interface, the node of its `strength` key, the node of the interface itreader
+    users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
     strengths = reader.at("strength")
-    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    if strengths is None or not users:
+        return [None] * len(users)
+    names = [name for name, _ in strengths.items()]
     found: list[str | None] = []
     for user, wanted, own in users:
         if wanted is not None and wanted.text is not None:
@@ -196,7 +200,7 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
             found.append(None)
         else:
             found.append(names[0] if names else None)
-    if strengths is not None and len(names) > 1 and None not in found:
+    if len(names) > 1 and None not in found:
         for name, node in strengths.items():
             if name not in found:
                 reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal, NoReturn, TypeAlias, cast
 
-from slopekit.design.document import read_bytes
+from slopekit.design.on_disk import read_bytes
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Plane, number, parse_plane
 from slopekit.units import quantity

@@ -13,9 +13,10 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
-from slopekit.design.blocky import AssemblyDesign
+from slopekit.design.reader import Reader
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
@@ -115,7 +116,7 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
 
 
 def kind_of_many_blocks(
-    name: str, own: Blocks[A], slope: Callable[[A, Result], SheetPart],
+    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], SheetPart],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, told: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None,
 ) -> Kind[A]:  # fmt: skip
@@ -145,9 +146,9 @@ def kind_of_many_blocks(
         return slope(design, result), _size(result, told(design)), loads_part(wet, result, in_section, _MOST_LOADS)
 
     return Kind(
-        name, own.words, lambda design: solved(own, design).result, factors, lambda design: _ladder(own, design),
-        lambda design: [strength for _, strength in design.strengths], parts, own.cut,
-        at_load=lambda *asked: _at_load(own, *asked), figures=figures or {},
+        name, record, read, own.words, lambda design: solved(own, design).result, factors,
+        lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
+        own.cut, at_load=lambda *asked: _at_load(own, *asked), figures=figures or {},
     )  # fmt: skip
 
 

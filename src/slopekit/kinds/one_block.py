@@ -11,6 +11,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Strength
+from slopekit.design.reader import Reader
 from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
@@ -152,7 +153,8 @@ class Cut:
 
 
 def kind_of_one_block(
-    name: str, words: Words, cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
+    name: str, record: type[D], read: Callable[[Reader], D], words: Words,
+    cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
@@ -200,8 +202,8 @@ def kind_of_one_block(
         return ladder_of_block(design, analyse, cut, meshes, closed_form)
 
     return Kind(
-        name, words, analyse, factors, ladder, strengths, lambda design, found: tuple(slope(design, found)), cut,
-        closed_form, on_arrays, has_site, paper_keys=paper_keys,
+        name, record, read, words, analyse, factors, ladder, strengths,
+        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, paper_keys=paper_keys,
     )  # fmt: skip
 
 

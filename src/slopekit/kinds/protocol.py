@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.design.common import Design, Strength
+from slopekit.design.reader import Reader
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -60,6 +61,8 @@ class Kind(Generic[D]):
     Attributes
     ----------
     name : the word behind `kind:`
+    record : the dataclass of its designs, whose fields declare the keys
+    read : a design from a file, all faults at once
     words : what it calls things
     analyse : from a design to its result
     factors : both factors of safety and nothing else, for studies that ask thousands of times
@@ -77,6 +80,8 @@ class Kind(Generic[D]):
     """
 
     name: str
+    record: type[D]
+    read: Callable[[Reader], D]
     words: Words
     analyse: Callable[[D], Result]
     factors: Callable[[D], Factors]

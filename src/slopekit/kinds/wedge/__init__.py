@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.arrays import frozen
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.common import Strength
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
@@ -22,6 +21,7 @@ from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     SheetPart,
     line_in_words,
@@ -301,7 +301,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
 
 
 KIND = kind_of_one_block(
-    "wedge",
+    "wedge", WedgeDesign, read_wedge,
     Words(
         "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
         "Hoek & Bray: forces only", {}, along=True,
