@@ -21,6 +21,11 @@ def kind_named(name: str) -> "Kind[Any]":
     return found
 
 
+def known_kind(name: object) -> "Kind[Any] | None":
+    """What a kind says of itself; None for a name that is none, as documents from elsewhere may have."""
+    return kind_named(str(name)) if name in registry.KINDS else None
+
+
 def kind_of(design: Design) -> "Kind[Any]":
     """What the kind of a design says of itself."""
     return kind_named(design.kind)
@@ -75,7 +80,8 @@ def cut(design: Design) -> Any:
 
 def words_named(kind: str) -> Words:
     """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
-    return kind_named(kind).words if kind in registry.KINDS else Words(kind, "block", "", "", "", {})
+    known = known_kind(kind)
+    return Words(kind, "block", "", "", "", {}) if known is None else known.words
 
 
 def status_text(kind: str, status: str) -> str:

@@ -1,7 +1,8 @@
 """A bench cut into blocks by joint sets."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +11,10 @@ from slopekit.design.fields import Field, count, fields_of, group, number, orien
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.errors import Notice
-from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength, no_closed_form
+from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
-from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, size_number
 from slopekit.orientation import Plane
 from slopekit.preie.ravelling import Failure
@@ -251,6 +252,11 @@ def _surface(name: str, plane: Plane) -> str:
     return f"{name} {plane}  " + (plane.in_words() if plane.dip_deg else "level")
 
 
+def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
+    strengths = carried_strengths(inputs)
+    return {one["name"]: replace(strengths[one["strength"]], pressure=one["pressure_kpa"]) for one in inputs["sets"]}
+
+
 OWN = Blocks(
     Words(
         "bench cut by joint sets", "bench", "the way the face dips", "closed form", "", BLOCKS_STATUSES,
@@ -260,5 +266,5 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    told=lambda design: {one.name for one in design.sets},
+    told=lambda design: {one.name for one in design.sets}, carried=Carried(_carried),
 )  # fmt: skip

@@ -17,9 +17,10 @@ from slopekit.design.sections import strength_names
 from slopekit.design.structure import Leaf, ListOf, Named
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.geometry.polygons import fault_of_polygon
-from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, no_closed_form, no_notices
+from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, no_closed_form, no_notices
 from slopekit.kinds.many_blocks_design import AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
+from slopekit.kinds.protocol import Carried
 from slopekit.kinds.words import (
     BLOCKS_STATUSES,
     SheetPart,
@@ -492,4 +493,5 @@ OWN = Blocks(
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "blocks", BlocksDesign, read_blocks, OWN, _slope, _pressures,
+    carried=Carried(lambda inputs, _: carried_strengths(inputs), lambda inputs: inputs["pressures_kpa"]),
 )  # fmt: skip

@@ -27,7 +27,7 @@ from slopekit.kinds.one_block_states import (
     turned,
     turned_back,
 )
-from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.protocol import Carried, ClosedForm, D, Factors, Kind, compare
 from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
@@ -158,6 +158,7 @@ def kind_of_one_block(
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
+    carried: Carried = Carried(),  # noqa: B008  (frozen)
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -203,7 +204,8 @@ def kind_of_one_block(
 
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
-        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, paper_keys=paper_keys,
+        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site,
+        paper_keys=paper_keys, carried=carried,
     )  # fmt: skip
 
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from slopekit.kinds.words import SheetPart
 
 D = TypeVar("D", bound=Design)
+#: The numbers of a strength as the JSON of inputs has them.
+STRENGTH_INPUTS = ("cohesion_kpa", "friction_angle_deg", "dilation_deg", "tension_kpa")
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,46 @@ class Factors:
 
 
 @dataclass(frozen=True, slots=True)
+class CarriedJoint:
+    """A joint of a result: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
+
+    strength: str
+    cohesion: float
+    friction: float
+    dilation: float
+    tension: float
+    pressure: float = 0.0
+
+
+def carried_joint(name: str, inputs: Mapping[str, Any]) -> CarriedJoint:
+    """A joint from the JSON of its strength."""
+    cohesion, friction, dilation, tension = (inputs[key] for key in STRENGTH_INPUTS)
+    return CarriedJoint(name, cohesion, friction, dilation, tension)
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """What of a result goes over into a design of kind blocks, from the JSON of its inputs; one joint by default.
+
+    Attributes
+    ----------
+    joints : (inputs, names of the scene's joints) the joints by name, those without a strength left out
+    pressures : mean water pressures (kPa) where pairs of blocks have their own, not those of their joints
+    apart : (inputs, names of the blocks) pairs of blocks side by side that do not touch
+    mixed : what is said where interfaces with one strength have several pressures
+    bedrock_is_last : the last block of the scene is the bedrock that contacts do not name
+    """
+
+    joints: Callable[[Mapping[str, Any], Sequence[str]], Mapping[str, CarriedJoint]] = lambda inputs, names: {
+        names[0]: carried_joint("joint", inputs["strength"])
+    }
+    pressures: Callable[[Mapping[str, Any]], Sequence[tuple[str, str, float]]] | None = None
+    apart: Callable[[Mapping[str, Any], Sequence[str]], Sequence[tuple[str, str]]] = lambda inputs, names: ()
+    mixed: str = ""
+    bedrock_is_last: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Kind(Generic[D]):
     """A kind of design.
 
@@ -77,6 +119,8 @@ class Kind(Generic[D]):
         where a kind has no such path
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
+    carried : what goes over into a design of kind blocks
+    falls_west : the slope falls toward -x where nothing of a result says the way
     """
 
     name: str
@@ -95,6 +139,8 @@ class Kind(Generic[D]):
     at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
+    carried: Carried = Carried()
+    falls_west: bool = False
 
 
 def compare(

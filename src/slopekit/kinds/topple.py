@@ -1,9 +1,9 @@
 """Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -20,10 +20,10 @@ from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.errors import DesignError, Notice
 from slopekit.findings import Column, Mechanism
-from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength
+from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
-from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, counted, first_and_last
 from slopekit.orientation import number as shown
 from slopekit.preie.ravelling import Failure
@@ -263,6 +263,17 @@ def _slope(design: ToppleDesign, _: Result) -> SheetPart:
     return SheetPart("COLUMNS", entries)
 
 
+def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
+    strengths, (base, side) = carried_strengths(inputs), inputs["pressures_kpa"]
+    pressures = {"base": ("base", base), "sides": ("sides", side), "riser": ("base", 0.0)}
+    return {joint: replace(strengths[inputs[key]], pressure=water) for joint, (key, water) in pressures.items()}
+
+
+def _rows_apart(inputs: Mapping[str, Any], names: Sequence[str]) -> list[tuple[str, str]]:
+    count = len(inputs["heights_m"])
+    return [(names[k], names[k + count]) for k in range(count * (inputs["rows"] - 1))]
+
+
 OWN = Blocks(
     Words(
         "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
@@ -277,4 +288,10 @@ KIND = kind_of_many_blocks(
         "toe_force_kn": lambda design, _: toe_force_required(_column_slope(design)),
         "column_force_kn": lambda design, n: float(toppling_table(_column_slope(design)).force_kn[int(n or 1) - 1]),
     },
+    # riser and base share a strength: they differ in water alone
+    carried=Carried(
+        _carried, apart=_rows_apart, bedrock_is_last=True,
+        mixed="dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part",
+    ),
+    falls_west=True,
 )  # fmt: skip
