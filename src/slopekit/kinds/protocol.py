@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader
+from slopekit.errors import GeometryError
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from slopekit.kinds.words import SheetPart
 
 D = TypeVar("D", bound=Design)
+T = TypeVar("T")
 #: The numbers of a strength as the JSON of inputs has them.
 STRENGTH_INPUTS = ("cohesion_kpa", "friction_angle_deg", "dilation_deg", "tension_kpa")
 
@@ -25,6 +27,14 @@ class ClosedForm:
     factor: float | None
     status: str
     why_not: str = ""
+
+
+def one_or_error(closed_form: Callable[[T], ClosedForm], design: T) -> ClosedForm | GeometryError:
+    """The closed form of a design, or why there is no block."""
+    try:
+        return closed_form(design)
+    except GeometryError as error:
+        return error
 
 
 @dataclass(frozen=True, slots=True)
