@@ -106,41 +106,13 @@ def read_strength(
     """
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
-    if node is not None and node.is_mapping and _is_curved(node):
-        return _curved_strength(reader, node, owner, standard)
-    return _straight_strength(reader, node, owner, standard, listed, beside)
+    own = node if node is not None and node.is_mapping and _is_curved(node) else None
+    if own is not None:
+        from slopekit.design.strength_laws import named_law, refuse_keys, with_waves
 
-
-def _is_curved(node: Node) -> bool:
-    """Whether a strength has keys beside those of a straight line."""
-    straight = {field.path for field in fields_of(Strength).values()} - {"law"}
-    return any(key not in straight for key, _ in node.items())
-
-
-def _curved_strength(reader: Reader, node: Node, owner: str, standard: Mapping[str, float] | None) -> Strength | None:
-    from slopekit.design.strength_laws import named_law, read_law, refuse_keys, with_waves
-
-    if named_law(node) is None:
-        refuse_keys(reader, node)
-        straight = _straight_strength(reader, node, owner, standard)
-        return None if straight is None else with_waves(reader, node, owner, straight)
-    law = read_law(reader, node, owner)
-    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
-           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
-    if law is None or None in own.values():
-        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
-        return None
-    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
-
-
-def _straight_strength(
-    reader: Reader,
-    node: Node | None,
-    owner: str,
-    standard: Mapping[str, float] | None = None,
-    listed: Mapping[str, float | None] | None = None,
-    beside: Node | None = None,
-) -> Strength | None:
+        if named_law(own) is not None:
+            return _curved_strength(reader, own, owner)
+        refuse_keys(reader, own)
     found = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
@@ -157,7 +129,26 @@ def _straight_strength(
     if friction is not None and dilation is not None and below is not None and dilation > friction:
         message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
         reader.fault("E117", f"{message} {shown(friction)}°", below)
-    return None if None in found.values() else Strength(**found)
+    straight = None if None in found.values() else Strength(**found)
+    return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
+
+
+def _is_curved(node: Node) -> bool:
+    """Whether a strength has keys beside those of a straight line."""
+    straight = {field.path for field in fields_of(Strength).values()} - {"law"}
+    return any(key not in straight for key, _ in node.items())
+
+
+def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
+    from slopekit.design.strength_laws import read_law, with_waves
+
+    law = read_law(reader, node, owner)
+    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
+           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
+    if law is None or None in own.values():
+        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
+        return None
+    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
 
 
 def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
