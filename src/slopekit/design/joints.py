@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from slopekit.design.common import Strength
-from slopekit.design.fields import Field
+from slopekit.design.fields import Field, count
 from slopekit.design.named_files import beside
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
@@ -36,6 +36,12 @@ JOINTS = Field(
     "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
     example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
 )  # fmt: skip
+
+
+def refinements() -> Any:
+    """How often the triangles of the joints are split to begin with."""
+    advice = "Each step makes four triangles of one."
+    return count("analysis.refine", 0, 6, default=0, code="E131", advice=advice)
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,7 @@ _LARGEST = 1e18
 _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
-_STRENGTH_KEYS = ("c", "phi", "dilation", "tension")
+_STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
 _MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
 
 

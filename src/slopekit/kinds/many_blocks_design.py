@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from slopekit.design import words
-from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water
+from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.fields import Field, count, group
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
-from slopekit.design.structure import Leaf, ListOf
+from slopekit.design.structure import Leaf
 from slopekit.orientation import number
 
 Point2 = tuple[float, float]
@@ -49,14 +49,8 @@ class AssemblyDesign(Design):
     """
 
     strengths: tuple[tuple[str, Strength], ...]
-    forces: tuple[Force, ...] = group(
-        "loads.forces", Force, default=(), many="list",
-        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")), coordinates=2,
-        or_measures="force",
-    )  # fmt: skip
-    bolts: tuple[Bolt, ...] = group(
-        "support.bolts", Bolt, default=(), many="list", forms=(Leaf(example="200 kN@000/10,passive"),)
-    )
+    forces: tuple[Force, ...] = forces_without()
+    bolts: tuple[Bolt, ...] = bolts_without()
     water_unit_weight_kn_m3: float = 9.81
     factors: tuple[float, ...] = ()
     mechanisms: int = count(

@@ -10,8 +10,8 @@ import numpy as np
 from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.design.common import Design, Strength, Water
-from slopekit.design.fields import Field, count, group, number, orientation
-from slopekit.design.joints import JOINTS, joints_of, strengths_of
+from slopekit.design.fields import Field, group, number, orientation
+from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
@@ -62,9 +62,7 @@ class PlaneDesign(Design):
     height_m: float = number("slope.height", "length", above=0.0, code="E116", example="12 m")
     strength: Strength
     crack: VerticalCrack | None = group("crack", VerticalCrack, default=None, left_out="no crack")
-    refine: int = count(
-        "analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.",
-    )  # fmt: skip
+    refine: int = refinements()
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

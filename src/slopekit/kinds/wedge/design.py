@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.design import words
 from slopekit.design.common import Design, Strength, Water
-from slopekit.design.fields import Field, count, group, more_than_nothing, number, orientation, point
-from slopekit.design.joints import JOINTS, joints_of, strengths_of
+from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
+from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
@@ -72,9 +72,7 @@ class WedgeDesign(Design):
     dilation_deg: tuple[float, float] = (0.0, 0.0)
     tension_kpa: tuple[float, float] = (0.0, 0.0)
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
-    refine: int = count(
-        "analysis.refine", 0, 6, default=0, code="E131", advice="Each step makes four triangles of one.",
-    )  # fmt: skip
+    refine: int = refinements()
     origin_m: tuple[float, float, float] = point(
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
