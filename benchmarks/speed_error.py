@@ -29,10 +29,10 @@ from benchmarks.rivals import (
     slopekit_limit,
 )
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
-from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.kinds import cut, surface
 from slopekit.kinds.wedge import closed_form
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.model import build_model
 from slopekit.preie.slippage import slippable

@@ -15,9 +15,9 @@ from collections.abc import Callable
 import numpy as np
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import limit_analysis
 from tests.support import random_wedge

@@ -11,11 +11,11 @@ from collections import Counter
 
 import numpy as np
 
-from slopekit.design.reading import wedge_design
 from slopekit.errors import SlopekitError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
 from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.blocks import limit_of_blocks

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from slopekit import kinds
 from slopekit.design.registry import KINDS
 
 PAPER = {"dips": ("45/115", "45/245")}
@@ -73,5 +72,5 @@ def _back_corner(joints: Any, face: Any, upper: Any, height: float) -> tuple[flo
 
 def forget_kinds() -> None:
     """Take the kinds from outside away again."""
-    for name in list(kinds._FROM_OUTSIDE):
-        del kinds._FROM_OUTSIDE[name], KINDS[name]
+    for name in [name for name, kind in KINDS.items() if not isinstance(kind, str)]:
+        del KINDS[name]

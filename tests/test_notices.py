@@ -10,12 +10,12 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.common import Strength
-from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import SolverError
 from slopekit.explanations import explanations
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
 from slopekit.preie.limit import limit_analysis

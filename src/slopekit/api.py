@@ -73,7 +73,7 @@ def wedge(
     DesignError
         With every fault of the input. GeometryError where the planes cut no wedge.
     """
-    from slopekit.design.reading import wedge_design
+    from slopekit.kinds.wedge.design import wedge_design
 
     given = {key: value for key, value in locals().items() if key not in ("unknown", "wedge_design")}
     return analyse(wedge_design(given | unknown))

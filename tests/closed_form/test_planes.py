@@ -15,11 +15,11 @@ import pytest
 
 import slopekit as sk
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.design.kinds import PlaneDesign
 from slopekit.errors import GeometryError
 from slopekit.geometry import section
 from slopekit.geometry.section import LEFT, plane_section
 from slopekit.kinds import plane as analysis
+from slopekit.kinds.plane import PlaneDesign
 from tests.closed_form.scalar_plane import ClosedFormPlane, plane_failure
 
 REL = 1e-12

@@ -4,8 +4,8 @@ import pytest
 
 import slopekit as sk
 from slopekit.design.files import load, with_values
-from slopekit.design.reading import wedge_design
 from slopekit.kinds import factors_of
+from slopekit.kinds.wedge.design import wedge_design
 
 FILES = [f"templates/{name}.yaml" for name in ("wedge", "plane", "footing", "topple", "cylinder")]
 

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from slopekit.design.reading import wedge_design
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength, Model
 

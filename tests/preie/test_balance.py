@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.kinds import cut
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.balance import balance, of_blocks, of_one_block
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.limit import limit_analysis

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.design.reading import wedge_design
 from slopekit.kinds import cut
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import curved_limit_analysis, limit_analysis
 from tests.preie import conic_oracle

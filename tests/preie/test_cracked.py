@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rockmass import J1, J2
 from slopekit.kinds import cut, moments, wedge
 from slopekit.kinds.moments import judge, opens_cohesive
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.cracked import cracked_base, cracked_limit
 from slopekit.preie.limit import limit_analysis

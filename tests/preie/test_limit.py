@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.orientation import Plane
 from slopekit.preie.bound import static_bound

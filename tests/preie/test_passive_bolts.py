@@ -14,12 +14,12 @@ from scipy.optimize import linprog
 
 import slopekit as sk
 from benchmarks.wedge_paths import as_assembly, compared
-from slopekit.design.reading import wedge_design
 from slopekit.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds import cut
 from slopekit.kinds.many_blocks_scene import scene_loads
 from slopekit.kinds.solver_inputs import joint_strength
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import PassiveBolts
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks

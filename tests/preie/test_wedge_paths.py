@@ -9,10 +9,10 @@ import pytest
 import slopekit as sk
 from benchmarks.wedge_paths import compared
 from slopekit.arrays import frozen
-from slopekit.design.reading import wedge_design
 from slopekit.kinds import analyse, cut
 from slopekit.kinds.moments import _bond_gone
 from slopekit.kinds.one_block import Clock, find_limit
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import Model
 from slopekit.preie.one_path import by_path, on_flat_contacts, path_limit, range_of

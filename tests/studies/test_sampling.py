@@ -14,8 +14,8 @@ from scipy import stats
 import slopekit as sk
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.files import with_values
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError
+from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Line, Plane, normals
 from slopekit.studies import sampling, sources
 from slopekit.studies.marginals import checked_limits, marginal, shares_beyond, tails

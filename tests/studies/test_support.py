@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Notice
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
+from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
 from slopekit.studies.support_directions import BoltDirections, around, sphere

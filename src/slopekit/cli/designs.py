@@ -67,8 +67,8 @@ def wedge(
     output: Annotated[str | None, FOLDER] = None,
 ) -> None:
     """One wedge from the command line. What is left out takes the paper's wedge, and the sheet says so."""
-    from slopekit.design.reading import wedge_design
     from slopekit.kinds import analyse
+    from slopekit.kinds.wedge.design import wedge_design
 
     folder = None if output is None else folder_of(Path(output))
     image = _scene_of(picture)

@@ -142,6 +142,20 @@ class Bolt:
                              doc="the block its force acts on")  # fmt: skip
 
 
+def forces_without(*keys: str) -> Any:
+    """A list of forces, by their keys but for these, or in words."""
+    return group(
+        "loads.forces", Force, default=(), many="list", without=keys, coordinates=2, or_measures="force",
+        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
+    )  # fmt: skip
+
+
+def bolts_without(*keys: str) -> Any:
+    """A list of bolts, by their keys but for these, or in words."""
+    forms = (Leaf(example="200 kN@000/10,passive"),)
+    return group("support.bolts", Bolt, default=(), many="list", without=keys, forms=forms)
+
+
 @dataclass(frozen=True, slots=True)
 class HyperbolaParameters:
     """Clough and Duncan's hyperbola (eq. 31), the paper's parameters where none are given."""
@@ -392,14 +406,8 @@ class Design:
         "loads.seismic", "ratio", default=Seismic(), least=0.0, most=2.0, code="E122", of=Seismic, example="0.1",
         label="seismic coefficient", left_out="0", doc="part of gravity: `0.1`, `0.1@180`, or by its keys",
     )  # fmt: skip
-    forces: tuple[Force, ...] = group(
-        "loads.forces", Force, default=(), many="list", without=("block",), coordinates=2, or_measures="force",
-        forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
-    )  # fmt: skip
-    bolts: tuple[Bolt, ...] = group(
-        "support.bolts", Bolt, default=(), many="list", without=("block",),
-        forms=(Leaf(example="200 kN@000/10,passive"),),
-    )  # fmt: skip
+    forces: tuple[Force, ...] = forces_without("block")
+    bolts: tuple[Bolt, ...] = bolts_without("block")
     stiffness: Stiffness = Stiffness()
     criterion: Criterion = text(
         "analysis.criterion",

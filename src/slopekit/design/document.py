@@ -2,16 +2,13 @@
 
 import os
 from collections.abc import Sequence
-from contextlib import suppress
-from difflib import get_close_matches
 from pathlib import Path
 
-from slopekit.design.nodes import NO_TEXT, Document, cut, fail, printable
+from slopekit.design.nodes import NO_TEXT, Document, cut, fail
+from slopekit.design.on_disk import read_bytes
 from slopekit.design.overrides import ALTERNATIVES, Exclusive, with_overrides
 from slopekit.design.yaml import LINE_END, Source, TreeBuilder, composed
 from slopekit.errors import DesignError, Fault
-
-MAX_BYTES = 5_000_000
 
 
 def load_document(
@@ -73,51 +70,6 @@ def read_document(
     if faults and not document.root.is_mapping:
         raise DesignError(dict.fromkeys(faults))
     return document, list(dict.fromkeys(faults))
-
-
-def read_bytes(path: str | os.PathLike[str], most: int = MAX_BYTES) -> bytes:
-    """The bytes of a file that has at most so many.
-
-    Raises
-    ------
-    DesignError
-        E147 no such file (with the nearest name), E148 a folder or unreadable, E149 too large.
-    """
-    shown, name = cut(printable(str(path))), cut(printable(Path(path).name or str(path)))
-    try:
-        with open(path, "rb") as file:
-            content = file.read(most + 1)
-    except (FileNotFoundError, NotADirectoryError, ValueError):  # ValueError: a NUL or a surrogate in the name
-        raise DesignError([Fault("E147", f"{name} does not exist", shown, _nearest_file(Path(path)))]) from None
-    except IsADirectoryError:
-        inside = sorted(name for name in _names_in(Path(path)) if name.endswith((".yaml", ".yml", ".csv")))[:5]
-        advice = f"It holds {', '.join(inside)}." if inside else ""
-        raise DesignError([Fault("E148", f"{name} is a folder, a file is needed", shown, advice)]) from None
-    except OSError as error:
-        message = f"{name} cannot be read: {(error.strerror or 'the system refuses').lower()}"
-        raise DesignError([Fault("E148", message, shown)]) from None
-    if len(content) > most:
-        what = ", that is no design or joint list" if most == MAX_BYTES else ""
-        advice = "Meshes stand in files of their own: mesh: slip.stl." if what else "Decimate it."
-        fail("E149", f"{name} is larger than {most / 1e6:g} MB{what}", shown, advice)
-    return content
-
-
-def _names_in(folder: Path) -> list[str]:
-    with suppress(OSError, ValueError):
-        return os.listdir(folder)
-    return []
-
-
-def _nearest_file(path: Path) -> str:
-    with suppress(OSError, ValueError):
-        if not path.parent.is_dir():
-            return f"There is no folder {printable(str(path.parent))}."
-    names = {name.lower(): name for name in sorted(_names_in(path.parent))}
-    near = get_close_matches(path.name.lower(), names, n=1) or [
-        name for name in names if name.startswith(path.name.lower() + ".")
-    ]
-    return f"Did you mean {printable(str(path.parent / names[near[0]]))}?" if near else ""
 
 
 def _decoded(content: bytes, name: str) -> str:

@@ -315,8 +315,8 @@ def field_at(record: Any, path: str) -> Field | None:
     ----------
     record : the dataclass of the design
 
-    >>> from slopekit.design.wedge import WedgeDesign
-    >>> field_at(WedgeDesign, "strength.weak.phi").measures
+    >>> from slopekit.design.common import Design
+    >>> field_at(Design, "strength.weak.phi").measures
     'angle'
     """
     parts = ("correlation", "*") if path.startswith("correlation.") else tuple(path.split("."))
@@ -340,7 +340,7 @@ _OF_SCATTER = {"mean": "mean", "sd": "standard deviation of", "min": "least", "m
 def words_of(record: Any, path: str) -> str:
     """A number by its dotted path as axes and reports have it: what it is, and of what; the path where it is none.
 
-    >>> from slopekit.design.wedge import WedgeDesign
+    >>> from slopekit.kinds.wedge.design import WedgeDesign
     >>> words_of(WedgeDesign, "strength.weak.phi"), words_of(WedgeDesign, "slope.upper.dip")
     ('friction angle of weak', 'dip of the upper slope')
     >>> words_of(WedgeDesign, "support.bolts.0.force"), words_of(WedgeDesign, "slope.height.sd")

@@ -15,7 +15,7 @@ from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.nodes import Document, Node, document_from
 from slopekit.design.overrides import with_overrides
 from slopekit.design.reader import Reader
-from slopekit.design.registry import KINDS, entry_of, record_of
+from slopekit.design.registry import KINDS, kind_named, record_of
 from slopekit.design.structure import Section, check_structure
 from slopekit.errors import DesignError, Fault
 
@@ -61,13 +61,12 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         E174 another version, E175 an unknown kind, and what structure, names and values are wrong.
     """
     root = document.root
-    kind = _kind(root)
-    record, read = entry_of(kind)
-    faults = check_structure(root, structure_of(record, record.REQUIRED), kind, _Others(kind))
+    kind = kind_named(_kind(root))
+    faults = check_structure(root, structure_of(kind.record, kind.record.REQUIRED), kind.name, _Others(kind.name))
     faults += _version(root)
     unsound = {fault.where for fault in faults}
     try:
-        design = read(Reader(document, record, faults, other_values))
+        design: Design = kind.read(Reader(document, kind.record, faults, other_values))
     except DesignError as error:
         # what the structure has said of a place is not said again by the reader
         faults += [fault for fault in error.faults if fault.where not in unsound]

@@ -2,14 +2,46 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 from slopekit.design.common import Strength
+from slopekit.design.fields import Field, count
 from slopekit.design.named_files import beside
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_strength, standard_strength, strength_names
+from slopekit.design.structure import AnyOf, Leaf, ListOf, Section
 from slopekit.errors import DesignError
 from slopekit.orientation import Plane
+
+#: A joint list in place of joints.
+FROM_CSV = Section(
+    {"csv": Leaf(example="joints.csv"), "pick": AnyOf((ListOf(Leaf(), 1), Leaf())), "convention": Leaf(),
+     "strength": Leaf()},
+    required=("csv",),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """A joint by its name: its plane, and the strength it names."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("plane", "plane", is_required=True, example="45/115"),
+        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+    )
+
+
+JOINTS = Field(
+    "joints", "group", of=Joint, many="names", at_least=1, forms=(FROM_CSV,), is_required=True,
+    example="{J1: {plane: 45/115}}", doc="by name (a wedge two, a plane one), or a [list](#joint-lists)",
+)  # fmt: skip
+
+
+def refinements() -> Any:
+    """How often the triangles of the joints are split to begin with."""
+    advice = "Each step makes four triangles of one."
+    return count("analysis.refine", 0, 6, default=0, code="E131", advice=advice)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,9 +127,7 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
 
 def strengths_of(reader: Reader, joints: Sequence[GivenJoint]) -> list[Strength | None]:
     """The strength of each joint: columns of a joint list where they are filled, else those of the design."""
-    names: list[str | None] = [None] * len(joints)
-    if reader.at("strength") is not None and joints:
-        names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
+    names = strength_names(reader, [(joint.name, joint.strength, joint.at) for joint in joints])
     of_design = [None if name is None else reader.at(f"strength.{name}") for name in names]
     measured = {key for joint in joints for key in joint.listed}
     has_strengths = reader.at("strength") is not None

@@ -4,8 +4,8 @@ import hashlib
 from pathlib import Path
 
 from slopekit.design.common import MeshFile
-from slopekit.design.document import read_bytes
 from slopekit.design.nodes import Node
+from slopekit.design.on_disk import read_bytes
 from slopekit.design.reader import Reader
 from slopekit.errors import DesignError
 

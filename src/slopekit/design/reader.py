@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from slopekit.design import words
 from slopekit.design.common import Design, Strength
@@ -21,13 +21,14 @@ if TYPE_CHECKING:
     from slopekit.design.distributions import Variable
 
 T = TypeVar("T")
+P = ParamSpec("P")
 D = TypeVar("D", bound=Design)
 _BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
 _LARGEST = 1e18
 _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
 )  # fmt: skip
-_STRENGTH_KEYS = ("c", "phi", "dilation", "tension")
+_STRENGTH_KEYS = [field.path for field in fields_of(Strength).values() if field.is_number]
 _MOST_GUESSES = 10  # did-you-mean among ten thousand names takes its time
 
 
@@ -77,10 +78,10 @@ class Reader:
         """Keep a fault of a value."""
         self.faults.append(Fault(code, message, str((node or self.root).place), advice))
 
-    def kept(self, read: Callable[[], T]) -> T | None:
-        """What a reading function returns; its faults are kept, and None returned, where it raises them."""
+    def kept(self, read: Callable[P, T], *args: P.args, **more: P.kwargs) -> T | None:
+        """What a reading function returns of these; its faults are kept, and None returned, where it raises them."""
         try:
-            return read()
+            return read(*args, **more)
         except DesignError as error:
             self.faults += error.faults
             return None
@@ -185,9 +186,9 @@ class Reader:
         if field.measures == "plane":
             return self.plane(node, owner or field.in_words)
         if field.measures == "line":
-            return self.kept(lambda: words.line_of_words(value, owner or field.in_words, field.code, str(node.place)))
+            return self.kept(words.line_of_words, value, owner or field.in_words, field.code, str(node.place))
         if field.measures == "point":
-            return self.kept(lambda: words.point(value, field.in_words, str(node.place)))
+            return self.kept(words.point, value, field.in_words, str(node.place))
         return self.word(field, node)
 
     def default(self, key: str, value: T) -> T:
@@ -224,7 +225,7 @@ class Reader:
     def plane(self, node: Node, name: str) -> Plane | None:
         """An orientation as a plane."""
         value = node.text if node.text is not None and self.is_sound(node) else self.value(node)
-        return None if value is None else self.kept(lambda: parse_plane(value, name, str(node.place)))
+        return None if value is None else self.kept(parse_plane, value, name, str(node.place))
 
     def word(self, field: Field, node: Node) -> str | None:
         """A text; one of the words that the field knows."""
@@ -253,7 +254,7 @@ class Reader:
             value = item.text if item.text is not None and self.is_sound(item) else self.value(item)
             if value is None:
                 continue
-            made = self.kept(lambda value=value, item=item: read(value, str(item.place)))  # type: ignore[misc]
+            made = self.kept(read, value, str(item.place))
             if made is not None:
                 found.append(made)
         return tuple(found)

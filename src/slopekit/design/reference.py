@@ -1,6 +1,7 @@
 """The key reference of design files, from the declared fields: what docs/design-files.md prints, held by a test."""
 
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any
 
 from slopekit.design.common import Design
@@ -54,7 +55,7 @@ def _left_out(field: Field, defaults: Any) -> str:
     if value in (None, "", ()) or field.of is not None:
         return "none"
     if isinstance(value, float | int) and not isinstance(value, bool):
-        return number(value)
+        return _limit(value)
     if isinstance(value, tuple):
         return f"[{', '.join(number(part) for part in value)}]"
     return str(value).lower() if isinstance(value, Plane | Line | bool | str) else "none"
@@ -73,10 +74,16 @@ def _takes(field: Field) -> str:
     return "; ".join(parts)
 
 
+def _limit(value: float) -> str:
+    """A number as a design may have it: 1e7 and 1e-6, not 10000000 and 1e-06."""
+    short, e, exponent = f"{value:g}".partition("e")
+    return f"{short}e{int(exponent)}" if e and float(f"{value:g}") == value else number(value)
+
+
 def _range(field: Field) -> str:
-    low, high = number(field.least), number(field.most)
     if field.whole:
-        return f"{'odd' if field.is_odd else 'whole'}, {low} to {int(field.most)}"
+        return f"{'odd' if field.is_odd else 'whole'}, {_limit(field.least)} to {int(field.most)}"
+    low, high = (_limit(one) if isfinite(one) else "" for one in (field.least, field.most))
     if field.most > 1e300:
         return f"{'above' if field.above else 'from'} {low}"
     return f"{'above ' if field.above else ''}{low} to {'below ' if field.below else ''}{high}"

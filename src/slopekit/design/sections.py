@@ -78,7 +78,7 @@ def read_seismic(reader: Reader) -> Seismic:
     if isinstance(value, dict):
         toward = value.get("toward")
         value = _text(value.get("k", 0)) + ("" if toward is None else f"@{_text(toward)}")
-    found = None if value is None else reader.kept(lambda: words.seismic(value, str(node.place)))
+    found = None if value is None else reader.kept(words.seismic, value, str(node.place))
     if found is not None and found.coefficient and found.trend_deg is None:
         reader.defaults.append("seismic.trend")
     return found or Seismic()
@@ -114,41 +114,13 @@ def read_strength(
     """
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
-    if node is not None and node.is_mapping and _is_curved(node):
-        return _curved_strength(reader, node, owner, standard)
-    return _straight_strength(reader, node, owner, standard, listed, beside)
+    own = node if node is not None and node.is_mapping and _is_curved(node) else None
+    if own is not None:
+        from slopekit.design.strength_laws import named_law, refuse_keys, with_waves
 
-
-def _is_curved(node: Node) -> bool:
-    """Whether a strength has keys beside those of a straight line."""
-    straight = {field.path for field in fields_of(Strength).values()} - {"law"}
-    return any(key not in straight for key, _ in node.items())
-
-
-def _curved_strength(reader: Reader, node: Node, owner: str, standard: Mapping[str, float] | None) -> Strength | None:
-    from slopekit.design.strength_laws import named_law, read_law, refuse_keys, with_waves
-
-    if named_law(node) is None:
-        refuse_keys(reader, node)
-        straight = _straight_strength(reader, node, owner, standard)
-        return None if straight is None else with_waves(reader, node, owner, straight)
-    law = read_law(reader, node, owner)
-    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
-           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
-    if law is None or None in own.values():
-        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
-        return None
-    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
-
-
-def _straight_strength(
-    reader: Reader,
-    node: Node | None,
-    owner: str,
-    standard: Mapping[str, float] | None = None,
-    listed: Mapping[str, float | None] | None = None,
-    beside: Node | None = None,
-) -> Strength | None:
+        if named_law(own) is not None:
+            return _curved_strength(reader, own, owner)
+        refuse_keys(reader, own)
     found = reader.fields(Strength, node or _NOTHING, owner)
     for name, field in fields_of(Strength).items():
         given = node is not None and node.get(field.path) is not None
@@ -165,7 +137,26 @@ def _straight_strength(
     if friction is not None and dilation is not None and below is not None and dilation > friction:
         message = f"dilation of {owner} is {shown(dilation)}°, it lies between 0 and the friction angle"
         reader.fault("E117", f"{message} {shown(friction)}°", below)
-    return None if None in found.values() else Strength(**found)
+    straight = None if None in found.values() else Strength(**found)
+    return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
+
+
+def _is_curved(node: Node) -> bool:
+    """Whether a strength has keys beside those of a straight line."""
+    straight = {field.path for field in fields_of(Strength).values()} - {"law"}
+    return any(key not in straight for key, _ in node.items())
+
+
+def _curved_strength(reader: Reader, node: Node, owner: str) -> Strength | None:
+    from slopekit.design.strength_laws import read_law, with_waves
+
+    law = read_law(reader, node, owner)
+    own = {name: reader.field(fields_of(Strength)[name], node.get(name.partition("_")[0]), owner)
+           for name in ("dilation_deg", "tension_kpa")}  # fmt: skip
+    if law is None or None in own.values():
+        with_waves(reader, node, owner, Strength(0.0, 0.0))  # what is wrong with them is said all the same
+        return None
+    return with_waves(reader, node, owner, Strength.by_law(law, own["dilation_deg"], own["tension_kpa"]))
 
 
 def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[str] = ()) -> dict[str, float]:
@@ -184,12 +175,16 @@ def standard_strength(reader: Reader, nodes: Iterable[Node], beside: Collection[
 def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]]) -> list[str | None]:
     """The name of each interface's strength: the one it names, or the only one there is; E176, E195.
 
+    None where it has none, as all have none where the design gives no strengths.
+
     Parameters
     ----------
-    users : name of the interface, the node of its `strength` key, the node of the interface itreader
+    users : name of the interface, the node of its `strength` key, the node of the interface itself
     """
     strengths = reader.at("strength")
-    names = [name for name, _ in strengths.items()] if strengths is not None else []
+    if strengths is None or not users:
+        return [None] * len(users)
+    names = [name for name, _ in strengths.items()]
     found: list[str | None] = []
     for user, wanted, own in users:
         if wanted is not None and wanted.text is not None:
@@ -204,7 +199,7 @@ def strength_names(reader: Reader, users: Sequence[tuple[str, Node | None, Node]
             found.append(None)
         else:
             found.append(names[0] if names else None)
-    if strengths is not None and len(names) > 1 and None not in found:
+    if len(names) > 1 and None not in found:
         for name, node in strengths.items():
             if name not in found:
                 reader.fault("E195", f"the strength {name} is used by no interface", node, "Use it or take it out.")
@@ -234,8 +229,8 @@ def read_stiffness(reader: Reader) -> Stiffness:
     normal = normal or Stiffness().normal_kn_m3
     shear = given[0].get("shear")
     if shear is not None and shear.is_mapping and not is_distribution(shear):
-        value, where = reader.value(shear), str(shear.place)
-        law = None if value is None else reader.kept(lambda: words.hyperbola(value, where))
+        value = reader.value(shear)
+        law = None if value is None else reader.kept(words.hyperbola, value, str(shear.place))
         return Stiffness(normal, None, law or HyperbolaParameters())
     if shear is not None and (shear.text or "").lower() in own["shear_kn_m3"].words:
         shear = None
@@ -254,7 +249,7 @@ def read_water(reader: Reader, order: Sequence[str], has_crack: bool = False) ->
     if found is None:
         return Water(), node
     value, only = found
-    return reader.kept(lambda: words.water(value, str(only.place), has_crack)) or Water(), only
+    return reader.kept(words.water, value, str(only.place), has_crack) or Water(), only
 
 
 def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, Node] | None:

@@ -10,7 +10,7 @@ from math import inf
 from typing import Any
 
 from slopekit.design.common import Strength
-from slopekit.design.fields import Field
+from slopekit.design.fields import Field, fields_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.orientation import number
@@ -19,8 +19,6 @@ from slopekit.strength.protocol import StrengthLaw
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
 
-#: Keys of a strength beside those of its law.
-BESIDE = ("law", "waviness", "dilation", "tension", "stiffness")
 _CODES = {"pressure": "E114", "angle": "E115"}
 _UPRIGHT = 90.0
 
@@ -42,6 +40,8 @@ def fields_of_law(law: Any) -> Mapping[str, Field]:
     return found
 
 
+#: Keys of a strength beside those of its law: what is not c or phi, and waves.
+BESIDE = {field.path for field in (*fields_of(Strength).values(), *fields_of_law(Wavy).values()) if not field.may_lack}
 #: Every key of the curved laws, those of waves among them.
 KEYS: Mapping[str, Field] = {
     field.path: replace(field, is_required=False, left_out="")

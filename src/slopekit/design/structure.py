@@ -212,13 +212,13 @@ class _Checker:
         if colon and node.value is None and name.strip() in spec.keys:
             return f"Put a space behind the colon: {name.strip()}: {value.strip()}"
         places = [path for path in _paths_of(key, self.spec) if path != above.path]
-        kinds = [kind for kind, other in self.others.items() if key in other.keys]
         folded = {known.lower().replace("-", "_"): known for known in spec.keys}
         near = get_close_matches(key.lower().replace("-", "_").replace(" ", "_"), folded, n=1)
         sure = bool(near) and SequenceMatcher(None, key.lower(), near[0]).ratio() > 0.8
         if places and not sure and not (near and len(key) == 1):  # one letter is more likely a slip than a law's a or b
             return f"{key} belongs under {' or '.join(places[:3])}." if all(places) else f"{key} belongs at the top."
-        if kinds and not above.path and not sure:
+        # the other kinds are loaded only here
+        if not (above.path or sure) and (kinds := [kind for kind, other in self.others.items() if key in other.keys]):
             return f"{key} is a key of kind: {' and of kind: '.join(kinds)}."
         if near:
             return f"Did you mean {folded[near[0]]}?"

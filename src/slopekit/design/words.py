@@ -6,9 +6,8 @@ from difflib import get_close_matches
 from typing import Any
 
 from slopekit.design.common import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
-from slopekit.design.wedge import Crack
 from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Line, number, parse_plane
+from slopekit.orientation import Line, number
 from slopekit.units import quantity
 
 RULE_NAMES = (
@@ -80,30 +79,6 @@ def pressures(parts: Sequence[Any], where: str, has_crack: bool) -> Water:
     if len(values) == 1:
         values *= 2
     return Water("pressures", 0.0, tuple(values)) if any(values) else Water()
-
-
-def crack(value: object, where: str) -> Crack:
-    if isinstance(value, Crack):
-        return value
-    if isinstance(value, str) and "@" in value:
-        plane, _, distance = value.partition("@")
-        given: dict[str, object] = {"plane": plane, "distance": distance}
-    elif isinstance(value, dict) and value.keys() == {"plane", "distance"}:
-        given = value
-    else:
-        raise DesignError([Fault("E120", f"crack is {shown(value)}, it is written 80/180@5m", where)])
-    faults: list[Fault] = []
-    try:
-        orientation = parse_plane(given["plane"], "crack", where)
-    except DesignError as error:
-        faults += error.faults
-    try:
-        away = above_zero(given["distance"], "length", "crack distance", "E121", where)
-    except DesignError as error:
-        faults += error.faults
-    if faults:
-        raise DesignError(faults)
-    return Crack(orientation, away)
 
 
 def seismic(value: object, where: str) -> Seismic:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from slopekit.exchange.source import Joint, Pair, Source
+from slopekit.exchange.source import Pair, Source
+from slopekit.kinds.protocol import CarriedJoint
 
 #: What acceptance can name in a design of kind blocks; the last only where its criterion is asked for.
 _RULES = ("fos", "fos.limit", "fos.static_bound")
@@ -46,34 +47,11 @@ def lost_of_mixed(source: Source, mixed: Sequence[str], pressures: Mapping[Pair,
     """Interfaces that had several strengths or pressures and have one here."""
     if not mixed:
         return []
-    if source.document["kind"] == "topple":  # riser and base share a strength: they differ in water alone
+    if source.carried.mixed:
         shown = [f"{'/'.join(pair)} {value:g} kPa" for pair, value in pressures.items() if "/".join(pair) in mixed]
-        got = f" ({_some(shown)})" if shown else ""
-        return [
-            f"dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part{got}"
-        ]
+        return [source.carried.mixed + (f" ({_some(shown)})" if shown else "")]
     return [f"{len(mixed)} interfaces with several strengths or pressures have that of the largest part "
             f"({_some(mixed)})"]  # fmt: skip
-
-
-def lost_of_columns(source: Source) -> list[str]:
-    """What differs for columns on a stepped base, or in rows."""
-    document, inputs = source.document, source.document["inputs"]
-    if document["kind"] != "topple":
-        return []
-    lost = []
-    if inputs["rows"] > 1:
-        lost.append("that rows do not touch: here smooth joints lie between them")
-    return lost
-
-
-def rows_apart(source: Source) -> list[Pair]:
-    """Pairs of columns that lie side by side in neighbouring rows."""
-    inputs = source.document["inputs"]
-    if source.document["kind"] != "topple" or inputs["rows"] == 1:
-        return []
-    count, names = len(inputs["heights_m"]), source.scene.shapes.names
-    return [(names[k], names[k + count]) for k in range(count * (inputs["rows"] - 1))]
 
 
 def load_name(source: Source, word: str) -> str:
@@ -104,11 +82,11 @@ def lost_of_loads(away: Sequence[str]) -> list[str]:
 
 
 def pressures_of(
-    source: Source, joints: Mapping[str, Joint], of_pair: Mapping[Pair, str], files: Mapping[str, str]
+    source: Source, joints: Mapping[str, CarriedJoint], of_pair: Mapping[Pair, str], files: Mapping[str, str]
 ) -> dict[Pair, float]:
     """Mean water pressures (kPa) of pairs; those of single blocks act as forces."""
-    if source.document["kind"] == "blocks":
-        given = source.document["inputs"]["pressures_kpa"]
+    if source.carried.pressures is not None:
+        given = source.carried.pressures(source.document["inputs"])
         return {(a, b): value for a, b, value in given if a in files and b in files}
     return {pair: joints[joint].pressure for pair, joint in of_pair.items() if joints[joint].pressure}
 

@@ -16,6 +16,8 @@ from slopekit.arrays import Floats
 from slopekit.block_scene import BlockScene
 from slopekit.errors import DesignError, Fault
 from slopekit.exchange.panels import areas_of
+from slopekit.kinds import known_kind
+from slopekit.kinds.protocol import Carried, CarriedJoint
 
 if TYPE_CHECKING:
     from slopekit.result import Result
@@ -42,6 +44,12 @@ class Source:
     def is_curved(self) -> bool:
         """Whether the block lies on a curved slip surface."""
         return "slip" in (self.document.get("inputs") or {})
+
+    @property
+    def carried(self) -> Carried:
+        """What of its design goes over into one of kind blocks."""
+        kind = known_kind(self.document.get("kind"))
+        return Carried() if kind is None else kind.carried
 
     @property
     def is_section(self) -> bool:
@@ -103,7 +111,7 @@ def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
 
 def _read(path: Path) -> Mapping[str, Any]:
     """The JSON object of a file."""
-    from slopekit.design.document import read_bytes
+    from slopekit.design.on_disk import read_bytes
 
     try:
         document = json.loads(read_bytes(path, _MOST_BYTES).decode("utf-8-sig"))
@@ -119,46 +127,9 @@ def _read(path: Path) -> Mapping[str, Any]:
 # -- strengths and water ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Joint:
-    """A joint of a scene: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
-
-    strength: str
-    cohesion: float
-    friction: float
-    dilation: float
-    tension: float
-    pressure: float = 0.0
-
-
-def joints_of(source: Source) -> dict[str, Joint]:
+def joints_of(source: Source) -> Mapping[str, CarriedJoint]:
     """The joints of a result by name; those without a strength (a tension crack) are left out."""
-    inputs, kind = source.document["inputs"], source.document["kind"]
-    named = {name: _values(given) for name, given in inputs.get("strengths", ())}
-    if kind == "bench":
-        return {
-            one["name"]: Joint(one["strength"], *named[one["strength"]], one["pressure_kpa"]) for one in inputs["sets"]
-        }
-    if kind == "topple":
-        base, side = inputs["pressures_kpa"]
-        return {
-            joint: Joint(inputs[key], *named[inputs[key]], water)
-            for joint, key, water in (("base", "base", base), ("sides", "sides", side), ("riser", "base", 0.0))
-        }
-    if kind == "blocks":
-        return {name: Joint(name, *values) for name, values in named.items()}
-    if kind == "wedge":
-        columns = [inputs[f"{key}"] for key in ("cohesion_kpa", "friction_angle_deg", "dilation_deg", "tension_kpa")]
-        return {
-            name: Joint(name, *values)
-            for name, values in zip(inputs["joint_names"], zip(*columns, strict=True), strict=False)
-        }
-    first = source.scene.shapes.joints[0]
-    return {first: Joint("joint", *_values(inputs["strength"]))}
-
-
-def _values(given: Mapping[str, Any]) -> tuple[float, float, float, float]:
-    return given["cohesion_kpa"], given["friction_angle_deg"], given["dilation_deg"], given["tension_kpa"]
+    return source.carried.joints(source.document["inputs"], source.scene.shapes.joints)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +140,7 @@ class Pairs:
     mixed: tuple[str, ...]
 
 
-def pairs_of(source: Source, rock: Mapping[int, str], joints: Mapping[str, Joint]) -> Pairs:
+def pairs_of(source: Source, rock: Mapping[int, str], joints: Mapping[str, CarriedJoint]) -> Pairs:
     """The interfaces between named blocks.
 
     Parameters

@@ -16,17 +16,16 @@ from slopekit.errors import Notice, writing
 from slopekit.exchange.losses import (
     acceptance,
     load_name,
-    lost_of_columns,
     lost_of_criterion,
     lost_of_laws,
     lost_of_loads,
     lost_of_mixed,
     pressures_of,
-    rows_apart,
 )
 from slopekit.exchange.picking import Body, Picked
 from slopekit.exchange.solids import write_obj, write_stl
-from slopekit.exchange.source import Joint, Pair, Source, direction_deg, joints_of, pairs_of
+from slopekit.exchange.source import Pair, Source, direction_deg, joints_of, pairs_of
+from slopekit.kinds.protocol import CarriedJoint
 
 _APART = "between rows"  # the smooth strength of rows of columns that do not touch
 DESIGN = "blocks.yaml"
@@ -64,10 +63,12 @@ def design_text(
         if joints[joint].strength != default
     }  # fmt: skip
     pressures = pressures_of(source, joints, of_pair, files)
-    lost = lost_of_mixed(source, found.mixed, pressures) + lost_of_columns(source) + lost_of_laws(inputs)
-    apart = [pair for pair in rows_apart(source) if all(name in files for name in pair)]
+    lost, rows = lost_of_mixed(source, found.mixed, pressures), source.carried.apart(inputs, source.scene.shapes.names)
+    lost += ["that rows do not touch: here smooth joints lie between them"] if rows else []
+    lost += lost_of_laws(inputs)
+    apart = [pair for pair in rows if all(name in files for name in pair)]
     if apart:
-        smooth = Joint(_APART, 0.0, 0.0, 0.0, 0.0)
+        smooth = CarriedJoint(_APART, 0.0, 0.0, 0.0, 0.0)
         used, named = used | {_APART: smooth}, named | dict.fromkeys(apart, _APART)
     lines = [
         f"# Written by slopekit {__version__} export of a {document['kind']}, input {document.get('input_sha256')}",
@@ -93,7 +94,7 @@ def design_text(
     return "\n".join(lines) + "\n", lost + lost_loads + lost_of_criterion(source) + lost_rules
 
 
-def _strength(name: str, joint: Joint, inputs: Mapping[str, Any]) -> str:
+def _strength(name: str, joint: CarriedJoint, inputs: Mapping[str, Any]) -> str:
     given = inputs["stiffness"]
     shear = repr(given["shear_kn_m3"])
     if given["shear_kn_m3"] is None:
@@ -198,7 +199,7 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
         notices.append(Notice("W376", f"no {DESIGN} is written: {why}"))
     else:
         behind = {k: slab.name for k, slab in rock.items()}
-        if source.document.get("kind") == "topple":
+        if source.carried.bedrock_is_last:
             behind = dict.fromkeys(range(len(source.scene.shapes.contacts)), source.scene.shapes.names[-1])
         polygons = _polygons(source, chosen)
         text, lost = design_text(source, is_fixed, files, behind, polygons)
@@ -221,7 +222,7 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
 
 def _polygons(source: Source, chosen: Picked) -> dict[str, Floats]:
     """The polygons (k, 2) of a section of blocks, which say all of it; none where rows of columns stand in space."""
-    if source.document.get("kind") not in ("blocks", "topple") or not chosen.outlines:
+    if not (source.has_many and chosen.outlines):
         return {}
     middles = [float(body.vertices[:, 1].mean()) for body in chosen.bodies]
     if np.ptp(middles) > 0.0:

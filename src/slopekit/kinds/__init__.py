@@ -1,40 +1,29 @@
 """The kinds of design: one file a kind, loaded when a design of it is asked for."""
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from slopekit.design import registry
 from slopekit.design.common import Design
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
-    from slopekit.design.registry import Read
     from slopekit.kinds.protocol import Factors, Kind
 
-#: Where each kind says what it is, as `KIND`.
-MODULES = {
-    name: f"slopekit.kinds.{name}" for name in ("wedge", "plane", "footing", "surface", "topple", "bench", "blocks")
-}
-_FROM_OUTSIDE: "dict[str, Kind[Any]]" = {}
 
-
-def register(kind: "Kind[Any]", record: type[Design], read: "Read") -> None:
-    """Make a kind from outside known: its files are read, analysed, printed, checked and varied as those of any other.
-
-    Parameters
-    ----------
-    record : the dataclass of its designs, named after it, whose fields declare the keys; read : makes one from a file
-    """
-    from slopekit.design.registry import KINDS
-
-    _FROM_OUTSIDE[kind.name], KINDS[kind.name] = kind, (record, read)
+def register(kind: "Kind[Any]") -> None:
+    """Make a kind from outside known: its files are read, analysed, printed, checked and varied as any other's."""
+    registry.KINDS[kind.name] = kind
 
 
 def kind_named(name: str) -> "Kind[Any]":
     """What a kind says of itself. Raises KeyError for a name that is none."""
-    if name in _FROM_OUTSIDE:
-        return _FROM_OUTSIDE[name]
-    found: Kind[Any] = import_module(MODULES[name]).KIND
+    found: Kind[Any] = registry.kind_named(name)
     return found
+
+
+def known_kind(name: object) -> "Kind[Any] | None":
+    """What a kind says of itself; None for a name that is none, as documents from elsewhere may have."""
+    return kind_named(str(name)) if name in registry.KINDS else None
 
 
 def kind_of(design: Design) -> "Kind[Any]":
@@ -65,7 +54,7 @@ def factors_of(design: Design, pre_ie: bool = True) -> "Factors":
     GeometryError
         Where no block can be formed.
 
-    >>> from slopekit.design.reading import wedge_design
+    >>> from slopekit.kinds.wedge.design import wedge_design
     >>> found = factors_of(wedge_design({"dips": ["45/115", "45/245"]}))
     >>> found.status, round(found.limit, 4), round(found.closed_form, 4), found.agree
     ('slides_on_both', 1.5574, 1.5574, True)
@@ -91,8 +80,8 @@ def cut(design: Design) -> Any:
 
 def words_named(kind: str) -> Words:
     """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
-    is_known = kind in MODULES or kind in _FROM_OUTSIDE
-    return kind_named(kind).words if is_known else Words(kind, "block", "", "", "", {})
+    known = known_kind(kind)
+    return Words(kind, "block", "", "", "", {}) if known is None else known.words
 
 
 def status_text(kind: str, status: str) -> str:

@@ -1,18 +1,176 @@
 """A bench cut into blocks by joint sets."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from slopekit.design.blocky import BenchDesign, JointSetInput
+from slopekit.design.common import Water
+from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
+from slopekit.design.reader import Reader
+from slopekit.design.sections import strength_names
 from slopekit.errors import Notice
-from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength, no_closed_form
+from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
+from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
-from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, size_number
 from slopekit.orientation import Plane
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
+
+MOST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True, slots=True)
+class JointSetInput:
+    """A joint set of a bench.
+
+    Attributes
+    ----------
+    spacing_m : mean distance of its planes, square to them
+    offset_m : distance of one of its planes from the toe (middle of the bench), along the upward normal
+    scatter_deg : how far the planes' normals scatter about the mean (standard deviation of the angle, Fisher)
+    spacing_scatter : standard deviation of the distances, in parts of the spacing
+    pressure_kpa : mean water pressure on its joints
+    """
+
+    name: str
+    plane: Plane = orientation("plane", example="45/170")
+    spacing_m: float = number(
+        "spacing", "length", above=0.0, code="E134", example="2 m", doc="mean distance of its planes, square to them"
+    )
+    strength: str = text("strength", default="", left_out="the only one", doc="a name under strength")
+    offset_m: float = number(
+        "offset", "length", default=0.0, doc="of one of its planes from the toe, along the upward normal"
+    )
+    scatter_deg: float = number(
+        "scatter",
+        "angle",
+        default=0.0,
+        least=0.0,
+        most=45.0,
+        code="E135",
+        role="scatter",
+        doc="standard deviation of the angle of its planes about the mean (Fisher)",
+    )
+    spacing_scatter: float = number(
+        "spacing_scatter",
+        "ratio",
+        default=0.0,
+        least=0.0,
+        most=1.0,
+        code="E135",
+        role="scatter",
+        doc="standard deviation of the distances, in parts of the spacing",
+    )
+    pressure_kpa: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BenchDesign(AssemblyDesign):
+    """A bench cut into blocks by joint sets.
+
+    The toe runs through the origin along the strike of the face, `length_m` long, half to each side; the rock is
+    modelled from the level of the toe up and to `depth_m` behind the crest. Blocks that reach the ends, the back or
+    the bottom go on there: they are bedrock.
+
+    Attributes
+    ----------
+    seed : of what scatters
+    forces, bolts : name their block, or lie in it: a force by `at_m`, a bolt by its head
+    max_blocks : more are refused; min_volume_m3 : smaller ones are joined to the neighbour they share most with
+    """
+
+    face: Plane = orientation("slope.face", axis="the face", example="70/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180", left_out="level")
+    height_m: float = number("slope.height", "length", above=0.0, code="E116", example="15 m")
+    length_m: float = number(
+        "slope.length",
+        "length",
+        default=None,
+        above=0.0,
+        code="E116",
+        left_out="twice the height",
+        doc="along the strike, half to each side of the origin",
+    )
+    depth_m: float = number(
+        "slope.depth",
+        "length",
+        default=None,
+        above=0.0,
+        code="E116",
+        left_out="the height",
+        doc="modelled behind the crest",
+    )
+    sets: tuple[JointSetInput, ...] = group(
+        "sets", JointSetInput, many="names", at_least=1, example="{S1: {plane: 45/170, spacing: 2 m}}"
+    )
+    water: Water = water_by(
+        Field("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
+    )
+    max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
+    min_volume_m3: float = number(
+        "cut.min_volume", "volume", default=0.0, least=0.0, code="E138", says="a volume is never negative",
+        advice="0 keeps every block, however small.", scatters=False, role="setting", label="min_volume",
+        doc="smaller blocks join the neighbour they share most with",
+    )  # fmt: skip
+    seed: int = count("cut.seed", 0, MOST_SEED, default=0, doc="of what scatters")
+    origin_m: tuple[float, float, float] = point(
+        "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
+    )
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The joint sets."""
+        return tuple(one.name for one in self.sets)
+
+
+def read_bench(reader: Reader) -> BenchDesign:
+    """A bench cut by joint sets.
+
+    Raises
+    ------
+    DesignError
+        With every fault found: E134 to E138 for sets and cut, E116 for the slope, and those of every assembly.
+    """
+    own = reader.fields(BenchDesign)
+    face, height = own["face"], own["height_m"]
+    if own["upper"] is None and reader.at("slope.upper") is None and face is not None:
+        own["upper"] = reader.default("upper", Plane(0.0, face.dip_direction_deg))
+    for key, factor in (("length", 2.0), ("depth", 1.0)):
+        node = reader.at(f"slope.{key}")
+        if node is None or node.value is None:
+            own[f"{key}_m"] = reader.default(key, None if height is None else factor * height)
+    sets = reader.at("sets")
+    names = [name for name, _ in sets.items()] if sets is not None else []
+    by_name = named_pressures(reader, names, "{S1: 5 kPa}")
+    own["sets"] = _sets(reader, by_name)
+    toward = 0.0 if face is None else face.dip_direction_deg
+    shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
+    return reader.made(BenchDesign, shared, own)
+
+
+def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...]:
+    """The joint sets that can be read: E134 spacing, E135 scatter, E136 the same set twice."""
+    named = reader.names("sets")
+    strengths = strength_names(reader, [(name, below.get("strength"), below) for name, below in named])
+    sets: list[JointSetInput] = []
+    seen: dict[tuple[float, ...], str] = {}
+    wanted = [name for name in fields_of(JointSetInput) if name != "strength"]
+    for (name, below), strength in zip(named, strengths, strict=True):
+        found = reader.fields(JointSetInput, below, name, only=wanted)
+        if None in found.values():
+            continue
+        plane: Plane = found["plane"]
+        key = (plane.dip_deg, plane.dip_direction_deg % 360.0, found["spacing_m"], found["offset_m"])
+        if key in seen:
+            message = f"{name} has the planes of {seen[key]}: the same orientation, spacing and offset"
+            reader.fault("E136", message, below, "Leave it out, or give it an offset.")
+        seen.setdefault(key, name)
+        sets.append(JointSetInput(name=name, strength=strength or "", pressure_kpa=by_name.get(name, 0.0), **found))
+    return tuple(sets)
 
 
 def cut(design: BenchDesign) -> AssemblyScene:
@@ -96,6 +254,11 @@ def _surface(name: str, plane: Plane) -> str:
     return f"{name} {plane}  " + (plane.in_words() if plane.dip_deg else "level")
 
 
+def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
+    strengths = carried_strengths(inputs)
+    return {one["name"]: replace(strengths[one["strength"]], pressure=one["pressure_kpa"]) for one in inputs["sets"]}
+
+
 OWN = Blocks(
     Words(
         "bench cut by joint sets", "bench", "the way the face dips", "closed form", "", BLOCKS_STATUSES,
@@ -104,6 +267,6 @@ OWN = Blocks(
     cut, no_closed_form, _notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "bench", OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
-    with_areas=lambda design: {one.name for one in design.sets},
+    "bench", BenchDesign, read_bench, OWN, _slope, lambda design: [(one.name, one.pressure_kpa) for one in design.sets],
+    with_areas=lambda design: {one.name for one in design.sets}, carried=Carried(_carried),
 )  # fmt: skip

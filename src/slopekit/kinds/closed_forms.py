@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Strength
 from slopekit.errors import Fault, GeometryError
-from slopekit.kinds.protocol import ClosedForm, D
+from slopekit.kinds.protocol import ClosedForm, D, one_or_error
 from slopekit.kinds.secants import on_secants
 
 #: The arguments of a closed form by name; None for what a design does not have.
@@ -93,30 +92,17 @@ class OnArrays(Generic[D]):
         (found, _), _ = on_secants(strengths, on_lines, lambda answer: answer[1])
         return found
 
-    def answers(self, designs: Sequence[D], nothing: str) -> list[tuple[float | None, str]]:
-        """Factor and status of each of several designs, in one call for all that have the same arguments and bolts.
+    def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
+        """The closed form of each of several designs, in one call for all that have the same arguments and bolts.
 
-        Designs whose strength is curved are asked one by one.
-
-        Parameters
-        ----------
-        nothing : the status of planes that cut no block
+        Designs whose strength is curved are asked one by one. The error where planes cut no block.
         """
-        answer_of: dict[int, tuple[float | None, str]] = {}
-
-        def keep(number: int, ask: Callable[[], ClosedForm]) -> None:
-            try:
-                form = ask()
-            except GeometryError:
-                answer_of[number] = None, nothing
-            else:
-                answer_of[number] = form.factor, form.status
-
+        answer_of: dict[int, ClosedForm | GeometryError] = {}
         given = [self.arguments(design) for design in designs]
         alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
         for number, (design, arguments) in enumerate(zip(designs, given, strict=True)):
             if any(strength.law for strength in self.strengths(design)):
-                keep(number, partial(self.of, design))
+                answer_of[number] = one_or_error(self.of, design)
                 continue
             missing = tuple(name for name, value in arguments.items() if value is None)
             alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
@@ -127,7 +113,7 @@ class OnArrays(Generic[D]):
                 columns[name] = first if values.count(first) == len(values) else np.array(values)
             forms = self.closed_forms(columns, bolts)
             for place, number in enumerate(numbers):
-                keep(number, partial(forms.of, place if forms.outcome.size > 1 else 0))
+                answer_of[number] = one_or_error(forms.of, place if forms.outcome.size > 1 else 0)
         return [answer_of[number] for number in range(len(designs))]
 
 

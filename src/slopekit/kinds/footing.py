@@ -1,12 +1,17 @@
 """The footing on a weak plane (Sheng et al. 2023, §3.3)."""
 
+import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from slopekit.closed_form.footing import footing
-from slopekit.design.kinds import FootingDesign
+from slopekit.design.common import Design, Stiffness, Strength
+from slopekit.design.fields import Field, count, number
+from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_strengths
 from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
@@ -19,6 +24,70 @@ from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
 NAME = "weak plane"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FootingDesign(Design):
+    """A footing above a weak plane that daylights in a vertical face (Sheng et al. 2023, §3.3), per metre.
+
+    `load_at_m` is the distance of the load from the face, None for the middle of the top. A unit weight of 0 leaves
+    the weight of the rock out, as the paper does.
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
+    )
+    REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
+    WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
+
+    load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
+    load_at_m: float | None = number(
+        "footing.at", "length", default=None, least=0.0, code="E119", words=("middle",), example="middle",
+        label="place of the load", taken="at_m", left_out="middle",
+        doc="from the face; `middle`: over the middle of the plane",
+    )  # fmt: skip
+    dip_deg: float = number(
+        "weak_plane.dip", "angle", above=0.0, most=89.9, code="E101", example="45", label="dip of the weak plane"
+    )
+    length_m: float = number("weak_plane.length", "length", above=0.0, code="E116", example="7.07 m")
+    pairs: int = count(
+        "weak_plane.pairs", 3, 2001, default=9, is_odd=True, code="E199",
+        advice="Simpson's rule takes two pairs an element and one more.",
+    )  # fmt: skip
+    strength: Strength
+
+    @property
+    def at_m(self) -> float:
+        """The distance of the load from the face."""
+        middle = self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
+        return middle if self.load_at_m is None else self.load_at_m
+
+    @property
+    def eccentricity_m(self) -> float:
+        """How far the load passes the middle of the plane, away from the face."""
+        middle = self.length_m * math.cos(math.radians(self.dip_deg)) / 2.0
+        return 0.0 if self.load_at_m is None else self.load_at_m - middle
+
+
+def read_footing(reader: Reader) -> FootingDesign:
+    """A footing on a weak plane.
+
+    Raises
+    ------
+    DesignError
+        With every fault found; E199 for a number of node pairs that the rule does not take.
+    """
+    own = reader.fields(FootingDesign)
+    user = "weak_plane", reader.at("weak_plane.strength"), reader.at("weak_plane") or reader.root
+    strength = read_strengths(reader, [user])[0]
+    common = read_common(reader)
+    if common["unit_weight_kn_m3"] is None:
+        common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
+    if all(reader.at(f"strength.{name}.stiffness.shear") is None for name, _ in reader.names("strength")):
+        # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
+        normal = common["stiffness"].normal_kn_m3
+        common["stiffness"] = Stiffness(normal, normal / 3.0)
+    return reader.made(FootingDesign, own, common, strength=strength)
 
 
 def cut(design: FootingDesign) -> Cut:
@@ -79,7 +148,7 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[SheetPart]:
 
 
 KIND = kind_of_one_block(
-    "footing",
+    "footing", FootingDesign, read_footing,
     Words(
         "footing above a weak plane, per metre", "block", "out of the face", "closed form", "limit equilibrium",
         {"slides_on_J1": "slides on the weak plane", "lifted": "is pushed off the weak plane"}, horizontal="x",

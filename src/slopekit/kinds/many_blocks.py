@@ -14,13 +14,14 @@ from threadpoolctl import threadpool_limits
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
 from slopekit.core.sheet import counted
-from slopekit.design.blocky import AssemblyDesign
+from slopekit.design.reader import Reader
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
+from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
-from slopekit.kinds.protocol import ClosedForm, Factors, Kind, compare
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Factors, Kind, carried_joint, compare
 from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
@@ -115,10 +116,15 @@ def no_notices(*_: object) -> tuple[Notice, ...]:
     return ()
 
 
+def carried_strengths(inputs: Mapping[str, Any]) -> dict[str, CarriedJoint]:
+    """The strengths of a result of many blocks by name, from the JSON of its inputs."""
+    return {name: carried_joint(name, given) for name, given in inputs["strengths"]}
+
+
 def kind_of_many_blocks(
-    name: str, own: Blocks[A], slope: Callable[[A, Result], SheetPart],
+    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], SheetPart],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
-    figures: Mapping[str, Callable[[A, Any], float]] | None = None,
+    figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -150,9 +156,10 @@ def kind_of_many_blocks(
         )
 
     return Kind(
-        name, own.words, lambda design: solved(own, design).result, factors, lambda design: _ladder(own, design),
-        lambda design: [strength for _, strength in design.strengths], parts, own.cut,
-        at_load=lambda *asked: _at_load(own, *asked), figures=figures or {},
+        name, record, read, own.words, lambda design: solved(own, design).result, factors,
+        lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
+        own.cut, at_load=lambda *asked: _at_load(own, *asked), figures=figures or {}, carried=carried,
+        falls_west=falls_west,
     )  # fmt: skip
 
 

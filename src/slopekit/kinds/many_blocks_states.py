@@ -7,8 +7,8 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
-from slopekit.design.blocky import AssemblyDesign
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
+from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
 from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength

@@ -11,6 +11,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.design.common import Design, Strength
+from slopekit.design.reader import Reader
 from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
@@ -33,7 +34,7 @@ from slopekit.kinds.one_block_states import (
     turned,
     turned_back,
 )
-from slopekit.kinds.protocol import ClosedForm, D, Factors, Kind, compare
+from slopekit.kinds.protocol import Carried, ClosedForm, D, Factors, Kind, compare, one_or_error
 from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.kinds.words import SheetPart
@@ -160,10 +161,12 @@ class Cut:
 
 
 def kind_of_one_block(
-    name: str, words: Words, cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
+    name: str, record: type[D], read: Callable[[Reader], D], words: Words,
+    cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
+    carried: Carried = Carried(),  # noqa: B008  (frozen)
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -180,10 +183,16 @@ def kind_of_one_block(
         clock = Clock()
         with clock("cut"):
             made = cut(design)
-        with clock("closed_form"):
-            closed = closed_form(design)
         with clock("governs"):
-            governs = _governs(changes(design), closed_form, on_arrays, f"no {words.block}")
+            changed = changes(design)
+        with clock("closed_form"):  # of the design and what GOVERNS makes of it, where it can be one call
+            closed, *found = _closed_forms([design, *(other for _, other in changed)], closed_form, on_arrays)
+        if isinstance(closed, GeometryError):
+            raise closed
+        governs = tuple(
+            (name, None, f"no {words.block}") if isinstance(form, GeometryError) else (name, form.factor, form.status)
+            for (name, _), form in zip(changed, found, strict=True)
+        )
         solved = solve(design, made, clock)
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
@@ -208,29 +217,22 @@ def kind_of_one_block(
         return ladder_of_block(design, analyse, cut, meshes, closed_form)
 
     return Kind(
-        name, words, analyse, factors, ladder, strengths, lambda design, found: tuple(slope(design, found)), cut,
-        closed_form, on_arrays, has_site, paper_keys=paper_keys,
+        name, record, read, words, analyse, factors, ladder, strengths,
+        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site,
+        paper_keys=paper_keys, carried=carried,
     )  # fmt: skip
 
 
-def _governs(
-    changes: Sequence[tuple[str, D]],
-    closed_form: Callable[[D], ClosedForm],
-    on_arrays: "OnArrays[D] | None",
-    nothing: str,
-) -> tuple[tuple[str, float | None, str], ...]:
-    """What changes do to the closed form: their name, factor of safety, status; `nothing` where there is no block."""
-
-    def answer(design: D) -> tuple[float | None, str]:
-        try:
-            found = closed_form(design)
-        except GeometryError:
-            return None, nothing
-        return found.factor, found.status
-
-    designs = [design for _, design in changes]
-    found = on_arrays.answers(designs, nothing) if on_arrays is not None else [answer(design) for design in designs]
-    return tuple((change, *change_does) for (change, _), change_does in zip(changes, found, strict=True))
+def _closed_forms(
+    designs: Sequence[D], closed_form: Callable[[D], ClosedForm], on_arrays: "OnArrays[D] | None"
+) -> list[ClosedForm | GeometryError]:
+    """The closed form of each design, the first as PRE-IE is compared with it; the error where there is no block."""
+    if on_arrays is None:
+        return [one_or_error(closed_form, design) for design in designs]
+    first, *more = on_arrays.answers(designs)
+    if isinstance(first, ClosedForm) and any(strength.dilation_deg for strength in on_arrays.strengths(designs[0])):
+        first = replace(first, why_not=DILATES)
+    return [first, *more]
 
 
 def on_one_plane(factor: float | None, status: str, strength: Strength) -> ClosedForm:

@@ -2,15 +2,19 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.design.common import Strength, Water
-from slopekit.design.kinds import PlaneDesign
+from slopekit.design.common import Design, Strength, Water
+from slopekit.design.fields import Field, group, number, orientation
+from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
+from slopekit.design.nodes import Node
+from slopekit.design.reader import Reader
+from slopekit.design.sections import read_common, read_water
 from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
@@ -21,12 +25,96 @@ from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_beddi
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
-from slopekit.orientation import Line, Plane, number
+from slopekit.orientation import Line, Plane
+from slopekit.orientation import number as shown
 from slopekit.result import Result, Words
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
 _OUT = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class VerticalCrack:
+    """A vertical tension crack of a plane failure: depth or distance behind the crest, and the water in it; m."""
+
+    depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m",
+                                   left_out="by the distance")  # fmt: skip
+    distance_m: float | None = number("distance", "length", default=None, axis="distance of the crack",
+                                      left_out="by the depth",
+                                      doc="behind the crest; below 0 in the face; both where they agree")  # fmt: skip
+    water_m: float | None = number(
+        "water", "length", default=None, least=0.0, code="E119", label="water in the crack",
+        doc="depth of it (`dry`, `full`); triangular there, falling to nothing at the toe",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneDesign(Design):
+    """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
+    INTO: ClassVar[Mapping[str, str]] = {"joints": "joint"}
+    FILLS: ClassVar[bool] = True
+
+    joint: Plane
+    joint_name: str
+    face: Plane = orientation("slope.face", axis="the face", example="60/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="0/180", left_out="level")
+    height_m: float = number("slope.height", "length", above=0.0, code="E116", example="12 m")
+    strength: Strength
+    crack: VerticalCrack | None = group("crack", VerticalCrack, default=None, left_out="no crack")
+    refine: int = refinements()
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The joint, and the crack where there is one."""
+        return (self.joint_name, "crack") if self.crack is not None else (self.joint_name,)
+
+
+def read_plane(reader: Reader) -> PlaneDesign:
+    """A plane failure.
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    joints = joints_of(reader, 1)
+    own = reader.fields(PlaneDesign)
+    if own["upper"] is None and reader.at("slope.upper") is None:
+        own["upper"] = reader.default("upper", Plane(0.0, 0.0 if own["face"] is not None else 180.0))
+    node = reader.at("crack")
+    if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
+        reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
+        node = None
+    crack, said = None, None if node is None else node.get("water")
+    fills = said is not None and said.text in ("dry", "full")
+    if node is not None:
+        without = replace(node, value={key: below for key, below in node.items() if not (fills and key == "water")})
+        crack = VerticalCrack(**reader.fields(VerticalCrack, without))
+    strengths = strengths_of(reader, joints)
+    names = [joint.name for joint in joints] or ["J1"]
+    water = _water_of_plane(reader, names, said if fills else None, crack is not None)
+    if said is not None and (reader.at("water") is not None if fills else water != Water()):
+        reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
+    common = read_common(reader)
+    return reader.made(
+        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
+        strength=strengths[0] if strengths else None, water=water,
+    )  # fmt: skip
+
+
+def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
+    if in_crack is not None and reader.at("water") is None:
+        return Water("full", 1.0) if in_crack.text == "full" else Water()
+    water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
+    if at is not None and not has_crack and len(at.elements) > 1:
+        message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
+        reader.fault("E109", message, at)
+    if water.mode == "pressures" and not has_crack:
+        return Water("pressures", 0.0, water.pressures_kpa[:1])
+    return water
 
 
 def cut(design: PlaneDesign) -> Cut:
@@ -252,7 +340,7 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
-            message = f"{name} strikes {number(round(apart, 1))}° from the face: taken as parallel to it"
+            message = f"{name} strikes {shown(round(apart, 1))}° from the face: taken as parallel to it"
             notices.append(Notice("W321", message))
     if design.seismic.coefficient and abs(_seismic(design)) < design.seismic.coefficient * (1.0 - 1e-6):
         share = _seismic(design) / design.seismic.coefficient * 100
@@ -293,7 +381,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
 
 
 KIND = kind_of_one_block(
-    "plane",
+    "plane", PlaneDesign, read_plane,
     Words(
         "plane failure, per metre", "block", "out of the slope", "Hoek & Bray closed form (plane failure)",
         "Hoek & Bray: forces only",

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.design.common import Design, Strength
+from slopekit.design.reader import Reader
+from slopekit.errors import GeometryError
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
@@ -13,6 +15,9 @@ if TYPE_CHECKING:
     from slopekit.kinds.words import SheetPart
 
 D = TypeVar("D", bound=Design)
+T = TypeVar("T")
+#: The numbers of a strength as the JSON of inputs has them.
+STRENGTH_INPUTS = ("cohesion_kpa", "friction_angle_deg", "dilation_deg", "tension_kpa")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,6 +27,14 @@ class ClosedForm:
     factor: float | None
     status: str
     why_not: str = ""
+
+
+def one_or_error(closed_form: Callable[[T], ClosedForm], design: T) -> ClosedForm | GeometryError:
+    """The closed form of a design, or why there is no block."""
+    try:
+        return closed_form(design)
+    except GeometryError as error:
+        return error
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,12 +67,54 @@ class Factors:
 
 
 @dataclass(frozen=True, slots=True)
+class CarriedJoint:
+    """A joint of a result: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
+
+    strength: str
+    cohesion: float
+    friction: float
+    dilation: float
+    tension: float
+    pressure: float = 0.0
+
+
+def carried_joint(name: str, inputs: Mapping[str, Any]) -> CarriedJoint:
+    """A joint from the JSON of its strength."""
+    cohesion, friction, dilation, tension = (inputs[key] for key in STRENGTH_INPUTS)
+    return CarriedJoint(name, cohesion, friction, dilation, tension)
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """What of a result goes over into a design of kind blocks, from the JSON of its inputs; one joint by default.
+
+    Attributes
+    ----------
+    joints : (inputs, names of the scene's joints) the joints by name, those without a strength left out
+    pressures : mean water pressures (kPa) where pairs of blocks have their own, not those of their joints
+    apart : (inputs, names of the blocks) pairs of blocks side by side that do not touch
+    mixed : what is said where interfaces with one strength have several pressures
+    bedrock_is_last : the last block of the scene is the bedrock that contacts do not name
+    """
+
+    joints: Callable[[Mapping[str, Any], Sequence[str]], Mapping[str, CarriedJoint]] = lambda inputs, names: {
+        names[0]: carried_joint("joint", inputs["strength"])
+    }
+    pressures: Callable[[Mapping[str, Any]], Sequence[tuple[str, str, float]]] | None = None
+    apart: Callable[[Mapping[str, Any], Sequence[str]], Sequence[tuple[str, str]]] = lambda inputs, names: ()
+    mixed: str = ""
+    bedrock_is_last: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Kind(Generic[D]):
     """A kind of design.
 
     Attributes
     ----------
     name : the word behind `kind:`
+    record : the dataclass of its designs, whose fields declare the keys
+    read : a design from a file, all faults at once
     words : what it calls things
     analyse : from a design to its result
     factors : both factors of safety and nothing else, for studies that ask thousands of times
@@ -74,9 +129,13 @@ class Kind(Generic[D]):
         where a kind has no such path
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
+    carried : what goes over into a design of kind blocks
+    falls_west : the slope falls toward -x where nothing of a result says the way
     """
 
     name: str
+    record: type[D]
+    read: Callable[[Reader], D]
     words: Words
     analyse: Callable[[D], Result]
     factors: Callable[[D], Factors]
@@ -90,6 +149,8 @@ class Kind(Generic[D]):
     at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
+    carried: Carried = Carried()
+    falls_west: bool = False
 
 
 def compare(

@@ -1,7 +1,9 @@
 """Columns on a stepped base, with Goodman & Bray's table beside those of PRE-IE."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,20 +15,127 @@ from slopekit.closed_form.toppling import (
     toppling_table,
 )
 from slopekit.core.sheet import counted
-from slopekit.design.blocky import ToppleDesign
+from slopekit.design.common import Water
+from slopekit.design.fields import Field, count, number
+from slopekit.design.reader import Reader
+from slopekit.design.sections import strength_names
 from slopekit.errors import DesignError, Notice
 from slopekit.findings import Column, Mechanism
-from slopekit.kinds.many_blocks import Blocks, kind_of_many_blocks, named_strength
+from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
+from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
-from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, first_and_last
-from slopekit.orientation import number
+from slopekit.orientation import number as shown
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
 
 _BEYOND = 1e-6  # the table is that of columns which just fail
 _MODES = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "lift"}
 _MOST_HEIGHTS = 20
+
+
+_WESTWARD = 270.0  # columns rise toward +x and fall toward -x
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToppleDesign(AssemblyDesign):
+    """Columns on a stepped base (Goodman & Bray 1976), numbered C1, C2, ... from the toe upward; per `thickness_m`.
+
+    Attributes
+    ----------
+    dip_deg : of the columns, into the slope: the base of each dips 90° less out of it
+    width_m : of every column, along the base
+    heights_m : from the toe upward, square to the base
+    base_step_m : how much the base of each column lies above that of the one below, square to the base
+    base, sides : names of the strengths
+    pressures_kpa : mean water pressure on the bases and on the sides
+    rows : of columns side by side along the strike, all alike; with several, C3 of row 2 is C3-2
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("columns.base", "text", left_out="the only one", doc="strength of the bases"),
+        Field("columns.sides", "text", left_out="the only one", doc="strength between the columns"),
+    )  # fmt: skip
+
+    dip_deg: float = number(
+        "columns.dip", "angle", above=0.0, below=90.0, code="E139", example="60", label="dip of the columns",
+        advice="Columns dip into the slope; their base falls out of it, square to them.",
+    )  # fmt: skip
+    width_m: float = number(
+        "columns.width", "length", above=0.0, code="E240", example="10 m", doc="of every column, along the base"
+    )
+    heights_m: tuple[float, ...] = number(
+        "columns.heights", "length", above=0.0, code="E240", many="list", at_least=1, example="[4, 10, 16]",
+        label="height of C{k}", doc="from the toe upward, square to the base",
+    )  # fmt: skip
+    base_step_m: float = number(
+        "columns.base_step", "length", default=0.0, least=0.0, code="E241",
+        says="it lies from 0 to less than the lowest column",
+        doc="how much each base lies above that of the column below, square to it",
+    )  # fmt: skip
+    thickness_m: float = number("columns.thickness", "length", default=1.0, above=0.0, code="E240")
+    rows: int = count("columns.rows", 1, MOST_BLOCKS, default=1, doc="of columns side by side along the strike")
+    base: str
+    sides: str
+    water: Water = water_by(
+        Field("pressures.base", "pressure", 0.0, axis="water pressure on the bases"),
+        Field("pressures.sides", "pressure", 0.0, axis="water pressure on the sides"),
+    )
+    pressures_kpa: Point2 = (0.0, 0.0)
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The bases of the columns, and their sides."""
+        return "base", "sides"
+
+    @property
+    def block_names(self) -> tuple[str, ...]:
+        """The names of the columns, from the toe upward, row by row."""
+        return column_names(len(self.heights_m), self.rows)
+
+
+def column_names(columns: int, rows: int = 1) -> tuple[str, ...]:
+    """Names of columns: C1, C2, ...; with several rows C1-1, C2-1, ..., C1-2, ...
+
+    >>> column_names(2), column_names(2, 2)
+    (('C1', 'C2'), ('C1-1', 'C2-1', 'C1-2', 'C2-2'))
+    """
+    if rows == 1:
+        return tuple(f"C{column}" for column in range(1, columns + 1))
+    return tuple(f"C{column}-{row}" for row in range(1, rows + 1) for column in range(1, columns + 1))
+
+
+def read_topple(reader: Reader) -> ToppleDesign:
+    """Columns on a stepped base.
+
+    Raises
+    ------
+    DesignError
+        With every fault found: E139 a dip, E240 a size, E241 a step that cannot be, and those of every assembly.
+    """
+    node = reader.at("columns")
+    own = reader.fields(ToppleDesign)
+    heights, step, below = own["heights_m"] or (), own["base_step_m"], reader.at("columns.base_step")
+    shortest = min(heights, default=None)
+    if step is not None and shortest is not None and step >= shortest:
+        limits = f"from 0 to less than the lowest column ({shown(shortest)} m)"
+        reader.fault("E241", f"base_step is {shown(step)}, it lies {limits}", below)
+    most = max(MOST_BLOCKS // max(len(heights), 1), 1)
+    rows = own["rows"] or 1
+    if rows > most:
+        rows = 1
+        message = f"rows is {own['rows']}, it must be a whole number from 1 to {most}"
+        reader.fault("E137", message, reader.at("columns.rows"))
+    users = [] if node is None else [(name, node.get(name), node) for name in ("base", "sides")]
+    base, sides = strength_names(reader, users) or (None, None)
+    by_name = {name: value for name, _, value in pressures(reader, "{base: 5 kPa, sides: 3 kPa}")}
+    water = (by_name.get("base", 0.0), by_name.get("sides", 0.0))
+    names = dict.fromkeys(column_names(len(heights), rows), True)
+    shared = common(reader, names, True, _WESTWARD, water)
+    return reader.made(
+        ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water
+    )  # fmt: skip
 
 
 def cut(design: ToppleDesign) -> AssemblyScene:
@@ -137,16 +246,16 @@ def _slope(design: ToppleDesign, _: Result) -> SheetPart:
     rows = "" if design.rows == 1 else f" in each of {design.rows} rows side by side"
     step = f", each {design.base_step_m:.6g} m above the one below" if design.base_step_m else ", in one plane"
     entries = [
-        f"{counted(count, 'column')}{rows}, C1 at the toe, {design.width_m:.6g} m wide, dip {number(design.dip_deg)}° "
+        f"{counted(count, 'column')}{rows}, C1 at the toe, {design.width_m:.6g} m wide, dip {shown(design.dip_deg)}° "
         f"into the slope, {design.thickness_m:.6g} m thick along the strike",
-        f"bases dip {number(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
+        f"bases dip {shown(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
     ]
     low, high = min(heights), max(heights)
     if low == high:
         entries.append(f"heights {'all ' if count > 1 else ''}{high:.6g} m")
     else:
-        shown, between, last = first_and_last([f"{height:.6g}" for height in heights], _MOST_HEIGHTS - 4, 4)
-        listed = ", ".join([*shown, *([f"... {between} more ..."] if between else []), *last])
+        first, between, last = first_and_last([f"{height:.6g}" for height in heights], _MOST_HEIGHTS - 4, 4)
+        listed = ", ".join([*first, *([f"... {between} more ..."] if between else []), *last])
         tallest = f"C{heights.index(high) + 1}"
         entries.append(f"heights {low:.6g} to {high:.6g} m ({tallest} the tallest), from the toe upward: {listed}")
     if design.base == design.sides:
@@ -158,6 +267,17 @@ def _slope(design: ToppleDesign, _: Result) -> SheetPart:
     return SheetPart("COLUMNS", entries)
 
 
+def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
+    strengths, (base, side) = carried_strengths(inputs), inputs["pressures_kpa"]
+    pressures = {"base": ("base", base), "sides": ("sides", side), "riser": ("base", 0.0)}
+    return {joint: replace(strengths[inputs[key]], pressure=water) for joint, (key, water) in pressures.items()}
+
+
+def _rows_apart(inputs: Mapping[str, Any], names: Sequence[str]) -> list[tuple[str, str]]:
+    count = len(inputs["heights_m"])
+    return [(names[k], names[k + count]) for k in range(count * (inputs["rows"] - 1))]
+
+
 OWN = Blocks(
     Words(
         "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
@@ -166,9 +286,16 @@ OWN = Blocks(
     cut, goodman_bray, _notices,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
-    "topple", OWN, _slope, lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
+    "topple", ToppleDesign, read_topple, OWN, _slope,
+    lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
         "toe_force_kn": lambda design, _: toe_force_required(_column_slope(design)),
         "column_force_kn": lambda design, n: float(toppling_table(_column_slope(design)).force_kn[int(n or 1) - 1]),
     },
+    # riser and base share a strength: they differ in water alone
+    carried=Carried(
+        _carried, apart=_rows_apart, bedrock_is_last=True,
+        mixed="dry risers beside wet bases: each pair of column and bedrock has the pressure of its larger part",
+    ),
+    falls_west=True,
 )  # fmt: skip

@@ -19,8 +19,8 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.arrays import Ints
 from slopekit.design.joint_lists import JointList
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
+from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Plane
 from slopekit.studies.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.running import ALONE, Advance, Crew, run_all

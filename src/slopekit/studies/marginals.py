@@ -123,7 +123,7 @@ def shares_beyond(variables: Iterable[Variable], record: type[Design]) -> tuple[
 
     Limits that depend on other values (dilation below φ, a step lower than the columns) are seen in samples only.
 
-    >>> from slopekit.design.wedge import WedgeDesign
+    >>> from slopekit.kinds.wedge.design import WedgeDesign
     >>> cohesion = Variable("strength.weak.c", Distribution("uniform", {"min": -1.0, "max": 9.0}, "pressure"))
     >>> shares_beyond([cohesion], WedgeDesign)[0].below
     0.1

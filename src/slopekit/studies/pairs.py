@@ -22,8 +22,8 @@ from slopekit.arrays import Bools, Floats, Ints
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Plane, number
 from slopekit.units import quantity
 
@@ -268,7 +268,7 @@ def pair_inputs(
 
 def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str], str]) -> WedgeDesign:
     """The slope and its loads, read as a wedge whose joints mean nothing."""
-    from slopekit.design.reading import wedge_design
+    from slopekit.kinds.wedge.design import wedge_design
 
     face = face or Plane(60.0, 180.0)
     own = {key: given.get(key) for key in _SLOPE}

@@ -125,9 +125,9 @@ class Search(Generic[T]):
         for a, b in list(pairwise(self.samples)):
             wide = b.at - a.at > _TURN * self._size(a.at, b.at)
             if wide and a.level is not None and b.level is not None and a.label != b.label:
-                self._halve(a, b, width, lambda sample, label=a.label: sample.label == label)  # type: ignore[misc]
+                self._halve(a, b, width, lambda sample: sample.label)
 
-    def _halve(self, a: Sample[T], b: Sample[T], width: float, side: Callable[[Sample[T]], bool]) -> None:
+    def _halve(self, a: Sample[T], b: Sample[T], width: float, side: Callable[[Sample[T]], object]) -> None:
         of_a = side(a)
         while b.at - a.at > width * self._size(a.at, b.at):
             middle = self.at(0.5 * (a.at + b.at))

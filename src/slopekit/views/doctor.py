@@ -71,8 +71,8 @@ def _templates() -> tuple[str, bool]:
 
 
 def _wedge() -> tuple[str, bool]:
-    from slopekit.design.reading import wedge_design
     from slopekit.kinds import analyse
+    from slopekit.kinds.wedge.design import wedge_design
 
     fos = analyse(wedge_design({"dips": ("45/115", "45/245")})).fos
     if fos.limit is None or fos.closed_form is None:
@@ -107,8 +107,8 @@ def _drawing() -> tuple[str, bool]:
     import tempfile
     from pathlib import Path
 
-    from slopekit.design.reading import wedge_design
     from slopekit.kinds import analyse
+    from slopekit.kinds.wedge.design import wedge_design
     from slopekit.views.scenes import draw
 
     with tempfile.TemporaryDirectory() as place:

@@ -340,7 +340,7 @@ def read_document(path: Path) -> Document:
     """
     import json
 
-    from slopekit.design.document import read_bytes
+    from slopekit.design.on_disk import read_bytes
 
     content = read_bytes(path, _MOST_BYTES)
 

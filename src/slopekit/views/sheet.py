@@ -6,7 +6,6 @@ from typing import Any
 
 from slopekit._version import __version__
 from slopekit.core.sheet import WIDTH, block, factor_text
-from slopekit.design.wedge import DEFAULT_NAMES
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.words import SheetPart, line_in_words, size_number
 from slopekit.orientation import line_of
@@ -169,7 +168,7 @@ def _defaults(result: Result) -> list[str]:
     names = result.design.defaults
     if not names:
         return ["none of the paper's wedge was taken"] if kind_of(result.design).paper_keys else []
-    ours = [DEFAULT_NAMES.get(name, name) for name in names if name != "seismic.trend"]
+    ours = ["φ" if name == "phi" else name for name in names if name != "seismic.trend"]
     parts = [", ".join(ours) + " (the paper's wedge)"] if ours else []
     if "seismic.trend" in names:
         parts.append(f"seismic trend ({result.words.seismic})")

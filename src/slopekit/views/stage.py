@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene
 from slopekit.errors import DesignError, Fault
+from slopekit.kinds import known_kind
 from slopekit.orientation import Line, parse_plane
 from slopekit.views.layers import (
     BLOCK,
@@ -125,7 +126,8 @@ class Stage:
         if length > 0.0:
             unit: Floats = level / length
             return unit
-        return np.array([-1.0 if self.kind == "topple" else 1.0, 0.0, 0.0])
+        kind = known_kind(self.kind)
+        return np.array([-1.0 if kind is not None and kind.falls_west else 1.0, 0.0, 0.0])
 
     @cached_property
     def eye(self) -> Floats:

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
-from slopekit.design.document import read_bytes
+from slopekit.design.on_disk import read_bytes
 from slopekit.design.survey.columns import (
     COLUMNS,
     COUNTERS,

@@ -1,21 +1,70 @@
-"""What designs of many blocks share in their files: named strengths, water by pressures, loads on named blocks."""
+"""What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from slopekit.design import words
-from slopekit.design.common import Bolt, Force, Seismic, Strength, Water
-from slopekit.design.fields import Field
+from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
+from slopekit.design.fields import Field, count, group
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
+from slopekit.design.structure import Leaf
 from slopekit.orientation import number
 
+Point2 = tuple[float, float]
+MOST_BLOCKS = 200_000
 _SECTION_TRENDS = (90.0, 270.0)
 _TREND_TOLERANCE = 1e-6
 _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
 _PRESSURE = Field("pressures", "pressure", 0.0, code="E119")
+
+
+def water_by(*pressures: Field) -> Any:
+    """Water of blocks, by its pressures; mode and fill are known so that the reader can say why they are not taken."""
+    also = (
+        Field("mode", "text", example="dry", is_refused=True),
+        Field("fill", "ratio", 0.0, 1.0, is_refused=True),
+        *pressures,
+    )
+    keys = type("WaterOfBlocks", (_Keys,), {"ALSO": also})
+    return group("water", keys, default=Water(), forms=(Leaf(example="dry"),))
+
+
+@dataclass(frozen=True, slots=True)
+class _Keys:
+    """Keys that are read into attributes of another record."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssemblyDesign(Design):
+    """What designs of many blocks share.
+
+    Attributes
+    ----------
+    strengths : by name, in the order of the file
+    mechanisms : how many successive mechanisms are wanted: what fails first is taken away, and so on
+    seed : of all random numbers
+    """
+
+    strengths: tuple[tuple[str, Strength], ...]
+    forces: tuple[Force, ...] = forces_without()
+    bolts: tuple[Bolt, ...] = bolts_without()
+    water_unit_weight_kn_m3: float = 9.81
+    factors: tuple[float, ...] = ()
+    mechanisms: int = count(
+        "analysis.mechanisms",
+        1,
+        1000,
+        default=1,
+        doc="successive mechanisms: what fails first is taken away, and so on",
+    )
+    seed: int = 0
+
+    def strength(self, name: str) -> Strength:
+        """A strength by its name."""
+        return dict(self.strengths)[name]
 
 
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
@@ -102,8 +151,7 @@ def _on_blocks(
     for node in reader.items(path):
         value = reader.value(node)
         bare = {key: part for key, part in value.items() if key != "block"} if isinstance(value, dict) else value
-        where = str(node.place)
-        load = None if value is None else reader.kept(lambda bare=bare, where=where: read(bare, where))  # type: ignore[misc]
+        load = None if value is None else reader.kept(read, bare, str(node.place))
         block = _block_of(reader, node, what, blocks) if value is not None else None
         if load is None:
             continue

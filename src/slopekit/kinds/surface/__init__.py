@@ -11,7 +11,6 @@ import numpy as np
 from slopekit.arrays import Floats, frozen
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.design.kinds import SurfaceDesign
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
@@ -31,6 +30,7 @@ from slopekit.kinds.one_block import (
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
@@ -506,5 +506,6 @@ WORDS = Words(
     assumes=" (normal stresses of a rigid mass on an even elastic bed)", turns=False,
 )  # fmt: skip
 KIND = Kind(
-    "surface", WORDS, analyse_surface, _factors, _ladder, lambda design: [design.strength], _slope, cut
+    "surface", SurfaceDesign, read_surface, WORDS, analyse_surface, _factors, _ladder,
+    lambda design: [design.strength], _slope, cut,
 )  # fmt: skip

@@ -1,20 +1,114 @@
-"""Wedges: from a design file, and from the inputs of a call (command line, Python); all faults at once."""
+"""The design of a wedge: its keys, and how it is read from a file or the inputs of a call; all faults at once."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.design import words
-from slopekit.design.common import Strength, Water
-from slopekit.design.joints import joints_of, strengths_of
+from slopekit.design.common import Design, Strength, Water
+from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
+from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
-from slopekit.design.wedge import Crack, WedgeDesign
-from slopekit.errors import Fault
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import Plane, parse_plane
 from slopekit.units import is_unit_of, unit_of
+
+if TYPE_CHECKING:
+    from slopekit.strength.protocol import StrengthLaw
+
+#: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
+PAPER_WEDGE: dict[str, Any] = {
+    "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Crack:
+    """A tension crack: its plane, and its distance from the crest along the trace of plane 1 (m)."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field(
+            "water",
+            "ratio",
+            0.0,
+            1.0,
+            or_measures="pressure",
+            axis="water in the crack",
+            left_out="as the joints",
+            doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`",
+        ),
+    )
+
+    plane: Plane = orientation("plane", axis="the crack", example="80/180")
+    distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
+                                doc="from the crest along J1's trace")  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WedgeDesign(Design):
+    """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
+
+    `laws` are the curved ones of the joints; cohesion and friction angle are those of `Strength.by_law` then.
+    """
+
+    ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
+    REQUIRED: ClassVar[tuple[str, ...]] = ()
+    FILLS: ClassVar[bool] = True
+    INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
+    DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+
+    joints: tuple[Plane, Plane]
+    face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
+    upper: Plane = orientation("slope.upper", axis="the upper slope", default=None, example="60/180")
+    height_m: float = number(
+        "slope.height", "length", default=None, least=1e-6, most=1e7, code="E116", example="64.89 m",
+        check=more_than_nothing, says="out of range ({least} to {most})",
+        doc="vertical, from the toe to where J1's trace meets the crest",
+    )  # fmt: skip
+    cohesion_kpa: tuple[float, float]
+    friction_angle_deg: tuple[float, float]
+    dilation_deg: tuple[float, float] = (0.0, 0.0)
+    tension_kpa: tuple[float, float] = (0.0, 0.0)
+    crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
+    refine: int = refinements()
+    origin_m: tuple[float, float, float] = point(
+        "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
+    )
+    joint_names: tuple[str, str] = ("J1", "J2")
+    laws: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+
+    @property
+    def strengths(self) -> tuple[Strength, ...]:
+        """The strength of each joint."""
+        parts = self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws
+        return tuple(Strength(*values) for values in zip(*parts, strict=True))
+
+    def with_strengths(self, first: Strength, second: Strength) -> "WedgeDesign":
+        """The same wedge with other strengths on its joints."""
+        return replace(
+            self, cohesion_kpa=(first.cohesion_kpa, second.cohesion_kpa),
+            friction_angle_deg=(first.friction_angle_deg, second.friction_angle_deg),
+            dilation_deg=(first.dilation_deg, second.dilation_deg),
+            tension_kpa=(first.tension_kpa, second.tension_kpa), laws=(first.law, second.law),
+        )  # fmt: skip
+
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The joints, and the crack where there is one."""
+        return (*self.joint_names, "crack") if self.crack is not None else self.joint_names
+
+    def inputs(self) -> dict[str, Any]:
+        """Every input as plain JSON values, the defaults written out."""
+        document = super(WedgeDesign, self).inputs()
+        document["joints"] = {f"J{k}": str(plane) for k, plane in enumerate(self.joints, 1)}
+        return document
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
 
 
 def read_wedge(reader: Reader) -> WedgeDesign:
@@ -58,7 +152,31 @@ def _crack(reader: Reader, node: Node) -> Crack | None:
         value.pop("water", None)
         if None in value.values():
             return None
-    return None if value is None else reader.kept(lambda: words.crack(value, str(node.place)))
+    return None if value is None else reader.kept(crack_of_words, value, str(node.place))
+
+
+def crack_of_words(value: object, where: str) -> Crack:
+    if isinstance(value, Crack):
+        return value
+    if isinstance(value, str) and "@" in value:
+        plane, _, distance = value.partition("@")
+        given: dict[str, object] = {"plane": plane, "distance": distance}
+    elif isinstance(value, dict) and value.keys() == {"plane", "distance"}:
+        given = value
+    else:
+        raise DesignError([Fault("E120", f"crack is {words.shown(value)}, it is written 80/180@5m", where)])
+    faults: list[Fault] = []
+    try:
+        orientation = parse_plane(given["plane"], "crack", where)
+    except DesignError as error:
+        faults += error.faults
+    try:
+        away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
+    except DesignError as error:
+        faults += error.faults
+    if faults:
+        raise DesignError(faults)
+    return Crack(orientation, away)
 
 
 def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
@@ -73,12 +191,12 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
     joints = list(water) if isinstance(water, list) else [0.0, 0.0] if water in ("dry", 0.0) else None
 
     def read(word: Any, at: Node) -> Water:
-        return reader.kept(lambda: words.water(word, str(at.place), has_crack)) or Water()
+        return reader.kept(words.water, word, str(at.place), has_crack) or Water()
 
     if not is_unit_of(unit_of(value), "pressure"):
         if joints is None or len(joints) < 3:
             own = read(water, given[1]) if given is not None else Water()
-            return replace(own, crack_fill=reader.kept(lambda: words.fill(value, str(node.place))))
+            return replace(own, crack_fill=reader.kept(words.fill, value, str(node.place)))
     elif joints is not None and len(joints) < 3:
         return read([*(joints * 2)[:2], value], node)
     advice = "Give the crack's water in one place; beside full joints it is a part of full: crack: {water: 50 %}."

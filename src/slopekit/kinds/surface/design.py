@@ -1,94 +1,137 @@
-"""Designs of one block beside the wedge, from their documents: all faults at once."""
+"""The design of a mass on a curved slip surface: its keys, and how it is read; all faults at once."""
 
-from dataclasses import replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
 
-from slopekit.design.common import MeshFile, Stiffness, Strength, Water
-from slopekit.design.fields import fields_of
-from slopekit.design.joints import joints_of, strengths_of
-from slopekit.design.kinds import FootingDesign, PlaneDesign, Points, Slip, SurfaceDesign, VerticalCrack
+from slopekit.design.common import Design, MeshFile, Strength, Water
+from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths, read_water
-from slopekit.orientation import Plane
+from slopekit.design.structure import Leaf, ListOf
 from slopekit.units import quantity
 
+Points = tuple[tuple[float, ...], ...]
 #: What gives the size of each shape of slip surface.
 _SIZES = {"ellipsoid": ("radii",), "sphere": ("radius",), "cylinder": ("radius", "length")}
 
 
-def read_plane(reader: Reader) -> PlaneDesign:
-    """A plane failure.
+@dataclass(frozen=True, slots=True)
+class Slip:
+    """A slip surface: an ellipsoid (a sphere among them), a horizontal cylinder along y, or a mesh.
 
-    Raises
-    ------
-    DesignError
-        With every fault found.
+    Attributes
+    ----------
+    centre_m, radii_m : (3,) m; a cylinder's radii are (R, length / 2, R)
+    edge_m : mean length wanted of the edges of its triangles, None for the default
+    normals : true (analytic), smoothed (mesh) or facet
     """
-    joints = joints_of(reader, 1)
-    own = reader.fields(PlaneDesign)
-    if own["upper"] is None and reader.at("slope.upper") is None:
-        own["upper"] = reader.default("upper", Plane(0.0, 0.0 if own["face"] is not None else 180.0))
-    node = reader.at("crack")
-    if node is not None and not ({"depth", "distance"} & {key for key, _ in node.items()}):
-        reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
-        node = None
-    crack, said = None, None if node is None else node.get("water")
-    fills = said is not None and said.text in ("dry", "full")
-    if node is not None:
-        without = replace(node, value={key: below for key, below in node.items() if not (fills and key == "water")})
-        crack = VerticalCrack(**reader.fields(VerticalCrack, without))
-    strengths = strengths_of(reader, joints)
-    names = [joint.name for joint in joints] or ["J1"]
-    water = _water_of_plane(reader, names, said if fills else None, crack is not None)
-    if said is not None and (reader.at("water") is not None if fills else water != Water()):
-        reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
-    common = read_common(reader)
-    return reader.made(
-        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
-        strength=strengths[0] if strengths else None, water=water,
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field(
+            "radius",
+            "length",
+            0.0,
+            above=True,
+            code="E171",
+            axis="radius of the slip surface",
+            left_out="required by sphere, cylinder",
+            doc="of a sphere or a cylinder",
+        ),
+        Field(
+            "length",
+            "length",
+            0.0,
+            above=True,
+            default=1.0,
+            code="E171",
+            label="length of the slip surface",
+            doc="of a cylinder",
+        ),
+    )
+
+    shape: Literal["ellipsoid", "sphere", "cylinder", "mesh"] = text(
+        "shape",
+        default="",
+        example="ellipsoid",
+        left_out="mesh where there is one",
+        doc="`ellipsoid`, `sphere`, `cylinder` (level, along y)",
+    )
+    centre_m: tuple[float, float, float] = number(
+        "centre", "length", default=(0.0, 0.0, 0.0), many="list", at_least=2, at_most=3, scatters=False,
+        example="[40, 0, 40]", left_out="required", doc="[x, y, z]; of a cylinder also [x, z]",
     )  # fmt: skip
+    radii_m: tuple[float, float, float] = number(
+        "radii", "length", default=(0.0, 0.0, 0.0), above=0.0, code="E171", many="list", at_least=3, at_most=3,
+        scatters=False, example="[40, 28, 40]", label="radius", left_out="required by an ellipsoid",
+        doc="of an ellipsoid",
+    )  # fmt: skip
+    mesh: MeshFile | None = text(
+        "mesh",
+        default=None,
+        example="slip.stl",
+        doc="instead of a shape: STL, OBJ, PLY, OFF, GLB, DXF, at most 400,000 triangles",
+    )
+    edge_m: float | None = number(
+        "edge",
+        "length",
+        default=None,
+        above=0.0,
+        code="E171",
+        scatters=False,
+        role="setting",
+        left_out="by the size",
+        doc="mean length wanted of the edges of its triangles",
+    )
+    normals: Literal["true", "smoothed", "facet"] = text(
+        "normals",
+        default="true",
+        example="true",
+        left_out="true; of a mesh smoothed",
+        doc="`true`, `smoothed`, `facet`",
+    )
+
+    def in_words(self) -> str:
+        """The surface as the sheet prints it."""
+        if self.mesh is not None:
+            return f"mesh {self.mesh.name}"
+        x, y, z = self.centre_m
+        at = f"about ({x:.6g}, {y:.6g}, {z:.6g})"
+        if self.shape == "ellipsoid":
+            return "ellipsoid {:.6g} x {:.6g} x {:.6g} m ".format(*self.radii_m) + at
+        if self.shape == "sphere":
+            return f"sphere of {self.radii_m[0]:.6g} m {at}"
+        return f"cylinder of {self.radii_m[0]:.6g} m, {2 * self.radii_m[1]:.6g} m long, {at}"
 
 
-def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
-    if in_crack is not None and reader.at("water") is None:
-        return Water("full", 1.0) if in_crack.text == "full" else Water()
-    water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
-    if at is not None and not has_crack and len(at.elements) > 1:
-        message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
-        reader.fault("E109", message, at)
-    if water.mode == "pressures" and not has_crack:
-        return Water("pressures", 0.0, water.pressures_kpa[:1])
-    return water
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SurfaceDesign(Design):
+    """A mass on a curved slip surface below a slope profile or within a closed mesh of the ground."""
 
+    REQUIRED: ClassVar[tuple[str, ...]] = ("slope", "strength", "rock")
 
-def read_footing(reader: Reader) -> FootingDesign:
-    """A footing on a weak plane.
+    profile_m: Points | None = text(
+        "slope.profile", default=None, coordinates=2, left_out="one of the two",
+        doc="[x, z] from one side to the other; level beyond its ends (W331)",
+        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[60, 0], [40, 0], [0, 40], [-20, 40]]"),),
+        example="[[60, 0], [40, 0], [0, 40], [-20, 40]]",
+    )  # fmt: skip
+    ground_mesh: MeshFile | None = text(
+        "slope.mesh",
+        default=None,
+        example="slope.stl",
+        left_out="one of the two",
+        doc="a closed mesh file beside the design",
+    )
+    slip: Slip = group("slip", Slip, example="{shape: sphere, centre: [40, 0, 40], radius: 40}")
+    strength: Strength
 
-    Raises
-    ------
-    DesignError
-        With every fault found; E199 for a number of node pairs that the rule does not take.
-    """
-    own = reader.fields(FootingDesign)
-    node = reader.at("weak_plane")
-    strength = _strength(reader, "weak_plane", node, None if node is None else node.get("strength"))
-    common = read_common(reader)
-    if common["unit_weight_kn_m3"] is None:
-        common["unit_weight_kn_m3"] = 0.0  # the paper leaves the weight out
-    if all(reader.at(f"strength.{name}.stiffness.shear") is None for name, _ in reader.names("strength")):
-        # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
-        normal = common["stiffness"].normal_kn_m3
-        common["stiffness"] = Stiffness(normal, normal / 3.0)
-    return reader.made(FootingDesign, own, common, strength=strength)
-
-
-def _strength(reader: Reader, user: str, own: Node | None, wanted: Node | None) -> Strength | None:
-    """The one strength of a design with one interface."""
-    if reader.at("strength") is None:
-        return None
-    return read_strengths(reader, [(user, wanted, own if own is not None else reader.root)])[0]
+    @property
+    def wet_interfaces(self) -> tuple[str, ...]:
+        """The slip surface."""
+        return ("slip",)
 
 
 def read_surface(reader: Reader) -> SurfaceDesign:
@@ -103,7 +146,7 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     ground = _mesh(reader, slope, "profile")
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
-    strength = _strength(reader, "slip", node, None)
+    strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
     water, at = read_water(reader, ["slip"])
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
@@ -140,12 +183,8 @@ def _profile(reader: Reader, node: Node | None) -> Points | None:
         return None
     points: list[tuple[float, ...]] = []
     for k, item in enumerate(node.elements, 1):
-        name, where = f"point {k} of the profile", str(item.place)
-        found = reader.kept(
-            lambda item=item, name=name, where=where: tuple(  # type: ignore[misc]
-                quantity(part, "length", name, where) for part in reader.value(item)
-            )
-        )
+        name = f"point {k} of the profile"
+        found = reader.kept(_lengths, reader.value(item), name, str(item.place))
         if found is not None and found in points:
             advice = "Give each point once, from the toe to behind the crest."
             reader.fault("E109", f"{name} is the same as an earlier one", item, advice)
@@ -199,11 +238,8 @@ def _word(node: Node, key: str, otherwise: str) -> str:
     return otherwise if said is None or said.text is None else said.text.lower()
 
 
-def _lengths(reader: Reader, node: Node, name: str) -> list[float | None]:
-    return [
-        reader.kept(lambda part=part: quantity(reader.value(part), "length", name, str(part.place)))  # type: ignore[misc]
-        for part in node.elements
-    ]  # fmt: skip
+def _lengths(parts: Sequence[Any], name: str, where: str) -> tuple[float, ...]:
+    return tuple(quantity(part, "length", name, where) for part in parts)
 
 
 def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, float] | None:
@@ -211,7 +247,8 @@ def _centre(reader: Reader, holder: Node, shape: str) -> tuple[float, float, flo
     if node is None:
         reader.fault("E143", "slip.centre is missing", holder, "Give slip.centre.")
         return None
-    parts = [] if reader.value(node) is None else _lengths(reader, node, "centre")
+    given = () if reader.value(node) is None else node.elements
+    parts = [reader.kept(quantity, reader.value(part), "length", "centre", str(part.place)) for part in given]
     sure = [part for part in parts if part is not None]
     if not sure or len(sure) < len(parts):
         return None

@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.arrays import frozen
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.design.common import Strength
-from slopekit.design.wedge import WedgeDesign
 from slopekit.errors import Notice
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
@@ -19,9 +18,10 @@ from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, RockMas
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
-from slopekit.kinds.protocol import ClosedForm
+from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import (
     SheetPart,
     line_in_words,
@@ -300,12 +300,17 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
     yield loads_part(water_in_words(design), result)
 
 
+def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
+    values = zip(*(inputs[key] for key in STRENGTH_INPUTS), strict=True)
+    return {name: CarriedJoint(name, *own) for name, own in zip(inputs["joint_names"], values, strict=False)}
+
+
 KIND = kind_of_one_block(
-    "wedge",
+    "wedge", WedgeDesign, read_wedge,
     Words(
         "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
         "Hoek & Bray: forces only", {}, along=True,
     ),
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"),
+    on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
 )  # fmt: skip
