@@ -1,4 +1,4 @@
-"""What the tests see when the code is wrong by 1 %: ``python -m benchmarks.mutations``.
+"""What the tests see when the code is a little wrong: ``python -m benchmarks.mutations``.
 
 Each mutation of `mutation_table` is made in a copy of the sources, and the tests that should see it are run there up
 to the first failure. ``--all`` goes on and counts every failing test; words choose groups or names that contain them.
@@ -112,9 +112,9 @@ def page(outcomes: list[Outcome], everything: bool) -> str:
     """The outcome as a page."""
     caught = sum(outcome.caught for outcome in outcomes)
     lines = [
-        "# What the tests see when the code is wrong by 1 %", "",
-        f"`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources: {caught} of "
-        f"{len(outcomes)} mutations are caught.",
+        "# What the tests see when the code is a little wrong", "",
+        "`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources, by 1 % or by a term, a "
+        f"sign or a bound: {caught} of {len(outcomes)} mutations are caught.",
         "The tests that should see it are run " + (
             "to their end." if everything else "up to the first that fails; `--all` counts every one."
         ), "",
@@ -123,7 +123,7 @@ def page(outcomes: list[Outcome], everything: bool) -> str:
         lines += [
             f"## {group.capitalize()}",
             "",
-            "| what was made 1 % wrong | file | tests that fail |",
+            "| what was made wrong | file | tests that fail |",
             "|---|---|---|",
         ]
         for outcome in outcomes:
