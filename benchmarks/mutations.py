@@ -1,8 +1,9 @@
-"""What the tests see when the code is wrong by 1 %: ``python -m benchmarks.mutations``.
+"""What the tests see when the code is a little wrong: ``python -m benchmarks.mutations``.
 
 Each mutation of `mutation_table` is made in a copy of the sources, and the tests that should see it are run there up
 to the first failure. ``--all`` goes on and counts every failing test; words choose groups or names that contain them.
-All of them together write docs/mutations.md. The exit code is 1 where one survives.
+All of them together write docs/mutations.md. The exit code is 1 where one survives. ``check`` runs no test: it says
+which lines are no longer in the sources.
 """
 
 import os
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +27,18 @@ _PYTEST = (
 )  # fmt: skip
 _SHOWN = 3  # failing tests that are named
 _LONGEST = 600  # s; tests that hang have seen it
+
+
+def stale(mutations: Sequence[Mutation] = MUTATIONS) -> list[str]:
+    """What no longer fits the sources: lines that do not occur once, test modules that are not there."""
+    found = []
+    for mutation in mutations:
+        path = ROOT / mutation.file
+        times = path.read_text(encoding="utf-8").count(mutation.old) if path.is_file() else 0
+        if times != 1:
+            found.append(f"{mutation.name}: {mutation.old!r} occurs {times} times in {mutation.file}")
+        found += [f"{mutation.name}: {test} is not there" for test in mutation.tests if not (ROOT / test).exists()]
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +112,9 @@ def page(outcomes: list[Outcome], everything: bool) -> str:
     """The outcome as a page."""
     caught = sum(outcome.caught for outcome in outcomes)
     lines = [
-        "# What the tests see when the code is wrong by 1 %", "",
-        f"`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources: {caught} of "
-        f"{len(outcomes)} mutations are caught.",
+        "# What the tests see when the code is a little wrong", "",
+        "`python -m benchmarks.mutations` breaks one line at a time in a copy of the sources, by 1 % or by a term, a "
+        f"sign or a bound: {caught} of {len(outcomes)} mutations are caught.",
         "The tests that should see it are run " + (
             "to their end." if everything else "up to the first that fails; `--all` counts every one."
         ), "",
@@ -109,7 +123,7 @@ def page(outcomes: list[Outcome], everything: bool) -> str:
         lines += [
             f"## {group.capitalize()}",
             "",
-            "| what was made 1 % wrong | file | tests that fail |",
+            "| what was made wrong | file | tests that fail |",
             "|---|---|---|",
         ]
         for outcome in outcomes:
@@ -124,7 +138,11 @@ def page(outcomes: list[Outcome], everything: bool) -> str:
 
 
 def main(words: list[str]) -> int:
-    """Run them; 1 where one survives."""
+    """Run them; 1 where one survives, or is none."""
+    old = stale()
+    print(*old, sep="\n", end="\n" if old else "")
+    if old or words == ["check"]:
+        return 1 if old else 0
     everything = "--all" in words
     chosen = [word.lower() for word in words if word != "--all"]
     wanted = [m for m in MUTATIONS if not chosen or any(word in f"{m.group} {m.name}".lower() for word in chosen)]

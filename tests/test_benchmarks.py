@@ -1,8 +1,9 @@
-"""The benchmark of speed against error, its smallest scene: rows that make sense, so that it cannot rot. No timings."""
+"""The benchmark of speed against error, its smallest scene, and the mutations: so that they cannot rot. No timings."""
 
 import math
+from dataclasses import replace
 
-from benchmarks import block_speed, rivals, speed_error, speed_pages
+from benchmarks import block_speed, mutations, rivals, speed_error, speed_pages
 
 
 def test_the_wedge_names_every_solver_and_its_rows_make_sense(monkeypatch, tmp_path):
@@ -46,3 +47,11 @@ def test_many_blocks_with_and_without_their_range() -> None:
     assert found["basis"] == "limit"
     assert math.isclose(found["factor"], found["exact"], rel_tol=1e-9)
     assert "limit" in block_speed.printed(found)
+
+
+def test_every_mutation_still_changes_a_line() -> None:
+    """Code that moves takes its row of `benchmarks.mutation_table` with it; the tests named there are there."""
+    assert mutations.stale() == []
+    first = mutations.MUTATIONS[0]
+    gone = [replace(first, old="no such line"), replace(first, file="src/gone.py"), replace(first, tests=("tests/no",))]
+    assert len(mutations.stale(gone)) == len(gone)

@@ -290,6 +290,15 @@ def test_a_design_knows_what_of_it_scatters(tmp_path) -> None:
     assert design.inputs() == sk.load(_written(tmp_path, WEDGE)).inputs()
 
 
+def test_pressures_by_name_are_those_of_their_planes(tmp_path) -> None:
+    text = WEDGE.replace("rock:", "crack: {plane: 80/185, distance: 3 m}\nrock:")
+    for given, of_planes in (
+        ("J2: 6 kPa", (0.0, 6.0)), ("J1: 5 kPa", (5.0, 0.0)), ("crack: 7 kPa, J1: 5", (5.0, 0.0, 7.0)),
+    ):  # fmt: skip
+        design = sk.load(_written(tmp_path, text.replace("mode: dry", f"pressures: {{{given}}}")))
+        assert design.water.pressures_kpa == of_planes
+
+
 # kind, what of its file is replaced by what, the path and the columns of the one thing that scatters
 ORIENTATIONS = [
     ("wedge", "65/185", "{dip: {dist: normal, mean: 65, sd: 2}, dip_direction: 185}", "slope.face", 0),

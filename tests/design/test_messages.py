@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.design.reading import wedge_design
 from slopekit.explanations import explanations
 
 DIPS = ("45/115", "45/245")
@@ -43,6 +44,7 @@ BAD_INPUT = [
     ("E111", {"density": 26}, "density is 26 kg/m³, out of range"),
     ("E112", {"density": 2600, "unit_weight": 25.5}, "both given"),
     ("E113", {"phi": 0.35}, "looks like radians"),
+    ("E113", {"phi": 1.57}, "looks like radians"),
     ("E114", {"c": -5}, "cohesion is never negative"),
     ("E114", {"tension": -1}, "a strength is never negative"),
     ("E115", {"phi": 90}, "a friction angle lies from 0 to below 90"),
@@ -98,6 +100,14 @@ def test_bad_input(code, inputs, says) -> None:
     assert first.code == code
     assert says in first.message
     assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize("inputs", [{"phi": 1.575}, {"phi": 20, "dilation": 20}], ids=str)
+def test_values_just_within_their_limits(inputs) -> None:
+    """In radians 1.575 would be more than upright; a joint may dilate by all of its friction angle."""
+    design = wedge_design({"dips": DIPS, **inputs})
+    assert design.friction_angle_deg == (inputs["phi"],) * 2
+    assert design.dilation_deg == (inputs.get("dilation", 0.0),) * 2
 
 
 @pytest.mark.parametrize(("code", "inputs", "says"), NO_BLOCK, ids=lambda value: str(value)[:40])

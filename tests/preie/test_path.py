@@ -18,7 +18,7 @@ from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
-from slopekit.preie.path_limit import PathOutcome
+from slopekit.preie.path_limit import PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
 from tests.preie import path_oracle
 from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, random_bench, rectangles, stack
@@ -37,6 +37,22 @@ def tangent(degrees: float) -> float:
 def weaker(model: AssemblyModel, by: float) -> AssemblyModel:
     """c and tan φ divided."""
     return replace(model, cohesion=model.cohesion / by, tan_friction=model.tan_friction / by)
+
+
+@pytest.mark.parametrize(("times", "holds"), [(1.005, True), (0.995, False)])
+def test_a_limit_state_has_the_strength_and_the_motion_of_its_modes(times, holds) -> None:
+    """Two blocks that slide on 30° together: the joint between them carries tan 30° of its normal force, if it can."""
+    model = stack(2, width=6.0, joint_of_base=1).model([math.degrees(math.atan(times * tangent(31.0))), 31.0])
+    bed, exact = Bed(model, Drive(model.load.ravel())), tangent(30.0) / tangent(31.0)
+    upper, both = np.zeros((2, 3)), np.zeros((2, 3))
+    both[:, :2] = upper[1, :2] = -tangent(60.0) / 2.0, -0.5
+    slip = np.abs(bed.motion(bed.elastic_displacement, exact)[1]).max()
+    at = bed.elastic_displacement + slip * (100.0 * both - 0.05 * upper).ravel()
+    assert bed.forces(at, exact).slips.tolist() == [True, False]
+    found = limit_state(bed, at, both.ravel(), exact)
+    assert (found is not None) is holds
+    assert found is None or found.parameter == pytest.approx(exact, rel=1e-12)
+    assert limit_state(bed, at, -both.ravel(), exact) is None  # friction does not push
 
 
 # -- the table of METHOD-3 §13 ----------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from slopekit.errors import DesignError
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.wedge.design import wedge_design
+from slopekit.preie import strength_lines
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb
@@ -156,10 +157,33 @@ def test_what_governs_a_rough_joint(name, signs) -> None:
     told = {change: factor for change, factor, _ in analyse(design).governs}
     assert not {"φ +1°", "c +10 %"} & told.keys()
     assert all(any(change.startswith(sign) for change in told) for sign in signs.split())
+    larger = {change: one.law for change, one in changed_laws(Strength.by_law(ROUGH))}
+    assert larger == {
+        "JRC +1": replace(ROUGH, jrc=9.0), "JCS +10 %": replace(ROUGH, jcs_kpa=1.1 * 50e3),
+        "φ_r +1°": replace(ROUGH, phi_r_deg=26.0),
+    }  # fmt: skip
     (changed,) = [change for change in told if change.startswith("JRC")]
     rougher = next(one.law for change, one in changed_laws(Strength.by_law(ROUGH)) if change == changed)
     assert rougher.jrc > ROUGH.jrc
     assert told[changed] == pytest.approx(factors_of(with_law(design, rougher), pre_ie=False).closed_form, rel=1e-12)
+
+
+def test_the_bound_is_that_of_tangents(monkeypatch) -> None:
+    """Lines that touch the law at the traction of each pair, with its slope there: nowhere below it."""
+    touching, seen = strength_lines.outer, []
+
+    def watched(model):
+        seen.append((model, touching(model)))
+        return seen[-1][1]
+
+    monkeypatch.setattr(strength_lines, "outer", watched)
+    law = PowerCurve(2.0, 0.75, 5.0)
+    analyse(paper_wedge(law))
+    ((model, lines),) = seen
+    normal, area = model.lines.normal, model.control_area * (model.area_scale / model.force_scale)
+    assert lines.tan_friction == pytest.approx(law.slope(normal / area), rel=1e-12)
+    strength = lines.cohesion + lines.tan_friction * normal
+    assert strength == pytest.approx(law.resistance(normal / area) * area, rel=1e-12)
 
 
 def test_support_takes_straight_laws_alone() -> None:
@@ -210,8 +234,6 @@ strength: {{joint: {{c: 0, phi: 30}}}}
 
 def test_where_the_lines_begin_says_nothing(monkeypatch) -> None:
     """From a tenth and from ten times the mean traction: the same wall, the same columns."""
-    from slopekit.preie import strength_lines
-
     first = strength_lines.first_lines
     for name in ("wall", "topple"):
         design = with_law(template(name), ROUGH)
