@@ -3,6 +3,7 @@
 All but a few hold the planes 45/115 and 60.5/245. Quadrants and poles are also compared with mplstereonet.
 """
 
+import random
 import sys
 import warnings
 from pathlib import Path
@@ -69,6 +70,14 @@ def test_a_text_of_dips_without_names_of_columns() -> None:
     assert [joint.quantity for joint in survey.joints] == [2.0, 1.0]
     assert survey.left_out == ("1 column without a name", "lines 1 to 7 (above the columns)")
     assert survey.read_as == ("trend and plunge are of poles: dip = 90 - plunge, dip direction = trend + 180",)
+
+
+def test_a_format_that_leaves_the_convention_open(tmp_path) -> None:
+    path = written(tmp_path, "Wall 4\nSTRIKE/DIP\n25 45\n155 60.5\n")
+    assert refused(path).codes == ("E192",)
+    assert planes(read_joints(path, "RHR")) == [FIRST, SECOND]
+    path = written(tmp_path, "Wall 4\nDIP/DIPDIRECTION\n45,115\n60.5,245\n")
+    assert planes(read_joints(path)) == [FIRST, SECOND]
 
 
 def test_two_formats_in_one_list_are_refused(tmp_path) -> None:
@@ -354,6 +363,21 @@ def test_workbooks_that_cannot_be_read(tmp_path, monkeypatch) -> None:
     error = refused(path)
     assert error.codes == ("E140",)
     assert "pip install 'slopekit[survey]'" in error.faults[0].advice
+
+
+def test_mutated_workbooks_give_faults_and_no_traceback(tmp_path) -> None:
+    path = workbook(tmp_path, ROWS)
+    whole, rng, codes = path.read_bytes(), random.Random(5), list[str]()
+    for _ in range(150):
+        content = bytearray(whole)
+        for _ in range(rng.randint(1, 4)):
+            content[rng.randrange(4, len(content))] ^= 1 << rng.randrange(8)
+        path.write_bytes(content)
+        try:
+            assert planes(read_joints(path)) == [FIRST, SECOND]
+        except DesignError as error:
+            codes += error.codes
+    assert set(codes) >= {"E159"}
 
 
 class Frame:

@@ -34,11 +34,13 @@ from slopekit.orientation import (
     Plane,
     azimuth_of,
     number,
+    parse_quadrants,
     plane_by_side,
 )
 from slopekit.units import quantity
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
+_PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")
 _THOUSANDS = re.compile(r"^\d{1,3},\d{3}$")
 _HIGHEST_HEADER = 60  # rows among which the header is looked for
 _FEW = 4  # columns that are listed one by one
@@ -174,12 +176,14 @@ class _Reader:
     def header(self) -> list[int]:
         """Find the columns; returns the rows below the header."""
         rows = self.table.rows
-        at = next((k for k, row in enumerate(rows[:_HIGHEST_HEADER]) if self.is_header(row)), None)
+        at = next((k for k in range(min(len(rows), _HIGHEST_HEADER)) if self.is_header(k)), None)
         above = rows if at is None else rows[:at]
         self.said = preamble_of([self.table.shown(row) for row in above[:_HIGHEST_HEADER]])
         if at is None and self.said.columns:
             at = self.first_of_numbers(rows)
             if at is not None:
+                if self.way == ("strike", "dip") and self.convention is None:
+                    self.without_convention(rows[at], rows[at:])
                 self.preamble(rows[:at])
                 return list(rows[at:])
         if at is None:
@@ -197,14 +201,24 @@ class _Reader:
         self.preamble(rows[:at])
         return list(rows[at + 1 :])
 
-    def is_header(self, row: int) -> bool:
+    def is_header(self, k: int) -> bool:
+        """Whether the columns of a row give planes; a line DIP/DIPDIRECTION may be a preamble's: planes stand below."""
+        row, below = self.table.rows[k], self.table.rows[k + 1 : k + 2]
         self.table.start(row)
-        return way_of(key for key in map(key_of, self.table.cells(row)) if key) is not None
+        cells = self.table.cells(row)
+        if way_of(key for key in map(key_of, cells) if key) is None:
+            return False
+        return len(cells) > 1 or any(
+            _PLANE.match(text) or parse_quadrants(text) for text in map(self.first_cell, below)
+        )
+
+    def first_cell(self, row: int) -> str:
+        return next(iter(self.table.cells(row)), "")
 
     def first_of_numbers(self, rows: Sequence[int]) -> int | None:
         """The first row that begins with two numbers, and as many cells as all rows below it."""
         for k, row in enumerate(rows[:_HIGHEST_HEADER]):
-            self.table.start(row)
+            self.table.start(row, blanks=True)
             cells = self.table.cells(row)
             begins = len(cells) > 1 and all(_NUMBER.match(cell) for cell in cells[:2])
             if begins and all(len(self.table.cells(below)) == len(cells) for below in rows[k:]):

@@ -7,10 +7,16 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
 from typing import Any, NoReturn, Protocol
 from zipfile import BadZipFile
+from zlib import error as ZlibError
 
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import number
 
+#: What zipfile, the parser of XML and openpyxl raise over a part that is broken, missing or encrypted.
+_BROKEN = (
+    BadZipFile, ZlibError, EOFError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, OSError,
+    SyntaxError,
+)  # fmt: skip
 _EMPTY = ("none", "nan", "nat", "<na>")
 _COMMENTS = ("#", "*")
 _BLANKS = re.compile(r"\s{2,}|\t")
@@ -36,8 +42,8 @@ class Table(Protocol):
     @property
     def left_out(self) -> Sequence[str]: ...
 
-    def start(self, row: int) -> None:
-        """Take a row for the header: it says what stands between the cells."""
+    def start(self, row: int, blanks: bool = False) -> None:
+        """Take a row for the first: it says what stands between the cells; `blanks` : a single blank may."""
 
     def cells(self, row: int) -> list[str]:
         """The cells of a row, stripped."""
@@ -58,12 +64,12 @@ class Text:
             k for k, line in enumerate(self.lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)
         ]
 
-    def start(self, row: int) -> None:
+    def start(self, row: int, blanks: bool = False) -> None:
         text = self.lines[row - 1]
         self.delimiter, self.width = next((mark for mark in (";", "\t", ",") if mark in text), ","), 0
-        if self.delimiter not in text and len(_BLANKS.split(text.strip())) > 1:
-            self.delimiter = " "
-            self.width = len(self.cells(row))
+        cells = text.split() if blanks else _BLANKS.split(text.strip())
+        if self.delimiter not in text and len(cells) > 1:
+            self.delimiter, self.width = " ", len(cells)
 
     def cells(self, row: int) -> list[str]:
         text = self.lines[row - 1]
@@ -93,7 +99,7 @@ class Grid:
             if any(row) and not next(cell for cell in row if cell).startswith(_COMMENTS)
         ]  # fmt: skip
 
-    def start(self, row: int) -> None:
+    def start(self, row: int, blanks: bool = False) -> None:
         """There is nothing between cells that are values."""
 
     def cells(self, row: int) -> list[str]:
@@ -141,7 +147,7 @@ def _workbook(name: str, content: bytes) -> Table:
             book = load_workbook(BytesIO(content), read_only=True, data_only=True)
             sheets = book.worksheets
             values = [list(row) for row in sheets[0].iter_rows(values_only=True)]
-    except (BadZipFile, KeyError, IndexError, ValueError, TypeError, OSError, SyntaxError):  # a broken part
+    except _BROKEN:
         _fail("E159", f"{name} is no workbook that can be read", name, "Save the sheet as .xlsx again, or as CSV.")
     others = [sheet.title for sheet in sheets[1:]]
     left_out = [f"{'sheet' if len(others) == 1 else 'sheets'} {', '.join(others)}"] if others else []
