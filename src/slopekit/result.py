@@ -10,7 +10,6 @@ import numpy as np
 from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
-from slopekit.bolts import placed
 from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
@@ -378,7 +377,11 @@ class Result:
                 factor[0] = self.fos.limit
             if self.at_factor_one is not None:
                 displacement = self.at_factor_one.movement.vector()[None, :]
-        bolts = placed(self.design.bolts, shapes) if self.design.bolts else None
+        bolts = None
+        if self.design.bolts:  # most designs have none: they load nothing of it
+            from slopekit.bolts import placed
+
+            bolts = placed(self.design.bolts, shapes)
         return BlockScene(shapes, self.node_pairs, self.acting, velocity, order, factor, displacement, bolts)
 
     def _mechanism(self) -> dict[str, Any] | None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from slopekit.block_scene import packed
 from slopekit.cli import app
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError
@@ -243,3 +244,25 @@ def test_the_view_has_the_bolts() -> None:
     with pytest.raises(DesignError) as caught:
         viewer_data(bare)
     assert caught.value.codes == ("E350",)
+
+
+def test_crowded_heads_leave_numbers_out_and_say_how_many() -> None:
+    """All but one head drawn together to a sixth: numbers still lie on no other and on no head."""
+    crowded = copy.deepcopy(document("two hundred"))
+    heads = bolted("two hundred").scene.bolts.heads_m.copy()
+    heads[:-1] += (heads[:-1].mean(axis=0) - heads[:-1]) * 0.85
+    crowded["scene"]["bolts"]["heads_m"] = packed(heads)
+    figure = new_figure("x")
+    draw_elevation(figure, crowded)
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    renderer = figure.canvas.get_renderer()
+    numbers = [text for text in axes.texts if text.get_gid() == "number"]
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in numbers]
+    assert overlaps(boxes) == []
+    places = axes.transData.transform(
+        np.concatenate([p.get_offsets() for p in axes.collections if p.get_zorder() == 5])
+    )
+    assert not any(box.x0 < x < box.x1 and box.y0 < y < box.y1 for _, box in boxes for x, y in places.tolist())
+    assert 10 < len(numbers) < 200
+    assert f"{len(numbers)} of 200 numbers are written" in axes.texts[-1].get_text()

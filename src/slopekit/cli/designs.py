@@ -202,6 +202,8 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bo
 
 def _write_schedule(record: dict[str, Any], folder: Path) -> None:
     """The bolts as a table of their own; that of an earlier result goes where there are none."""
+    if not record["inputs"].get("bolts") and not (folder / "bolts.csv").exists():
+        return
     from slopekit.views.bolt_schedule import COLUMNS, FILE, schedule, schedule_csv
 
     bolts, path = schedule(record), folder / FILE

@@ -1,7 +1,5 @@
 """The bolts of a design in order, to be set out and drilled: number, place, length, direction, force; table and CSV."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -60,6 +58,9 @@ def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
 
 def schedule_csv(bolts: Sequence[ScheduledBolt]) -> str:
     """The schedule as CSV: metres to the millimetre, degrees to a hundredth, kN to a thousandth; empty: not given."""
+    import csv
+    import io
+
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(COLUMNS)

@@ -11,7 +11,6 @@ from slopekit.kinds.words import SheetPart, line_in_words, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
-from slopekit.views.bolt_schedule import schedule, schedule_lines
 from slopekit.views.entries import (
     accept,
     all_pairs,
@@ -49,6 +48,8 @@ def _parts(result: Result) -> Iterator[SheetPart]:
     """The parts below the head line, in order; those without entries print nothing."""
     yield from kind_of(result.design).slope(result.design, result)
     if result.design.bolts:
+        from slopekit.views.bolt_schedule import schedule, schedule_lines
+
         document = {"inputs": result.design.inputs(), "geometry": result.geometry.to_dict()}
         yield SheetPart("BOLTS", schedule_lines(schedule(document)))
     if result.findings is not None:
