@@ -39,7 +39,7 @@ RESULTS = "run {} --quiet --no-pictures -o out"
 #: Where a sheet of a study is made, by the function of slopekit that gave it.
 SHEETS = {
     "run": "sheet.sheet", "wedge": "sheet.sheet", "prob": "probability_sheet.probability_sheet",
-    "combos": "combos_sheet.combos_sheet", "kinematic": "kinematic_sheet.kinematic_sheet",
+    "combos": "combos_sheet.combos_sheet",
     "check": "check_sheet.check_sheet", "solve": "solve_sheet.solve_sheet", "support": "support_sheet.support_sheet",
 }  # fmt: skip
 #: Rows of the suite: what stands in verification.json already is left out.

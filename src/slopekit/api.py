@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
     from slopekit.studies.combos import Combos
-    from slopekit.studies.kinematic import Kinematic
     from slopekit.studies.probability import Probability
     from slopekit.studies.ranges import Within
     from slopekit.studies.solutions import Solution
@@ -275,41 +274,6 @@ def combos(
         joints, slope, convention=convention, skip_bad=skip_bad, fos=fos, top=top, limits=limits,
         crew=checked_crew(jobs, scheduler),
     )  # fmt: skip
-
-
-def kinematic(
-    joints: Any,
-    *,
-    face: Any = None,
-    phi: Any = None,
-    lateral: Any = None,
-    lateral_toppling: Any = None,
-    faces: Any = None,
-    convention: str | None = None,
-    skip_bad: bool = False,
-) -> "Kinematic":
-    """Test a joint survey against a slope: planar and wedge sliding, flexural and direct toppling.
-
-    Parameters
-    ----------
-    joints : path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array or {name: plane}
-    face : dip / dip direction
-    phi : friction angle of joints without their own [30]; lateral, lateral_toppling : limits in degrees [20, 30]
-    faces : dips of the face to go through, "45:90:5" or a list
-    convention : what a strike column means; skip_bad : leave bad rows out, listed
-
-    Raises
-    ------
-    DesignError
-        With every fault of the input.
-
-    >>> import slopekit as sk
-    >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
-    ('J1',)
-    """
-    from slopekit.studies.kinematic import kinematic as test
-
-    return test(joints, face, phi, lateral, lateral_toppling, faces, convention, skip_bad)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------

@@ -1,11 +1,11 @@
-"""Commands on a list of joints: combos, kinematic."""
+"""A command on a list of joints: combos."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from slopekit.cli.common import JOBS, JSON, SCHEDULER, checked_image, deliver, folder_of
+from slopekit.cli.common import JOBS, JSON, SCHEDULER, deliver, folder_of
 from slopekit.cli.progress import progress
 
 LIST = typer.Argument(help="A joint list (CSV): dip and dip direction, or strike by a convention.", metavar="JOINTS")
@@ -69,36 +69,6 @@ def combos(
     tables = {"pairs.csv": pairs_csv(found)} if folder else {}
     deliver(found, "combos", combos_sheet(found), combos_line(found), folder, as_json, quiet, tables=tables)
     raise typer.Exit(found.exit_code)
-
-
-def kinematic(
-    joints: Annotated[str, LIST],
-    face: Annotated[str | None, FACE] = None,
-    phi: Annotated[str | None, typer.Option(help="Friction angle of joints without their own [30].")] = None,
-    lateral: Annotated[str | None, typer.Option(help="Lateral limit of planar sliding [20].")] = None,
-    lateral_toppling: Annotated[str | None, typer.Option(help="Lateral limit of toppling [30].")] = None,
-    faces: Annotated[str | None, typer.Option(help="Dips of the face to go through, FROM:TO:STEP.")] = None,
-    convention: Annotated[str | None, CONVENTION] = None,
-    skip_bad: Annotated[bool, SKIP_BAD] = False,
-    picture: Annotated[
-        str | None, typer.Option(help="Draw the stereonets to a .png, .svg or .pdf file (extra: plot).")
-    ] = None,
-    as_json: Annotated[bool, JSON] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", help="One line: the counts.")] = False,
-    output: Annotated[
-        str | None, typer.Option("-o", help="Folder for kinematic.json, .txt, two lists as .csv, stereonet.png.")
-    ] = None,
-) -> None:
-    """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction."""
-    from slopekit.studies.kinematic import kinematic as test
-    from slopekit.views.kinematic_sheet import intersections_csv, joints_csv, kinematic_line, kinematic_sheet
-
-    folder = None if output is None else folder_of(Path(output))
-    image = checked_image(picture)
-    found = test(joints, face, phi, lateral, lateral_toppling, faces, convention, skip_bad, _option)
-    tables = {"joints.csv": joints_csv(found), "intersections.csv": intersections_csv(found)} if folder else {}
-    deliver(found, "kinematic", kinematic_sheet(found), kinematic_line(found), folder, as_json, quiet, tables=tables,
-            what="stereonet", image=image)  # fmt: skip
 
 
 def _option(key: str) -> str:
