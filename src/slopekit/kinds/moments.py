@@ -157,6 +157,8 @@ def judge(scene: Scene, analysis: LimitAnalysis, before: Judged | None = None) -
         alone = forces_only_limit(own.model)
     assert judged.factor is not None
     govern = alone.factor is None or judged.factor < alone.factor * (1.0 - MOMENTS)
+    if not govern and len(alone.bond) != len(own.pairs):
+        alone = forces_only_limit(own.model)  # it was found on coarser pairs
     governing = judged if govern else replace(alone, velocity=alone.velocity_of(own.model))
     assert governing.factor is not None
     rules = CohesionRules(
