@@ -10,12 +10,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
-from slopekit.api import analyse, combos, load, plot, prob, report, run, solve, wedge
+from slopekit.api import analyse, load, plot, prob, report, run, solve, wedge
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.studies.check import check
+    from slopekit.studies.combos import Combos as Combos
+    from slopekit.studies.combos import combos
     from slopekit.studies.kinematic import Kinematic as Kinematic
     from slopekit.studies.kinematic import kinematic
     from slopekit.studies.support import support
@@ -33,8 +35,8 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "export": "exchange.export", "Kinematic": "studies.kinematic", "Sweep": "studies.sweep",
-    "Tornado": "studies.tornado",
+    "export": "exchange.export", "Combos": "studies.combos", "Kinematic": "studies.kinematic",
+    "Sweep": "studies.sweep", "Tornado": "studies.tornado",
 }  # fmt: skip
 
 
