@@ -11,7 +11,7 @@ import slopekit as sk
 JOINTS, FACE = Path(__file__).parent / "joints.csv", "65/180"
 
 # What orientation and friction allow, joint by joint and line by line, as on a stereonet.
-tests = sk.kinematic(JOINTS, face=FACE, phi=30, faces="45:85:10")
+tests = sk.kinematic(JOINTS, face=FACE, phi=30, faces="45:85:+10")
 counts, joints, lines = tests.counts, len(tests.joints), len(tests.lines.first)
 print(f"{joints} joints, {lines} lines of intersection, face {FACE}, friction 30° where none was measured")
 print(f"planar sliding     {counts['planar']} joints within ±20°, {counts['planar_without_limits']} without a limit")

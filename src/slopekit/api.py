@@ -10,10 +10,8 @@ from slopekit.errors import DesignError, Fault
 if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
-    from slopekit.studies.combos import Combos
-    from slopekit.studies.keys import Within
-    from slopekit.studies.kinematic import Kinematic
     from slopekit.studies.probability import Probability
+    from slopekit.studies.ranges import Within
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
     from slopekit.views.notebook import Drawing
@@ -214,105 +212,6 @@ def solve(
     from slopekit.studies.solve import solve as solve_design
 
     return solve_design(design, key, fos=fos, within=within, crew=crew)
-
-
-def combos(
-    joints: Any,
-    *,
-    face: Any = None,
-    upper: Any = None,
-    height: Any = None,
-    c: Any = None,
-    phi: Any = None,
-    density: Any = None,
-    unit_weight: Any = None,
-    water: Any = None,
-    seismic: Any = None,
-    gravity: Any = None,
-    water_unit_weight: Any = None,
-    agree_within: Any = None,
-    fos: Any = None,
-    top: Any = None,
-    persistence: Any = None,
-    bench_width: Any = None,
-    max_volume: Any = None,
-    min_volume: Any = None,
-    convention: str | None = None,
-    skip_bad: bool = False,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-) -> "Combos":
-    """Every pair of a joint survey as a wedge in a slope: removable or not and why, ranked; PRE-IE on the worst.
-
-    Parameters
-    ----------
-    joints : path of a list (CSV, .xlsx, text of Dips, CloudCompare), a pandas or polars frame with such columns, planes
-        ("45/115", (45, 115)), an (n, 2) array or {name: plane}
-    face, upper : dip / dip direction; upper [level]
-    height : of the slope, vertical, from the toe of a wedge up the dip of the face to the crest [15 m]
-    c, phi : of joints whose own columns are empty
-    density, unit_weight, water, seismic, gravity, water_unit_weight, agree_within : as for `wedge`
-    fos : target; top : how many of the worst PRE-IE looks at [10]
-    persistence, bench_width, max_volume : wedges are scaled down to these; min_volume : smaller ones are left out
-    convention : what a strike column means, "RHR" or "LHR"; skip_bad : leave bad rows out, listed
-    jobs, scheduler : who does PRE-IE's part
-
-    Raises
-    ------
-    DesignError
-        With every fault of the input. GeometryError where the slope has no crest.
-    """
-    from slopekit.studies.combos import combos as look_at
-    from slopekit.studies.running import checked_crew
-
-    slope = {
-        "face": face, "upper": upper, "height": height, "c": c, "phi": phi, "density": density,
-        "unit_weight": unit_weight, "water": water, "seismic": seismic, "gravity": gravity,
-        "water_unit_weight": water_unit_weight, "agree_within": agree_within,
-    }  # fmt: skip
-    limits = {
-        "persistence": persistence, "bench_width": bench_width, "max_volume": max_volume, "min_volume": min_volume,
-    }  # fmt: skip
-    return look_at(
-        joints, slope, convention=convention, skip_bad=skip_bad, fos=fos, top=top, limits=limits,
-        crew=checked_crew(jobs, scheduler),
-    )  # fmt: skip
-
-
-def kinematic(
-    joints: Any,
-    *,
-    face: Any = None,
-    phi: Any = None,
-    lateral: Any = None,
-    lateral_toppling: Any = None,
-    faces: Any = None,
-    convention: str | None = None,
-    skip_bad: bool = False,
-) -> "Kinematic":
-    """Test a joint survey against a slope: planar and wedge sliding, flexural and direct toppling.
-
-    Parameters
-    ----------
-    joints : path of a list (CSV, .xlsx, text of Dips, CloudCompare), a pandas or polars frame with such columns, planes
-        ("45/115", (45, 115)), an (n, 2) array or {name: plane}
-    face : dip / dip direction
-    phi : friction angle of joints without their own [30]; lateral, lateral_toppling : limits in degrees [20, 30]
-    faces : dips of the face to go through, "45:90:5" or a list
-    convention : what a strike column means, "RHR" or "LHR"; skip_bad : leave bad rows out, listed
-
-    Raises
-    ------
-    DesignError
-        With every fault of the input.
-
-    >>> import slopekit as sk
-    >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
-    ('J1',)
-    """
-    from slopekit.studies.kinematic import kinematic as test
-
-    return test(joints, face, phi, lateral, lateral_toppling, faces, convention, skip_bad)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------

@@ -26,6 +26,17 @@ def test_templates(file: str) -> None:
     same(load(file))
 
 
+def test_forces_alone_on_the_pairs_of_the_last_refinement() -> None:
+    """A flat wedge on one plane: its contact opens on coarse pairs, on finer ones the forces alone govern after all."""
+    design = wedge_design(
+        {"dips": ("47/096", "16/173"), "face": "65/180", "upper": "0/180", "height": 15, "c": 10, "phi": 30}
+    )
+    found = factors_of(design)
+    assert (found.status, found.moments_govern) == ("slides_on_J2", False)
+    assert found.limit == pytest.approx(found.closed_form, rel=1e-6)  # Hoek & Bray: no turning
+    same(design)
+
+
 def test_dilating_joints_are_not_compared() -> None:
     quick = factors_of(load("templates/wedge.yaml", [("strength.weak.dilation", 5)]))
     assert quick.agree is None

@@ -5,7 +5,8 @@ import pytest
 import slopekit as sk
 from slopekit.design.files import load, with_values
 from slopekit.design.templates import names, path_of
-from slopekit.studies.keys import key_of, keys_of, parse_values, parse_within, values_of
+from slopekit.studies.keys import key_of, keys_of, values_of
+from slopekit.studies.ranges import parse_values, parse_within
 from slopekit.studies.sweep import sweep
 
 WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -120,6 +121,12 @@ def test_directions_go_round() -> None:
         ("60°,70 deg", (60.0, 70.0)),
         ("0:0.3:4", (0.0, 0.1, 0.2, 0.3)),
         ("80:60:3", (80.0, 70.0, 60.0)),
+        ("60:80:+5", (60.0, 65.0, 70.0, 75.0, 80.0)),
+        ("60:80:+7", (60.0, 67.0, 74.0)),
+        ("80:60:-10", (80.0, 70.0, 60.0)),
+        ("60°:61°:+0.5 deg", (60.0, 60.5, 61.0)),
+        ("60:70:+5°", None),
+        ("0:1:+0.1", (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)),
         ([60, "70"], (60.0, 70.0)),
         (60, (60.0,)),
     ],

@@ -12,7 +12,7 @@ from slopekit.errors import DesignError, GeometryError
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.orientation import Plane
 from slopekit.studies.kinematic import Kinematic, kinematic
-from slopekit.studies.kinematic_criteria import (
+from slopekit.studies.kinematic.criteria import (
     DIRECT,
     NO_WEDGE,
     OBLIQUE,
@@ -25,7 +25,6 @@ from slopekit.studies.kinematic_criteria import (
     SECONDARY,
     SLIDING_BASE,
 )
-from slopekit.views.kinematic_sheet import intersections_csv, joints_csv, kinematic_line, kinematic_sheet
 from tests.closed_form.scalar_plane import plane_failure
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
@@ -197,7 +196,7 @@ def measured(joints, phi, face) -> Kinematic:
         Joint(f"J{k}", Plane(*plane), k, None, float(angle))
         for k, (plane, angle) in enumerate(zip(joints, phi, strict=True))
     ]
-    return kinematic(listed, face)
+    return kinematic(listed, face=face)
 
 
 @pytest.mark.parametrize("joints", [("45/115", "45/245"), ("60/130", "50/215"), ("55/150", "70/220")])
@@ -248,11 +247,13 @@ def test_vertical_edges_and_parallel_joints() -> None:
 
 def test_the_table_of_faces_is_the_test_at_each_face() -> None:
     joints = survey(8, 40)
-    found = sk.kinematic(joints, face="65/200", faces="40:90:12.5")
+    found = sk.kinematic(joints, face="65/200", faces="40:90:+12.5")
     assert [dip for dip, _ in found.over_faces] == [40.0, 52.5, 65.0, 77.5, 90.0]
     for dip, counts in found.over_faces:
         assert counts == sk.kinematic(joints, face=(dip, 200)).counts
     assert found.over_faces == sk.kinematic(joints, face="65/200", faces=[40, 52.5, 65, 77.5, 90]).over_faces
+    both = sk.kinematic(joints, face="65/200", faces="60:80:5").over_faces  # five faces in steps of five
+    assert both == sk.kinematic(joints, face="65/200", faces="60,65,70,75,80").over_faces
 
 
 def test_counts_by_set_add_up(tmp_path) -> None:
@@ -267,7 +268,7 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         assert sum(counts[kind] for counts in found.by_set_pair().values()) == found.counts[kind]
         assert sum(times for _, times in found.partners(kind)) == 2 * found.counts[kind]
     assert sum(counts["lines"] for counts in found.by_set_pair().values()) == 435
-    assert "A x single" in kinematic_sheet(found)
+    assert "A x single" in str(found)
     assert sk.kinematic(survey(6), face="70/180").by_set() == {}
 
 
@@ -277,20 +278,23 @@ def test_counts_by_set_add_up(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("code", "inputs", "says"),
     [
-        ("E143", {"face": None}, "face = is missing"),
+        ("E143", {"face": None}, "face is missing"),
         ("E101", {"face": "95/180"}, "dip of face is 95"),
         ("E103", {"joints": ["115/45"]}, "J1 is 115/45: dip and dip direction look swapped"),
         ("E113", {"phi": 0.5}, "phi is 0.5°, that looks like radians"),
         ("E115", {"phi": 95}, "phi is 95°"),
         ("E107", {"lateral": "20 m"}, "lateral limit has the unit m"),
         ("E330", {"joints": np.full((3001, 2), 45.0)}, "joints holds 3001 joints, 4,501,500 pairs"),
-        ("E333", {"faces": "45:90"}, "faces are '45:90', not from:to:step"),
-        ("E333", {"faces": "90:45:5"}, "faces from 90 to 45 in steps of 5: there are none"),
-        ("E333", {"faces": "45:90:0"}, "in steps of 0"),
-        ("E333", {"faces": "45:95:5"}, "a face of 95° is none"),
-        ("E333", {"faces": "1:89:0.1"}, "more than 200 faces"),
-        ("E333", {"faces": 5}, "faces are 5, not from:to:step"),
-        ("E106", {"faces": "a:b:c"}, "faces is 'a', a number is needed"),
+        ("E312", {"faces": "45:90"}, "faces: 45:90 is not from:to:how many, nor from:to:+step"),
+        ("E312", {"faces": "90:45:+5"}, "faces: steps of +5 do not lead from 90° to 45°"),
+        ("E312", {"faces": "45:90:+0"}, "steps of +0"),
+        ("E312", {"faces": "40:90:12.5"}, "12.5 is no number of values from 2 to 200; steps are written with +"),
+        ("E333", {"faces": "45:90:5"}, "faces: 45:90:5 could be steps of 5, as it was at first, or 5 faces"),
+        ("E333", {"faces": "45:95:+5"}, "a face of 95° is none"),
+        ("E312", {"faces": "1:89:+0.1"}, "881 values are more than 200"),
+        ("E312", {"faces": list(range(1, 203))}, "faces has 202 values, more than 200"),
+        ("E333", {"faces": 0}, "a face of 0° is none"),
+        ("E106", {"faces": "a:b:+c"}, "faces is 'a', a number is needed"),
         ("E337", {"lateral": 95}, "the lateral limit is 95°"),
         ("E337", {"lateral_toppling": -5}, "the lateral limit is -5°"),
         ("E338", {"joints": 5}, "joints are int"),
@@ -306,9 +310,9 @@ def test_faults(code, inputs, says) -> None:
 def test_all_faults_at_once(tmp_path) -> None:
     (tmp_path / "joints.csv").write_text("dip,dd\n95,115\n45,x\n")
     codes = refused(joints=tmp_path / "joints.csv", face="65-180", phi=-1, lateral=99, faces="1:2").codes
-    assert codes == ("E101", "E104", "E104", "E115", "E337", "E333")
+    assert codes == ("E101", "E104", "E104", "E115", "E337", "E312")
     with pytest.raises(DesignError) as caught:
-        kinematic([Plane(45, 115), "x", (45, 500)], "65/180")
+        kinematic([Plane(45, 115), "x", (45, 500)], face="65/180")
     assert caught.value.codes == ("E104", "E102")
 
 
@@ -326,29 +330,29 @@ def test_notices(tmp_path) -> None:
 
 
 def test_json_sheet_and_tables() -> None:
-    found = sk.kinematic(survey(4), face="65/180", faces="50:80:10")
+    found = sk.kinematic(survey(4), face="65/180", faces="50:80:+10")
     document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert document["counts"] == found.counts
     assert document["percent"]["planar"] == pytest.approx(100 * found.counts["planar"] / 60)
     assert document["percent"]["wedge"] == pytest.approx(100 * found.counts["wedge"] / 1770)
     assert document["defaults"] == ["lateral", "lateral_toppling", "phi"]
     assert len(document["faces"]) == 4
-    sheet = kinematic_sheet(found)
+    sheet = str(found)
     assert max(map(len, sheet.splitlines())) <= 100
     assert f"friction alone does not hold {found.counts['wedge_by_friction']}" in " ".join(sheet.split())
-    assert kinematic_line(found).startswith(f"planar {found.counts['planar']}  wedge ")
-    joints, lines = joints_csv(found).splitlines(), intersections_csv(found).splitlines()
+    assert found.line.startswith(f"planar {found.counts['planar']}  wedge ")
+    joints, lines = (found.sheet.tables[f"{name}.csv"].csv().splitlines() for name in ("joints", "intersections"))
     assert (len(joints), len(lines)) == (61, 1771)
     assert sum(row.split(",")[4] != "" for row in lines[1:]) == found.counts["wedge"]
     assert sum(int(row.split(",")[5]) for row in joints[1:]) == found.counts["planar"]
     alone = sk.kinematic(["45/115"], face="65/180")
     assert alone.to_dict()["percent"]["wedge"] is None
-    assert "not possible: there are no edges" in kinematic_sheet(alone)
+    assert "not possible: there are no edges" in str(alone)
 
 
 def test_the_command(tmp_path) -> None:
     folder = tmp_path / "out"
-    run = slopekit("kinematic", LIST, "--face", "65/180", "--faces", "45:90:5", "-o", str(folder))
+    run = slopekit("kinematic", LIST, "--face", "65/180", "--faces", "45:90:+5", "-o", str(folder))
     assert (run.returncode, run.stderr) == (0, "")
     assert {path.name for path in folder.iterdir()} == {
         "kinematic.json", "kinematic.txt", "joints.csv", "intersections.csv", "stereonet.png",

@@ -63,7 +63,7 @@ def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Par
         return [_parameter(_name(flag), bool, typer.Option(flag, help=text), False) for flag, (_, text) in flags]
     if isinstance(parameter.default, bool):
         return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
-    option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None)
+    option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None, autocompletion=how.completes)
     needed = parameter.default is inspect.Parameter.empty
     return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
 

@@ -46,8 +46,13 @@ class Shown:
         found = {name.partition(".")[0]: table for name, table in sheet.tables.items()}
         for section in sheet.sections:
             for entry in section.entries:
-                if isinstance(entry, Table) and any(column.key for column in entry.columns):
-                    found.setdefault(section.label.lower().replace(" ", "_"), entry)
+                if not isinstance(entry, Table) or any(entry is one for one in found.values()):
+                    continue
+                if any(column.key for column in entry.columns):
+                    name = label = section.label.lower().replace(" ", "_")
+                    while name in found:
+                        name = f"{label}_{int(name.removeprefix(label).lstrip('_') or 1) + 1}"
+                    found[name] = entry
         return found
 
     def to_frames(self) -> dict[str, Any]:

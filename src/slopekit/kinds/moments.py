@@ -158,6 +158,8 @@ def limit_by_rules(scene: Scene, analysis: LimitAnalysis, before: CohesionLimit 
         alone = forces_only_limit(own.model)
     assert headline.factor is not None
     govern = alone.factor is None or headline.factor < alone.factor * (1.0 - MOMENTS)
+    if not govern and len(alone.bond) != len(own.pairs):
+        alone = forces_only_limit(own.model)  # it was found on coarser pairs
     governing = headline if govern else replace(alone, velocity=alone.velocity_of(own.model))
     assert governing.factor is not None
     rules = CohesionRules(

@@ -1,5 +1,4 @@
-"""The numbers of a design by their dotted paths: what each measures, what it is now, between what it can lie, and
-values of it as users write them: `60,70,80`, `10m:20m:5`, `lo:hi`.
+"""The numbers of a design by their dotted paths: what each measures, what it is now, between what it can lie.
 
 >>> import slopekit as sk
 >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -9,11 +8,10 @@ values of it as users write them: `60,70,80`, `10m:20m:5`, `lo:hi`.
 """
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from difflib import get_close_matches
-from typing import Any, TypeAlias
+from typing import Any
 
 from slopekit.design.common import Design, Strength
 from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
@@ -23,13 +21,9 @@ from slopekit.design.nodes import Node
 from slopekit.design.overrides import spread
 from slopekit.design.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
 from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, number
+from slopekit.orientation import Plane
 from slopekit.units import is_unit_of, quantity, unit_of
 
-#: Two ends: a pair, or a text `lo:hi`.
-Within: TypeAlias = str | Sequence[float | str]
-MOST = 100_000
-_EXAMPLE = "Write KEY=60:80:5 (from, to, how many), or KEY=60,70,80."
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
 _FISHER_K = Field("k", "ratio", 0.1, 1e6, role="scatter")
@@ -372,104 +366,3 @@ def in_words(key: Key) -> str:
         return f"{key.path}, not given now"
     now = "by default" if not key.given else "now"
     return f"{key.path}, {now} {key.shown(key.value)}" + (" (its mean)" if key.scatters is not None else "")
-
-
-# -- values as users write them ----------------------------------------------------------------------------------------
-
-
-def parse_values(key: Key, given: object) -> tuple[float, ...]:
-    """The values that a key shall take, in the order given.
-
-    Parameters
-    ----------
-    given : `a:b:n`, `a,b,c`, one number, or a sequence of numbers or texts
-
-    Raises
-    ------
-    DesignError
-        E312 where that is not understood, too many, or a value twice; E105 to E108 for a number.
-
-    >>> parse_values(Key("slope.height", "length", 10.0, 0.001, 1e5), "10m:2000cm:3")
-    (10.0, 15.0, 20.0)
-    """
-    if isinstance(given, str) and ":" in given:
-        values = _evenly(key, given)
-    else:
-        parts = _parts(given)
-        _one_spelling(key, parts, given)
-        values = tuple(key.read(part) for part in parts)
-    if not values:
-        raise DesignError([Fault("E312", f"{key.path} has no values", f"{key.path}={given}", _EXAMPLE)])
-    twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
-    if twice is not None:
-        raise DesignError([Fault("E312", f"{key.path} has the value {key.shown(twice)} twice", f"{key.path}={given}")])
-    return values
-
-
-def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
-    """The two ends of a range; None: what such a number can be, of a direction half a turn to both sides.
-
-    Raises
-    ------
-    DesignError
-        E312 where that is not two ends, the lower first; E105 to E108 for a number.
-
-    >>> parse_within(Key("slope.height", "length", 10.0, 0.001, 1e5), "5:20")
-    (5.0, 20.0)
-    """
-    if given is None:
-        if key.period is not None and key.value is not None:
-            return key.value - key.period / 2.0, key.value + key.period / 2.0
-        return key.low, key.high
-    parts = [part.strip() for part in given.split(":")] if isinstance(given, str) else list(given)
-    where = f"{key.path}={given}" if isinstance(given, str) else key.path
-    if len(parts) != 2 or any(part == "" for part in parts):
-        message = f"{given} is no range of {key.path}: two ends are needed"
-        raise DesignError([Fault("E312", message, where, "Write KEY=lo:hi, for example strength.weak.phi=10:40.")])
-    _one_spelling(key, parts, given)
-    low, high = (key.read(part) for part in parts)
-    if not low < high:
-        message = f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first"
-        raise DesignError([Fault("E312", message, where)])
-    return low, high
-
-
-def _evenly(key: Key, given: str) -> tuple[float, ...]:
-    parts = [part.strip() for part in given.split(":")]
-    where = f"{key.path}={given}"
-    if len(parts) != 3 or any(part == "" for part in parts):
-        message = f"{given} is not from : to : how many"
-        raise DesignError([Fault("E312", f"{key.path}: {message}", where, _EXAMPLE)])
-    if not re.fullmatch(r"[0-9]{1,7}", parts[2]) or not 2 <= int(parts[2]) <= MOST:
-        message = f"{parts[2]} is no number of values from 2 to {MOST}"
-        raise DesignError([Fault("E312", f"{key.path}: {message}", where, _EXAMPLE)])
-    _one_spelling(key, parts[:2], given)
-    low, high, count = key.read(parts[0]), key.read(parts[1]), int(parts[2])
-    if low == high:
-        raise DesignError([Fault("E312", f"{key.path} runs from {key.shown(low)} to the same", where, _EXAMPLE)])
-    step = (high - low) / (count - 1)
-    values = [low + step * k for k in range(count - 1)] + [high]
-    tidy = [float(number(value)) for value in values]  # 0.30000000000000004 is 0.3
-    return tuple(round_ if math.isclose(round_, value, rel_tol=1e-12, abs_tol=1e-15) else value
-                 for round_, value in zip(tidy, values, strict=True))  # fmt: skip
-
-
-def _parts(given: object) -> list[object]:
-    if isinstance(given, str):
-        return [part.strip() for part in given.split(",")]
-    if hasattr(given, "tolist"):
-        given = given.tolist()
-    return list(given) if isinstance(given, Sequence) else [given]
-
-
-def _one_spelling(key: Key, parts: Sequence[object], given: object) -> None:
-    """Refuse 10:20ft, of which nobody knows whether the ten are feet: nought alone needs no unit, nor does a part."""
-    if key.kind == "ratio":
-        return
-    units = {unit_of(part) for part in parts if str(part).strip() not in ("0", "0.0")}
-    if len(units) > 1 and "" in units:
-        message = f"{key.path}: some values carry a unit and others do not"
-        raise DesignError([Fault("E312", message, f"{key.path}={given}", "Write the unit with each of them.")])
-
-
-__all__ = ["MOST", "Key", "Within", "in_words", "key_of", "keys_of", "parse_values", "parse_within", "values_of"]

@@ -101,6 +101,7 @@ class Option:
     flag : its name on the command line where that is not the parameter's own
     metavar : what stands for the text
     choices : flags in place of one option: the value of each, and its help
+    completes : the words that begin as the shell has them
     """
 
     help: str = ""
@@ -108,6 +109,7 @@ class Option:
     flag: str = ""
     metavar: str = ""
     choices: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
+    completes: Callable[[str], list[str]] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,8 +23,9 @@ from slopekit.errors import DesignError, Fault
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.orientation import number
-from slopekit.studies.keys import Key, Within, key_of, parse_within, values_of
+from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Point
+from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.running import ALONE, Advance, Crew, run_all
 from slopekit.studies.solutions import ALIKE, TOLERANCE, Answers, Found, Method, Solution, notices, reason_of

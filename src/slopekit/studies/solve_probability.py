@@ -15,8 +15,9 @@ from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.orientation import number
-from slopekit.studies.keys import Key, Within, key_of, keys_of, parse_within, values_of
+from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import study_head
+from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.running import ALONE, Advance, Crew
 from slopekit.studies.solutions import end_advice

@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats
 from slopekit.orientation import Plane, number, parse_plane
-from slopekit.studies.kinematic_criteria import (
+from slopekit.studies.kinematic.criteria import (
     Lines,
     Modes,
     Planes,

@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.orientation import Line, Plane, downward, line_of, number, parse_plane
-from slopekit.studies.kinematic_criteria import zones_of_lines
+from slopekit.studies.kinematic.criteria import zones_of_lines
 from slopekit.views.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
 from slopekit.views.stereonet import (
     FACE,

@@ -21,7 +21,7 @@ from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.orientation import number
-from slopekit.studies.keys import MOST, Key, key_of, parse_values, values_of
+from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
 from slopekit.studies.protocol import (
     DESK,
@@ -35,6 +35,7 @@ from slopekit.studies.protocol import (
     number_of,
     study,
 )
+from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at
@@ -261,8 +262,7 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
         path, equals, values = text.partition("=")
         path = path.strip()
         if not equals:
-            advice = f"Write {path}=60:80:5 (from, to, how many), or {path}=60,70,80."
-            faults.append(Fault("E312", f"{path} has no values", text, advice))
+            faults.append(Fault("E312", f"{path} has no values", text, how_written(path)))
         elif path in found:
             faults.append(Fault("E313", f"{path} is given twice", text, "Give it once."))
         found[path] = values
@@ -271,8 +271,8 @@ def given_keys(texts: Sequence[str], _argument: str) -> dict[str, str]:
 
 
 #: `KEY=VALUES ...` of a command.
-KEYS = Argument("KEY=from:to:how many, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.", "KEY=VALUES", given_keys,
-                many=True, called="keys")  # fmt: skip
+KEYS = Argument("KEY=from:to:how many, KEY=from:to:+step, KEY=a,b,c; one key or two. With --tornado KEY=lo:hi.",
+                "KEY=VALUES", given_keys, many=True, called="keys")  # fmt: skip
 #: Whose factors are asked for.
 MethodsAsked = Annotated[Methods, Option(choices={
     "--closed-form": ("closed-form", "The closed form alone: quick."), "--pre-ie": ("pre-ie", "PRE-IE alone."),

@@ -19,9 +19,10 @@ from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
-from slopekit.studies.keys import Key, Within, key_of, keys_of, parse_within, values_of
+from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import Point, study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
+from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
 from slopekit.studies.solutions import Method, point_record
 from slopekit.studies.solve import factor_at

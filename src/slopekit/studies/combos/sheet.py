@@ -1,16 +1,18 @@
-"""The sheet of all pairs of a joint list: what became of them, and the worst of them twice; 100 columns."""
+"""The sheet of all pairs of a joint list: what became of them, and the worst of them twice."""
 
-import csv
-import io
-import textwrap
+from collections.abc import Callable
+from operator import itemgetter
+from typing import Any
 
-from slopekit._version import __version__
-from slopekit.core.sheet import WIDTH, block, factor_text
+import numpy as np
+
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds import kind_named
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
-from slopekit.studies.combos import Combos, PairCheck
-from slopekit.studies.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
+from slopekit.studies.combos.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
+from slopekit.studies.combos.run import Combos, PairCheck, Target
+from slopekit.studies.surveys import head, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -30,37 +32,34 @@ _MOST_ROWS = 50
 _NAME = 11
 
 
-def combos_sheet(found: Combos) -> str:
-    """The sheet, lines joined, no trailing newline."""
-    slope, n, m = found.given.slope, len(found.joints), len(found.pairs)
-    sets = found.joints.sets()
-    lines = textwrap.wrap(
-        f"slopekit {__version__}   combos   sha {found.given.input_hash()[:6]}   {found.joints.name}", WIDTH
-    )
-    lines += block("SURVEY", [f"{n} joints{f' in {len(sets)} sets' if sets else ''}, {m} pairs"])
-    lines += block("SLOPE", [
-        f"face {slope.face}  {slope.face.in_words()}",
-        f"upper {slope.upper}  {slope.upper.in_words() if slope.upper.dip_deg else 'level'}",
-        f"height {size_number(slope.height_m)} m, the same for every pair: vertical, from the toe of a wedge up the "
-        "dip of the face to the crest (H1 below: to where the trace of its first joint meets the crest)",
-    ])  # fmt: skip
-    lines += block("STRENGTH", [_strength(found)])
-    lines += block("LOADS", _loads(found))
-    lines += block("LIMITS", _limits(found))
-    lines += block("PAIRS", _pairs(found), hang=4)
-    lines += block("TARGET", _target(found))
-    lines += block("WORST", _worst(found))
-    lines += block("PRE-IE", _checked(found))
-    lines += block("AGAIN", _again(found), hang=2)
-    lines += block("JOINTS", _joints(found))
-    lines += block("READS AS", [_MEANING])
-    lines += block("DEFAULTS", _defaults(found))
-    lines += block("TIME", [_time(found)])
-    lines += block("NOTE", [str(notice) for notice in found.warnings])
-    return "\n".join(lines)
+def sheet_of(found: Combos) -> Sheet:
+    """The sheet of all pairs."""
+    slope, pairs = found.given.slope, _every_pair(found)
+    return Sheet(head("combos", found.joints, found.given.input_hash()), (
+        Section("SURVEY", [survey_entry(found.joints)]),
+        Section("SLOPE", [
+            f"face {slope.face}  {slope.face.in_words()}",
+            f"upper {slope.upper}  {slope.upper.in_words() if slope.upper.dip_deg else 'level'}",
+            f"height {size_number(slope.height_m)} m, the same for every pair: vertical, from the toe of a wedge up "
+            "the dip of the face to the crest (H1 below: to where the trace of its first joint meets the crest)",
+        ]),
+        Section("STRENGTH", [_strength(found)]),
+        Section("LOADS", _loads(found)),
+        Section("LIMITS", _limits(found)),
+        Section("PAIRS", [_outcomes(found)], hang=4),
+        Section("TARGET", _target(found)),
+        Section("WORST", [_no_worst(found) if not found.worst else pairs]),
+        Section("PRE-IE", _checked(found)),
+        Section("AGAIN", _again(found), hang=2),
+        Section("JOINTS", _joints(found)),
+        Section("READS AS", [_MEANING]),
+        Section("DEFAULTS", _defaults(found)),
+        Section("TIME", [_time(found)]),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+    ), {"pairs.csv": pairs})  # fmt: skip
 
 
-def combos_line(found: Combos) -> str:
+def line_of(found: Combos) -> str:
     """What became of the pairs, on one line."""
     parts = [f"{found.removable} of {len(found.pairs)} pairs removable"]
     if found.worst:
@@ -68,40 +67,57 @@ def combos_line(found: Combos) -> str:
         factor = first.closed_form if first.limit is None else first.limit
         parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(factor).strip()}")
     if found.target is not None:
-        parts.append(f"{found.target.below} below {found.target.fos:g}")
+        parts.append(f"{found.target.below} below {found.target.fos:g} by {_judges(found.target)}")
     if found.worst:
         parts.append(_agreement(found).split(";")[0])
     return "  ".join(parts)
 
 
-def pairs_csv(found: Combos) -> str:
-    """Every pair, the removable ones first and ranked; a value that does not apply is empty."""
-    pairs, names = found.pairs, [joint.name for joint in found.joints.joints]
-    ranked = pairs.ranked().tolist()
-    order = ranked + sorted(set(range(len(pairs))) - set(ranked))
-    limits = {pair.index: pair for pair in found.worst}
-    first, second = pairs.shapes.first.tolist(), pairs.shapes.second.tolist()
-    columns = [pairs.outcome.tolist()]
-    columns += [values.tolist() for values in (
-        pairs.factor, pairs.volume_m3, pairs.shapes.height_m, pairs.trend_deg, pairs.plunge_deg, pairs.shapes.scale,
-    )]  # fmt: skip
-    outcome, factor, volume, height, trend, plunge, scale = columns
-    wedge = (pairs.volume_m3 > 0.0).tolist()
-    text = io.StringIO()
-    text.write("joint1,joint2,outcome,fos_closed_form,fos_limit,volume_m3,height_m,trend,plunge,scale,limited_by\n")
-    writer = csv.writer(text, lineterminator="\n")
-    for k in order:
-        row: list[object] = [names[first[k]], names[second[k]], PAIR_OUTCOMES[outcome[k]]]
-        checked = limits.get(k)
-        row.append("" if factor[k] != factor[k] else f"{factor[k]:.9g}")
-        row.append("" if checked is None or checked.limit is None else f"{checked.limit:.9g}")
-        if wedge[k]:
-            row += [f"{volume[k]:.6g}", f"{height[k]:.6g}", f"{trend[k]:.4f}", f"{plunge[k]:.4f}", f"{scale[k]:.6g}"]
-            row.append(LIMITED_BY[pairs.shapes.limited_by[k]])
-        else:
-            row += [""] * 6
-        writer.writerow(row)
-    return text.getvalue()
+def _every_pair(found: Combos) -> Table[int]:
+    """Every pair, the removable ones first and ranked; the worst are shown."""
+    pairs, shapes, joints = found.pairs, found.pairs.shapes, found.joints.joints
+    looked = {pair.index: pair for pair in found.worst}
+    is_wedge = pairs.volume_m3 > 0.0
+    ranked = [*looked, *(k for k in pairs.ranked().tolist() if k not in looked)]
+    shown, left = list(looked)[:_MOST_ROWS], len(looked) - _MOST_ROWS
+
+    def of_joint(which: Any) -> Callable[[int], str]:
+        return lambda k: joints[which[k]].name
+
+    def of_wedge(values: Any) -> Callable[[int], float | None]:
+        return lambda k: values[k] if is_wedge[k] else None
+
+    def factor(k: int) -> float | None:
+        return None if np.isnan(pairs.factor[k]) else pairs.factor[k]
+
+    return Table([
+        Column("joints", lambda k: looked[k].names, show=_names, width=-2 * _NAME - 3),
+        Column("first joint", of_joint(shapes.first), "joint1"),
+        Column("second joint", of_joint(shapes.second), "joint2"),
+        Column("slides on", lambda k: looked[k].status, show=lambda status: _SHORT.get(status, status), width=-11),
+        Column("outcome", lambda k: PAIR_OUTCOMES[pairs.outcome[k]], "outcome"),
+        Column("closed form", factor, "fos_closed_form", show=factor_text, width=11, exact=".9g"),
+        Column("PRE-IE", lambda k: looked[k].limit if k in looked else None, "fos_limit", show=factor_text, width=9,
+               exact=".9g"),
+        Column("", lambda k: _mark(looked[k]), width=3),
+        Column("m³", of_wedge(pairs.volume_m3), "volume_m3", "m³", ".4g", 9, ".6g"),
+        Column("H1 m", of_wedge(shapes.height_m), "height_m", "m", ".4g", 10, ".6g"),
+        Column("line", lambda k: f"{pairs.trend_deg[k] % 360.0:03.0f}/{pairs.plunge_deg[k]:.1f}", width=12),
+        Column("trend", of_wedge(pairs.trend_deg), "trend", "°", exact=".4f"),
+        Column("plunge", of_wedge(pairs.plunge_deg), "plunge", "°", exact=".4f"),
+        Column("scale", of_wedge(shapes.scale), "scale", exact=".6g"),
+        Column("made smaller by", lambda k: LIMITED_BY[shapes.limited_by[k]] if is_wedge[k] else "", "limited_by"),
+    ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), shown,
+        f"and {left} more in combos.json" if left > 0 else "")  # fmt: skip
+
+
+def _names(names: tuple[str, str]) -> str:
+    return " x ".join(name if len(name) <= _NAME else name[: _NAME - 1] + "…" for name in names)
+
+
+def _mark(pair: PairCheck) -> str:
+    mark = "M" if pair.moments_govern else "!" if pair.is_in_doubt else ""
+    return mark + ("*" if pair.limited_by else "")
 
 
 def _strength(found: Combos) -> str:
@@ -152,21 +168,21 @@ def _limits(found: Combos) -> list[str]:
     return [", ".join(parts), *([f"made smaller, same shape, at the crest: {', '.join(scaled)}"] if scaled else [])]
 
 
-def _pairs(found: Combos) -> list[str]:
-    counts, m, removable = found.counts, len(found.pairs), found.removable
-    rows = [_row("removable", removable, m)]
-    rows.append(_row("  slide on both joints", counts["slides_on_both"], m))
-    rows.append(_row("  slide on one joint", counts["slides_on_J1"] + counts["slides_on_J2"], m))
-    for status in ("slides_up", "lifted", "falls", "no_driving_force"):
-        if counts[status]:
-            rows.append(_row(f"  {_PLURAL[status]}", counts[status], m))
-    if found.given.limits.min_volume_m3 is not None:
-        rows.append(
-            _row(f"smaller than {size_number(found.given.limits.min_volume_m3)} m³", counts["below_min_volume"], m)
-        )
-    rows.append(_row("not removable", sum(counts[name] for name in _WHY), m))
-    rows += [_row(f"  {why} ({_CODES[name]})", counts[name], m) for name, why in _WHY.items() if counts[name]]
-    return rows
+def _outcomes(found: Combos) -> Table[tuple[str, int]]:
+    counts, whole, least = found.counts, len(found.pairs), found.given.limits.min_volume_m3
+    rows = [
+        ("removable", found.removable),
+        ("  slide on both joints", counts["slides_on_both"]),
+        ("  slide on one joint", counts["slides_on_J1"] + counts["slides_on_J2"]),
+        *((f"  {words}", counts[status]) for status, words in _PLURAL.items() if counts[status]),
+        *([] if least is None else [(f"smaller than {size_number(least)} m³", counts["below_min_volume"])]),
+        ("not removable", sum(counts[name] for name in _WHY)),
+        *((f"  {why} ({_CODES[name]})", counts[name]) for name, why in _WHY.items() if counts[name]),
+    ]  # fmt: skip
+    return Table([
+        Column("outcome", itemgetter(0), width=-58), Column("pairs", itemgetter(1), width=9),
+        Column("share", lambda row: 100.0 * row[1] / whole, "", "%", lambda share: f"{share:.2f} %", 11),
+    ], rows, headless=True)  # fmt: skip
 
 
 _PLURAL = {
@@ -175,49 +191,39 @@ _PLURAL = {
 }  # fmt: skip
 
 
-def _row(what: str, count: int, whole: int) -> str:
-    return f"{what:<58}{count:>9}{100.0 * count / whole:>9.2f} %"
-
-
 def _target(found: Combos) -> list[str]:
+    """What lies below, and whose count that is."""
     target = found.target
     if target is None:
         return []
-    removable, m = found.removable, len(found.pairs)
+    by_closed_form = target.removable - target.judged_by_pre_ie
+    whose = f"counted by {_judges(target)}"
+    if by_closed_form:
+        some = f"PRE-IE for {target.judged_by_pre_ie} of them, the closed form for the other {by_closed_form}, which"
+        whose = f"counted by {some if target.judged_by_pre_ie else 'the closed form alone, which'} knows no moments: "
+        whose += "--top all asks PRE-IE of every removable pair"
     if not target.below:
-        return [f"FoS {target.fos:g}: MET, none of {removable} removable pairs lies below"]
-    head = f"FoS {target.fos:g}: NOT MET, {target.below} of {removable} removable pairs lie below"
-    share = f"{100 * target.below / removable:.1f} %; {100 * target.below / m:.1f} % of all"
+        return [f"FoS {target.fos:g}: MET, none of {target.removable} removable pairs lies below", whose]
+    head = f"FoS {target.fos:g}: NOT MET, {target.below} of {target.removable} removable pairs lie below"
+    share = f"{100 * target.below / target.removable:.1f} %; {100 * target.below / target.pairs:.1f} % of all"
     by = f", {target.by_pre_ie_only} by PRE-IE only" if target.by_pre_ie_only else ""
     volumes = (
         f"volumes up to {size_number(target.largest_m3 or 0.0)} m³, median {size_number(target.median_m3 or 0.0)} m³"
     )
-    return [f"{head} ({share}{by})", volumes]
+    return [f"{head} ({share}{by})", whose, volumes]
 
 
-def _worst(found: Combos) -> list[str]:
-    if not found.worst:
-        return [f"PRE-IE was not asked; {found.removable} pairs are ranked by the closed form in pairs.csv"] if (
-            found.removable
-        ) else ["no pair can leave the slope"]  # fmt: skip
-    rows = [
-        f"{'joints':<{2 * _NAME + 3}}{'slides on':<11}{'closed form':>11}{'PRE-IE':>9}{'':>3}{'m³':>9}{'H1 m':>10}"
-        f"{'line':>12}"
-    ]
-    rows += [_worst_row(pair) for pair in found.worst[:_MOST_ROWS]]
-    left = len(found.worst) - _MOST_ROWS
-    return rows + ([f"and {left} more in combos.json"] if left > 0 else [])
+def _judges(target: Target) -> str:
+    """Whose count it is."""
+    if not target.judged_by_pre_ie:
+        return "the closed form"
+    return "PRE-IE" if target.judged_by_pre_ie == target.removable else "PRE-IE and the closed form"
 
 
-def _worst_row(pair: PairCheck) -> str:
-    names = " x ".join(name if len(name) <= _NAME else name[: _NAME - 1] + "…" for name in pair.names)
-    mark = "M" if pair.moments_govern else "!" if pair.agree is False or not pair.settled else ""
-    mark += "*" if pair.limited_by else ""
-    line = f"{pair.trend_deg % 360.0:03.0f}/{pair.plunge_deg:.1f}"
-    return (
-        f"{names:<{2 * _NAME + 3}}{_SHORT.get(pair.status, pair.status):<11}{factor_text(pair.closed_form):>11}"
-        f"{factor_text(pair.limit):>9}{mark:>3}{pair.volume_m3:>9.4g}{pair.height_m:>10.4g}{line:>12}"
-    )
+def _no_worst(found: Combos) -> Entry:
+    if not found.removable:
+        return "no pair can leave the slope"
+    return f"PRE-IE was not asked; {found.removable} pairs are ranked by the closed form in pairs.csv"
 
 
 def _checked(found: Combos) -> list[str]:
@@ -228,7 +234,7 @@ def _checked(found: Combos) -> list[str]:
         entries.append("M  moments govern: the PRE-IE limit is the number to use, the closed form knows no moments")
     if any(pair.limited_by for pair in found.worst):
         entries.append("*  made smaller by a limit of size")
-    if any(pair.agree is False or not pair.settled for pair in found.worst):
+    if any(pair.is_in_doubt for pair in found.worst):
         entries.append("!  the methods disagree, or PRE-IE did not settle: no number to judge by")
     return entries
 

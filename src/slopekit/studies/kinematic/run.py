@@ -1,6 +1,6 @@
 """A joint survey tested against a slope: planar and wedge sliding, flexural and direct toppling, over face angles.
 
-The criteria and their sources stand in `kinematic_criteria`.
+The criteria and their sources stand in `criteria`.
 
 >>> import slopekit as sk
 >>> found = sk.kinematic(["40/175", "35/090", "75/010"], face="65/180", phi=30)
@@ -10,32 +10,39 @@ The criteria and their sources stand in `kinematic_criteria`.
 
 import hashlib
 import json
-import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.arrays import Floats
+from slopekit.core.codec import json_of
 from slopekit.design.common import Strength
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Plane, number
-from slopekit.studies.kinematic_criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
+from slopekit.studies.keys import Key
+from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
+from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
+from slopekit.studies.ranges import as_steps, parse_values
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
 from slopekit.units import quantity
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 _MOST_FACES = 200
+_MOST_LISTED = 12
 
 
-@dataclass(frozen=True, slots=True)
-class Kinematic:
-    """A survey tested against a slope. `to_dict()` is the JSON of `slopekit kinematic --json`.
+@dataclass(frozen=True, slots=True, repr=False)
+class Kinematic(Outcome):
+    """A survey tested against a slope.
 
     Attributes
     ----------
@@ -46,6 +53,7 @@ class Kinematic:
         A joint counts by its quantity, a line by the product of those of its two joints, as that many joints would
     """
 
+    name: ClassVar[str] = "kinematic"
     joints: JointList
     face: Plane
     friction_deg: Floats
@@ -60,6 +68,30 @@ class Kinematic:
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """Which joints and pairs could move, by set and by face."""
+        from slopekit.studies.kinematic.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """The counts on one line."""
+        from slopekit.studies.kinematic.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Its stereonets."""
+        return ("stereonet",)
+
+    @property
+    def exit_code(self) -> int:
+        """0, whatever was found."""
+        return 0
 
     @property
     def counts(self) -> dict[str, int]:
@@ -131,12 +163,7 @@ class Kinematic:
         counts = self.counts
         direct, oblique = self.toppling
         return {
-            "slopekit": __version__,
-            "study": "kinematic",
-            "kind": "kinematic",
-            "survey": {"name": self.joints.name, "joints": n, "left_out": list(self.joints.left_out)}
-            | ({"quantity": float(self.joints.quantities.sum())} if self.joints.has_quantities else {}),
-            "input_sha256": self.input_hash(),
+            **survey_head("kinematic", self.joints, self.input_hash()),
             "inputs": {
                 "face": str(self.face),
                 "friction_deg": {
@@ -171,56 +198,55 @@ class Kinematic:
                 {"dip_deg": dip, "counts": dict(found), "percent": dict(part)}
                 for (dip, found), part in zip(self.over_faces, self.percent_of_faces, strict=True)
             ],
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
+            **self.words(),
         }  # fmt: skip
 
 
+@study
 def kinematic(
-    joints: Any,
-    face: Any,
-    phi: Any = None,
-    lateral: Any = None,
-    lateral_toppling: Any = None,
-    faces: Any = None,
-    convention: str | None = None,
-    skip_bad: bool = False,
-    option: Callable[[str], str] = lambda key: f"{key} =",
+    joints: AJointList,
+    *,
+    face: AFace = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own [30].")] = None,
+    lateral: Annotated[Any, Option("Lateral limit of planar sliding [20].")] = None,
+    lateral_toppling: Annotated[Any, Option("Lateral limit of toppling [30].")] = None,
+    faces: Annotated[Any, Option("Dips of the face to go through: 45:90:+5 (in steps of 5), or 45,60,75.")] = None,
+    convention: Convention = None,
+    skip_bad: SkipBad = False,
+    desk: Desk = DESK,
 ) -> Kinematic:
-    """Test every joint and every pair of joints of a survey against a slope.
-
-    Parameters
-    ----------
-    joints, convention, skip_bad : as `slopekit.design.joint_lists.joint_list`
-    phi : friction angle of joints without their own, degrees [30]
-    lateral : limit of planar sliding, degrees from the dip direction of the face [20]
-    lateral_toppling : limit of toppling [30]
-    faces : dips of the face to go through: "45:90:5" or a list
-    option : how an input is called where the user wrote it
+    """Planar and wedge sliding, flexural and direct toppling of every joint and pair, by orientation and friction.
 
     Raises
     ------
     DesignError
-        As `joint_list`; E113, E115 for phi, E333 for the faces, E337 for the lateral limits.
+        With every fault: of the list, E113, E115 for phi, E143 without a face, E312 and E333 for the faces, E337 for
+        the lateral limits.
+
+    >>> import slopekit as sk
+    >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
+    ('J1',)
     """
     began = time.perf_counter()
     faults, defaults = Faults(), list[str]()
 
-    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad, 1, option("convention")))
-    plane: Plane | None = faults.of(lambda: plane_of(face, "face", option("face")))
-    friction_angle = faults.of(lambda: _friction(phi, f"{option('phi')} {phi}")) if phi is not None else PHI_DEG
+    listed: JointList | None = faults.of(lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention")))
+    plane: Plane | None = faults.of(lambda: plane_of(face, "face", desk.named("face")))
+    friction_angle = faults.of(lambda: _friction(phi, f"{desk.named('phi')} {phi}")) if phi is not None else PHI_DEG
     limits: list[float | None] = []
     for key, value, standard in (
         ("lateral", lateral, LATERAL_DEG), ("lateral_toppling", lateral_toppling, LATERAL_TOPPLING_DEG),
     ):  # fmt: skip
         if value is None:
             defaults.append(key)
-        limits.append(standard if value is None else faults.of(partial(_limit, value, option(key))))
-    dips = faults.of(lambda: _faces(faces, option("faces")))
+        limits.append(standard if value is None else faults.of(partial(_limit, value, desk.named(key))))
+    dips = faults.of(lambda: _faces(faces, Key(desk.named("faces"), "angle", None, 0.0, 90.0)))
     faults.refuse()
     assert listed is not None and plane is not None and dips is not None  # noqa: PT018  # no fault: nothing is missing
     lateral_deg, toppling_deg = (0.0 if limit is None else limit for limit in limits)
-    friction, measured, _ = own_or_given(listed, "phi", friction_angle, option("phi"))
+    friction, measured, _ = own_or_given(listed, "phi", friction_angle, desk.named("phi"))
     if phi is None and measured < len(listed):
         defaults.append("phi")
     lines = lines_of(listed)
@@ -250,41 +276,25 @@ def _limit(value: object, option: str) -> float:
     return found
 
 
-def _faces(value: Any, option: str) -> tuple[float, ...]:
-    """Dips of the face: a:b:step, or a list of them."""
-    if value is None:
+def _faces(given: Any, key: Key) -> tuple[float, ...]:
+    """Dips of the face, as values of a sweep are written."""
+    if given is None:
         return ()
-    where, advice = f"{option} {value}", "Write from:to:step, 45:90:5."
-    parts = value.split(":") if isinstance(value, str) else None
-    try:
-        if parts is not None:
-            if len(parts) != 3:
-                raise DesignError([Fault("E333", f"faces are {value!r}, not from:to:step", where, advice)])
-            low, high, step = (quantity(part, "angle", "faces", where) for part in parts)
-            if not step > 0.0 or low > high:
-                message = f"faces from {number(low)} to {number(high)} in steps of {number(step)}: there are none"
-                raise DesignError([Fault("E333", message, where, advice)])
-            count = math.floor((high - low) / step + 1e-9) + 1
-            dips = tuple(low + k * step for k in range(min(count, _MOST_FACES + 1)))
-        else:
-            dips = tuple(quantity(dip, "angle", "faces", where) for dip in value)
-    except TypeError:
-        raise DesignError([Fault("E333", f"faces are {value!r}, not from:to:step", where, advice)]) from None
-    if len(dips) > _MOST_FACES:
-        raise DesignError([Fault("E333", f"there are more than {_MOST_FACES} faces", where, "Take a larger step.")])
+    dips, where = parse_values(key, given, _MOST_FACES), f"{key.path}={given}"
+    if isinstance(given, str) and (steps := as_steps(key, given, dips)):
+        count = given.rpartition(":")[2].strip()
+        message = f"{key.path}: {given} could be steps of {count}, as it was at first, or {count} faces"
+        listed = ",".join(number(dip) for dip in dips) if len(dips) <= _MOST_LISTED else "all of them, with commas"
+        raise DesignError([Fault("E333", message, where, f"Write {steps} for the steps, or {listed}.")])
     bad = [dip for dip in dips if not 0.0 < dip <= 90.0]
     if bad:
         message = f"a face of {number(bad[0])}° is none, a face dips more than 0 and up to 90"
-        raise DesignError([Fault("E333", message, where, advice)])
+        raise DesignError([Fault("E333", message, where, f"Write {key.path}=45:90:+5 for steps of 5.")])
     return dips
 
 
 def _notices(joints: JointList, face: Plane, friction: Floats, measured: int, modes: Modes) -> list[Notice]:
-    found = []
-    if joints.left_out:
-        found.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
-    if joints.read_as:
-        found.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
+    found = left_out(joints)
     if joints.has_quantities:
         message = (
             f"percentages count each joint of {joints.name} by its quantity ({len(joints)} joints, "

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.core.codec import json_of
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.errors import DesignError, Fault, Faults, GeometryError
@@ -31,7 +32,7 @@ from slopekit.units import quantity
 LIMITED_BY = ("", "persistence", "bench width", "max volume")
 _PARALLEL = 1e-6  # as in geometry.rockmass
 HEIGHT_M = 15.0
-TOP = 10
+TOP, ALL = 10, "all"
 _SLOPE = (
     "upper", "height", "c", "phi", "density", "unit_weight", "water", "seismic", "gravity", "water_unit_weight",
     "agree_within",
@@ -67,13 +68,6 @@ class SizeLimits:
     bench_width_m: float | None = None
     max_volume_m3: float | None = None
     min_volume_m3: float | None = None
-
-    def to_dict(self) -> dict[str, float | None]:
-        """As JSON values."""
-        return {
-            "persistence_m": self.persistence_m, "bench_width_m": self.bench_width_m,
-            "max_volume_m3": self.max_volume_m3, "min_volume_m3": self.min_volume_m3,
-        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +183,7 @@ class PairInputs:
     ----------
     slope : face, upper slope, height and loads as a wedge design whose joints mean nothing
     cohesion_kpa, friction_deg : (n,) of the joints; own : how many have their own c and phi
-    target : factor of safety, None without; top : how many of the worst PRE-IE looks at
+    target : factor of safety, None without; top : how many of the worst PRE-IE looks at, None: all
     defaults : names of the inputs that were left out
     """
 
@@ -200,7 +194,7 @@ class PairInputs:
     friction_deg: Floats
     own: tuple[int, int]
     target: float | None
-    top: int
+    top: int | None
     defaults: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
@@ -215,7 +209,7 @@ class PairInputs:
             "agree_within": slope.agree_within,
             "cohesion_kpa": _range(self.cohesion_kpa, self.own[0]),
             "friction_deg": _range(self.friction_deg, self.own[1]),
-            "limits": self.limits.to_dict(), "fos": self.target, "top": self.top,
+            "limits": json_of(self.limits), "fos": self.target, "top": ALL if self.top is None else self.top,
         }  # fmt: skip
 
     def input_hash(self) -> str:
@@ -226,25 +220,18 @@ class PairInputs:
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
-def pair_inputs(
-    joints: Any,
-    given: Mapping[str, Any],
-    limits: Mapping[str, Any],
-    convention: str | None,
-    skip_bad: bool,
-    fos: Any,
-    top: Any,
-    option: Callable[[str], str],
-) -> PairInputs:
-    """Read and check what `combos` is given; every fault at once."""
-    faults = Faults()
-    listed: JointList | None = faults.of(partial(joint_list, joints, convention, skip_bad, 2, option("convention")))
-    face: Plane | None = faults.of(partial(plane_of, given.get("face"), "face", option("face")))
+def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairInputs:
+    """Read and check what `combos` is given, by the names of its parameters; every fault at once."""
+    faults, fos = Faults(), given["fos"]
+    listed: JointList | None = faults.of(
+        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"))
+    )
+    face: Plane | None = faults.of(partial(plane_of, given["face"], "face", option("face")))
     slope: WedgeDesign | None = faults.of(partial(_slope, given, face, option))
-    sizes: SizeLimits | None = faults.of(partial(_limits, limits, option))
+    sizes: SizeLimits | None = faults.of(partial(_limits, given, option))
     where = f"{option('fos')} {fos}"
     target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
-    most: int | None = TOP if top is None else faults.of(partial(_whole, top, option("top")))
+    top = faults.of(partial(_top, given["top"], option("top")))
     strengths = []
     if listed is not None:
         for key in ("c", "phi"):
@@ -257,13 +244,13 @@ def pair_inputs(
             faults += [] if fault is None else [fault]
     faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
-    assert listed is not None and slope is not None and sizes is not None and most is not None  # noqa: PT018
+    assert listed is not None and slope is not None and sizes is not None  # noqa: PT018
     defaults = tuple(
         name for name in ("upper", "height", "density", "seismic.trend")
         if name in slope.defaults or (name in ("upper", "height") and given.get(name) is None)
     )  # fmt: skip
     (cohesion, own_c), (friction, own_phi) = strengths
-    return PairInputs(listed, slope, sizes, cohesion, friction, (own_c, own_phi), target, most, defaults)
+    return PairInputs(listed, slope, sizes, cohesion, friction, (own_c, own_phi), target, top, defaults)
 
 
 def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str], str]) -> WedgeDesign:
@@ -271,8 +258,7 @@ def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str],
     from slopekit.kinds.wedge.design import wedge_design
 
     face = face or Plane(60.0, 180.0)
-    own = {key: given.get(key) for key in _SLOPE}
-    unknown = {key: value for key, value in given.items() if key not in (*_SLOPE, "face")}
+    own = {key: given[key] for key in _SLOPE}
     own["upper"] = Plane(0.0, face.dip_direction_deg) if own["upper"] is None else own["upper"]
     own["height"] = HEIGHT_M if own["height"] is None else own["height"]
     joints = (Plane(45.0, face.dip_direction_deg), Plane(45.0, (face.dip_direction_deg + 90.0) % 360.0))
@@ -284,7 +270,7 @@ def _slope(given: Mapping[str, Any], face: Plane | None, option: Callable[[str],
             faults.append(Fault("E339", message, f"{option(key)} {words.shown(own[key])}", advice))
             own[key] = None
     try:
-        slope = wedge_design({"dips": joints, "face": face, **own, **unknown}, option)
+        slope = wedge_design({"dips": joints, "face": face, **own}, option)
     except DesignError as error:
         own_faults = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
         raise DesignError([*faults, *own_faults]) from None
@@ -316,10 +302,14 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
     return SizeLimits(**found)
 
 
-def _whole(value: object, option: str) -> int:
+def _top(value: object, option: str) -> int | None:
+    if value is None:
+        return TOP
+    if value == ALL:
+        return None
     found = quantity(value, "ratio", "top", f"{option} {value}")
     if found != int(found) or found < 0:
-        advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out."
+        advice = "It is how many of the worst pairs PRE-IE looks at; 0 leaves it out, all takes every removable one."
         raise DesignError(
             [Fault("E335", f"top is {number(found)}, a whole number is needed", f"{option} {value}", advice)]
         )

@@ -1,0 +1,360 @@
+"""Every pair of a joint survey as a wedge in a slope: removable or not and why, ranked, PRE-IE on the worst.
+
+>>> import slopekit as sk
+>>> found = sk.combos(["45/115", "45/245", "50/240", "80/350"], face="65/180", height=15, c=10, phi=30)
+>>> found.counts["slides_on_both"], sum(found.counts.values()), found.removable
+(2, 6, 2)
+>>> [(pair.names, round(pair.closed_form, 3), pair.agree) for pair in found.worst]
+[(('J1', 'J3'), 1.858, True), (('J1', 'J2'), 2.134, True)]
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+
+from slopekit.arrays import Bools
+from slopekit.core.codec import json_of
+from slopekit.design.joint_lists import JointList
+from slopekit.errors import Notice
+from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.orientation import Plane
+from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
+from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
+from slopekit.studies.running import Crew, Journal, checked_crew, run_all
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
+
+_NOTHING_HOLDS = ("lifted", "falls", "topples")
+
+
+@dataclass(frozen=True, slots=True)
+class PairCheck:
+    """A pair that PRE-IE has looked at.
+
+    Attributes
+    ----------
+    index : among all pairs; names, planes : of its joints
+    status : of PRE-IE; limit : its factor, moments included; closed_status, closed_form : of the closed form
+    difference, agree : on the same assumptions, None where they are not compared
+    moments_govern : the limit lies below what forces alone give: it is the number to use
+    height_m : at the trace of the first joint; volume_m3, scale, limited_by, trend_deg, plunge_deg : of the wedge
+    """
+
+    index: int
+    names: tuple[str, str]
+    planes: tuple[Plane, Plane]
+    status: str
+    limit: float | None
+    closed_status: str
+    closed_form: float | None
+    difference: float | None
+    agree: bool | None
+    moments_govern: bool
+    settled: bool
+    height_m: float
+    volume_m3: float
+    scale: float
+    limited_by: str
+    trend_deg: float
+    plunge_deg: float
+
+    @property
+    def is_in_doubt(self) -> bool:
+        """Whether the methods disagree, or PRE-IE did not settle."""
+        return self.agree is False or not self.settled
+
+    def falls_short(self, target: float) -> bool:
+        """Whether PRE-IE finds it below a factor of safety, or that nothing holds it."""
+        return self.status in _NOTHING_HOLDS or (self.limit is not None and self.limit < target)
+
+    def severity(self) -> tuple[int, float, float]:
+        """Where it stands among others by PRE-IE: what nothing holds, then by factor, then what stands."""
+        factor = self.closed_form if self.limit is None else self.limit
+        if self.status in _NOTHING_HOLDS:
+            return 0, 0.0, -self.volume_m3
+        return (2, 0.0, -self.volume_m3) if factor is None else (1, factor, -self.volume_m3)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The pair as JSON values."""
+        return {
+            "joints": list(self.names), "planes": [str(plane) for plane in self.planes], "status": self.status,
+            "fos": {"limit": self.limit, "closed_form": self.closed_form}, "closed_form_status": self.closed_status,
+            "difference": self.difference, "agree": self.agree, "moments_govern": self.moments_govern,
+            "settled": self.settled, "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
+            "limited_by": self.limited_by or None, "line": {"trend_deg": self.trend_deg, "plunge_deg": self.plunge_deg},
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """What lies below a factor of safety.
+
+    Attributes
+    ----------
+    below : pairs; judged_by_pre_ie : of the removable pairs, those for which PRE-IE counts: of the others the closed
+        form does; by_pre_ie_only : below by PRE-IE, not by the closed form
+    largest_m3, median_m3 : volumes of the pairs below, None of none
+    removable, pairs : how many there are
+    """
+
+    JSON_ALSO: ClassVar = ("share_of_removable", "share_of_pairs")
+    fos: float
+    below: int
+    judged_by_pre_ie: int
+    by_pre_ie_only: int
+    largest_m3: float | None = field(metadata={"json": "largest_volume_m3"})
+    median_m3: float | None = field(metadata={"json": "median_volume_m3"})
+    removable: int = field(metadata={"json": None})
+    pairs: int = field(metadata={"json": None})
+
+    @property
+    def share_of_removable(self) -> float | None:
+        """The part of the removable pairs that lies below, None of none."""
+        return self.below / self.removable if self.removable else None
+
+    @property
+    def share_of_pairs(self) -> float | None:
+        """The part of all pairs."""
+        return self.below / self.pairs if self.pairs else None
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Combos(Outcome):
+    """A survey's pairs against a slope.
+
+    Attributes
+    ----------
+    given : the joints with their strengths, the slope, the limits of size
+    worst : the pairs that PRE-IE has looked at, worst first by the closed form; by PRE-IE where it looked at all
+    """
+
+    name: ClassVar[str] = "combos"
+    given: PairInputs
+    pairs: Pairs
+    worst: tuple[PairCheck, ...]
+    timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """What became of the pairs, and the worst of them twice."""
+        from slopekit.studies.combos.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """What became of the pairs, on one line."""
+        from slopekit.studies.combos.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """The stereonet of the worst."""
+        return ("stereonet",) if self.worst else ()
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 1 pairs below the target, 4 the methods disagree or PRE-IE did not converge."""
+        if any(pair.is_in_doubt for pair in self.worst):
+            return 4
+        return 1 if self.target is not None and self.target.below else 0
+
+    @property
+    def joints(self) -> JointList:
+        """The joints of the list."""
+        return self.given.joints
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many pairs there are of each outcome; they add up to all pairs."""
+        found = np.bincount(self.pairs.outcome, minlength=len(PAIR_OUTCOMES))
+        counted = zip(PAIR_OUTCOMES, map(int, found), strict=True)
+        return {name: count for name, count in counted if name not in NEVER}
+
+    @property
+    def removable(self) -> int:
+        """How many pairs form a wedge that could leave the slope."""
+        return int(self.pairs.is_removable.sum())
+
+    def below(self, fos: float) -> Bools:
+        """Which of all pairs lie below: by PRE-IE where it looked; by either method where they are in doubt of it."""
+        found = self.pairs.fails(fos)
+        for pair in self.worst:
+            found[pair.index] = pair.falls_short(fos) or (pair.is_in_doubt and found[pair.index])
+        return found
+
+    @property
+    def target(self) -> Target | None:
+        """What lies below the target, None without one."""
+        if self.given.target is None:
+            return None
+        fos = self.given.target
+        below = self.below(fos)
+        volumes = self.pairs.volume_m3[below]
+        largest, median = (float(volumes.max()), float(np.median(volumes))) if len(volumes) else (None, None)
+        by_pre_ie_only = int((below & ~self.pairs.fails(fos)).sum())
+        judged = sum(not pair.is_in_doubt for pair in self.worst)
+        return Target(
+            fos, int(below.sum()), judged, by_pre_ie_only, largest, median, self.removable, len(self.pairs)
+        )  # fmt: skip
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What a reader must know: where moments govern, what is not used of the list."""
+        own = left_out(self.joints)
+        if self.joints.has_quantities:
+            whole = f"{len(self.joints)} joints, {self.joints.quantities.sum():.6g} by quantity"
+            message = f"quantities of {self.joints.name} ({whole}) count nothing here: each pair of joints stands once"
+            own.append(Notice("W374", message))
+        governed = [pair for pair in self.worst if pair.moments_govern]
+        if not governed:
+            return tuple(own)
+        lowered = [1.0 - pair.limit / pair.closed_form for pair in governed if pair.limit and pair.closed_form]
+        topple = sum(pair.status == "topples" for pair in governed)
+        by = [f"by up to {max(lowered) * 100:.1f} %"] if lowered else []
+        by += [f"{topple} of them topple"] if topple else []
+        rest = self.removable - len(self.worst)
+        last = f"; the other {rest} removable pairs have the closed form alone, which knows no moments" if rest else ""
+        message = f"moments govern {len(governed)} of the {len(self.worst)} pairs that PRE-IE looked at"
+        return (Notice("W365", ", ".join([message, *by]) + last), *own)
+
+    def partners(self) -> tuple[tuple[str, int], ...]:
+        """Joints by how many pairs below the target (else below 1) they take part in, most first."""
+        below = self.below(1.0 if self.given.target is None else self.given.target)
+        n = len(self.joints)
+        times = np.bincount(self.pairs.shapes.first[below], minlength=n)
+        times += np.bincount(self.pairs.shapes.second[below], minlength=n)
+        order = np.argsort(-times, kind="stable")
+        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as JSON values; times stand in a block of their own."""
+        return {
+            **survey_head("combos", self.joints, self.given.input_hash()),
+            "inputs": self.given.to_dict(),
+            "defaults": list(self.given.defaults),
+            "pairs": len(self.pairs),
+            "counts": self.counts,
+            "removable": self.removable,
+            "scaled_down": {
+                name.replace(" ", "_"): int((self.pairs.is_removable & (self.pairs.shapes.limited_by == kind)).sum())
+                for kind, name in enumerate(LIMITED_BY) if name
+            },
+            "target": json_of(self.target),
+            "worst": json_of(self.worst),
+            "pre_ie": {
+                "pairs": len(self.worst), "agree": sum(pair.agree is True for pair in self.worst),
+                "disagree": sum(pair.agree is False for pair in self.worst),
+                "not_compared": sum(pair.agree is None for pair in self.worst),
+                "moments_govern": sum(pair.moments_govern for pair in self.worst),
+                "not_settled": sum(not pair.settled for pair in self.worst),
+                "largest_difference": max(
+                    (pair.difference for pair in self.worst if pair.difference is not None), default=None
+                ),
+            },
+            "joints_in_pairs_below": [{"joint": name, "pairs": times} for name, times in self.partners()],
+            "warnings": json_of(self.warnings),
+            "timing_s": dict(self.timing_s),
+            **self.words(),
+        }  # fmt: skip
+
+
+@study
+def combos(
+    joints: AJointList,
+    *,
+    face: AFace = None,
+    upper: Annotated[Any, Option("Upper slope, D/DD [level].")] = None,
+    height: Annotated[Any, Option("Vertical, from a wedge's toe up the dip of the face to the crest [15 m].")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
+    density: Annotated[Any, Option("Density [2600 kg/m3].")] = None,
+    unit_weight: Annotated[Any, Option("Unit weight, kN/m3, instead of a density.")] = None,
+    water: Annotated[Any, Option("dry, full, 50% or u=9.8kPa [dry].")] = None,
+    seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
+    fos: Annotated[Any, Option("Target: exit code 1 where a removable pair lies below.")] = None,
+    top: Annotated[Any, Option("How many of the worst PRE-IE looks at, or all [10].")] = None,
+    persistence: Annotated[Any, Option("Longest edge of a joint in a wedge, m.")] = None,
+    bench_width: Annotated[Any, Option("How far behind the crest wedges reach, m.")] = None,
+    max_volume: Annotated[Any, Option("Wedges are scaled down to it, m3.")] = None,
+    min_volume: Annotated[Any, Option("Smaller wedges are left out, and counted, m3.")] = None,
+    agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
+    gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
+    water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
+    convention: Convention = None,
+    skip_bad: SkipBad = False,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Desk = DESK,
+) -> Combos:
+    """Every pair of a joint list as a wedge: removable or not and why, ranked; PRE-IE on the worst.
+
+    Columns c and phi of the list count before --c and --phi. Exit codes: 0 done, 1 pairs below --fos, 2 bad input, 4
+    the methods disagree.
+
+    Raises
+    ------
+    DesignError
+        Every fault: of the list, of the slope as for a wedge, E332 a strength that a joint needs, E334 limits of size,
+        E335 top, E336 fos, E339 two values where pairs have no order.
+    GeometryError
+        E209 the slope has no crest.
+    """
+    given, began = dict(locals()), time.perf_counter()
+    crew = checked_crew(jobs, scheduler)
+    asked = pair_inputs(given, desk.named)
+    read = time.perf_counter()
+    pairs = evaluated(asked.joints, asked.slope, asked.limits, asked.cohesion_kpa, asked.friction_deg)
+    closed = time.perf_counter()
+    worst = _looked_at(asked, pairs, crew, desk)
+    end = time.perf_counter()
+    times = {"read": read - began, "closed_form": closed - read, "pre_ie": end - closed, "total": end - began}
+    return Combos(asked, pairs, worst, times)
+
+
+def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple[PairCheck, ...]:
+    """PRE-IE on the worst, or on all; what is done is kept in a journal until all are."""
+    chosen = pairs.ranked()[: asked.top]
+    joints, cohesion, friction = asked.joints.joints, asked.cohesion_kpa, asked.friction_deg
+    one, two = pairs.shapes.first, pairs.shapes.second
+    designs = [
+        replace(
+            asked.slope, joints=(joints[a].plane, joints[b].plane), joint_names=(joints[a].name, joints[b].name),
+            height_m=float(pairs.shapes.height_m[k]), cohesion_kpa=(float(cohesion[a]), float(cohesion[b])),
+            friction_angle_deg=(float(friction[a]), float(friction[b])),
+        )
+        for k, a, b in zip(chosen, one[chosen], two[chosen], strict=True)
+    ]  # fmt: skip
+    journal = Journal.of(desk.folder or Path.cwd(), "combos", asked.input_hash(), streamed=desk.folder is not None)
+    with desk.bar("PRE-IE", len(designs)) as advance:
+        records = run_all(both_methods, designs, crew, journal=journal, advance=advance)
+    journal.remove()
+    found = tuple(
+        PairCheck(
+            int(k), design.joint_names, design.joints, **record, height_m=design.height_m,
+            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.shapes.scale[k]),
+            limited_by=LIMITED_BY[pairs.shapes.limited_by[k]], trend_deg=float(pairs.trend_deg[k]),
+            plunge_deg=float(pairs.plunge_deg[k]),
+        )
+        for k, design, record in zip(chosen, designs, records, strict=True)
+    )  # fmt: skip
+    return tuple(sorted(found, key=PairCheck.severity)) if asked.top is None else found
+
+
+def both_methods(design: WedgeDesign) -> dict[str, Any]:
+    """Both factors of safety of a wedge as JSON values: what a worker does."""
+    from slopekit.kinds import factors_of
+
+    found = factors_of(design)
+    return {
+        "status": found.status, "limit": found.limit, "closed_status": found.closed_status or "",
+        "closed_form": found.closed_form, "difference": found.difference, "agree": found.agree,
+        "moments_govern": found.moments_govern, "settled": found.settled and found.status != "not_converged",
+    }  # fmt: skip

@@ -1,0 +1,242 @@
+"""The sheet of the kinematic tests: which joints and pairs could move, by set and by face."""
+
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
+from typing import Any, TypeAlias
+
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
+from slopekit.orientation import number
+from slopekit.studies.kinematic.criteria import (
+    DIRECT,
+    OBLIQUE,
+    OBLIQUE_RELEASE,
+    OF_JOINTS,
+    PRIMARY_BOTH,
+    PRIMARY_ONE,
+    RELEASE,
+    SECONDARY,
+    SLIDING_BASE,
+)
+from slopekit.studies.kinematic.run import Kinematic
+from slopekit.studies.surveys import head, survey_entry
+
+_MOST_NAMES = 24
+_NONE = "single"  # joints of no set
+_WEDGES = {0: "", PRIMARY_BOTH: "primary on both", PRIMARY_ONE: "primary on one", SECONDARY: "secondary"}
+_COLUMNS = {0: "", DIRECT: "direct", OBLIQUE: "oblique"}
+_BASES = {0: "", SLIDING_BASE: "sliding", RELEASE: "release", OBLIQUE_RELEASE: "oblique"}
+#: Of a set or a face: its name or dip, and counts or percentages.
+_Counted: TypeAlias = tuple[Any, Mapping[str, Any]]
+
+
+def sheet_of(found: Kinematic) -> Sheet:
+    """The sheet of the kinematic tests."""
+    n, m, of = len(found.joints), len(found.lines.first), _Shares(found)
+    parallel = n * (n - 1) // 2 - m
+    few = f", {parallel} of them parallel, without a line of intersection" if parallel else ""
+    return Sheet(head("kinematic", found.joints, found.input_hash()), (
+        Section("SURVEY", [survey_entry(found.joints) + few]),
+        Section("SLOPE", [f"face {found.face}  {found.face.in_words()}; horizontal behind the crest"]),
+        Section("LIMITS", [_limits(found)]),
+        Section("PLANAR", [
+            f"{of('planar')} joints slide within the lateral limit, {of('planar_without_limits')} without one",
+            *_names(found.joint_names("planar")),
+        ]),
+        Section("WEDGE", _wedge(found, of)),
+        Section("FLEXURAL", [
+            f"{of('flexural')} joints could bend over as layers", *_names(found.joint_names("flexural"))
+        ]),
+        Section("DIRECT", _direct(found, of)),
+        Section("SETS", _sets(found)),
+        Section("FACES", _faces(found, n, m)),
+        Section("READS AS", [_MEANING]),
+        Section("DEFAULTS", _defaults(found)),
+        Section("TIME", [f"{found.seconds * 1e3:.0f} ms"]),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+    ), {"joints.csv": _joints(found), "intersections.csv": _intersections(found)})  # fmt: skip
+
+
+def line_of(found: Kinematic) -> str:
+    """The counts on one line."""
+    counts = found.counts
+    direct, oblique = found.toppling
+    toppling = "direct toppling" if direct else "oblique toppling" if oblique else "no direct toppling"
+    return (
+        f"planar {counts['planar']}  wedge {counts['wedge_primary']}+{counts['wedge_secondary']} "
+        f"({counts['wedge_by_friction']} by friction)  flexural {counts['flexural']}  {toppling}"
+    )
+
+
+def _joints(found: Kinematic) -> Table[int]:
+    """Every joint with what could happen to it."""
+    joints, modes = found.joints.joints, found.modes
+    return Table([
+        Column("joint", lambda k: joints[k].name, "name"),
+        Column("set", lambda k: joints[k].set_name, "set"),
+        Column("dip", lambda k: joints[k].plane.dip_deg, "dip", "°", exact=".10g"),
+        Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
+        Column("φ", _at(found.friction_deg, float), "phi", "°", exact=".10g"),
+        Column("slides", _at(modes.planar, int), "planar"),
+        Column("slides without lateral limits", _at(modes.planar_without_limits, int), "planar_without_limits"),
+        Column("bends over", _at(modes.flexural, int), "flexural"),
+        Column("base of columns", _at(modes.base, _BASES.__getitem__), "base"),
+    ], range(len(joints)))  # fmt: skip
+
+
+def _intersections(found: Kinematic) -> Table[int]:
+    """Every line of intersection with what could happen along it."""
+    lines, modes, names = found.lines, found.modes, [joint.name for joint in found.joints.joints]
+    return Table([
+        Column("first", _at(lines.first, names.__getitem__), "joint1"),
+        Column("second", _at(lines.second, names.__getitem__), "joint2"),
+        Column("trend", _at(lines.trend_deg, float), "trend", "°", exact=".4f"),
+        Column("plunge", _at(lines.plunge_deg, float), "plunge", "°", exact=".4f"),
+        Column("wedge", _at(modes.wedge, _WEDGES.__getitem__), "wedge"),
+        Column("friction fails", _at(modes.by_friction, int), "friction_fails"),
+        Column("toppling", _at(modes.column, _COLUMNS.__getitem__), "toppling"),
+    ], range(len(lines.first)))  # fmt: skip
+
+
+def _at(values: Any, what: Callable[[Any], Any]) -> Callable[[int], Any]:
+    """What the values (n,) of joints or lines mean, by number."""
+    return lambda k: what(values[k])
+
+
+class _Shares:
+    """Counts with what they are counted of and their percentages, by quantity where joints have such."""
+
+    def __init__(self, found: Kinematic) -> None:
+        self.counts, self.percent = found.counts, found.percent
+        self.joints, self.lines = len(found.joints), len(found.lines.first)
+        self.by = " by quantity" if found.joints.has_quantities else ""
+
+    def __call__(self, *kinds: str) -> str:
+        whole = self.joints if kinds[0] in OF_JOINTS else self.lines
+        percent = sum(self.percent[kind] or 0.0 for kind in kinds)
+        count = sum(self.counts[kind] for kind in kinds)
+        return f"{count} of {whole} ({percent:.1f} %{self.by})" if whole else "0 of 0"
+
+
+def _names(names: Sequence[str]) -> list[str]:
+    if not names:
+        return []
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return [", ".join(names[:_MOST_NAMES]) + more]
+
+
+def _limits(found: Kinematic) -> str:
+    low, high = float(found.friction_deg.min()), float(found.friction_deg.max())
+    friction = f"friction {number(low)}°" if low == high else f"friction {number(low)} to {number(high)}°"
+    return (
+        f"{friction}; lateral ±{number(found.lateral_deg)}° for planar sliding, "
+        f"±{number(found.lateral_toppling_deg)}° for toppling, none for wedges"
+    )
+
+
+def _wedge(found: Kinematic, of: _Shares) -> list[str]:
+    counts = found.counts
+    on_one = counts["wedge_primary"] - counts["wedge_on_both"]
+    entries = [
+        f"primary    {of('wedge_primary')} lines daylight and plunge steeper than friction: "
+        f"{counts['wedge_on_both']} slide on both joints, {on_one} on one",
+        f"secondary  {of('wedge_secondary')} plunge flatter, the wedge slides on one steeper joint "
+        f"(Dips draws this zone otherwise: {int(found.modes.secondary_of_dips.sum())} lines)",
+        f"friction alone does not hold {counts['wedge_by_friction']} of the {counts['wedge']}; the others stick "
+        "between their joints (c = 0, dry: F > 1)",
+    ]
+    return entries + _partners(found, "wedge")
+
+
+def _partners(found: Kinematic, kind: str) -> list[str]:
+    most = found.partners(kind)[:8]
+    if not most:
+        return []
+    return ["most often: " + ", ".join(f"{name} ({times})" for name, times in most)]
+
+
+def _direct(found: Kinematic, of: _Shares) -> list[str]:
+    counts, (direct, oblique) = found.counts, found.toppling
+    verdict = {
+        (True, True): "possible, also obliquely: there are edges of columns and bases under them",
+        (True, False): "possible: there are edges of columns and bases under them",
+        (False, True): "obliquely only: outside the lateral limit",
+    }.get((direct, oblique))
+    if verdict is None:
+        edges = bool(counts["direct"] + counts["oblique"])
+        lacking = "bases under the columns" if edges else "edges of columns"
+        verdict = f"not possible: there are no {lacking}"
+    return [
+        verdict,
+        f"edges  {of('direct')} lines plunge steeply into the slope; {counts['oblique']} oblique",
+        f"bases  {of('base_sliding', 'base_release')} joints, on {counts['base_sliding']} of them columns may slide "
+        f"as well; {counts['base_oblique']} oblique",
+        *_partners(found, "direct"),
+    ]
+
+
+def _sets(found: Kinematic) -> list[Entry]:
+    """Joints by set, lines by two sets."""
+    by_set = list(found.by_set().items())
+    if not by_set:
+        return []
+    by_pair = [(f"{a or _NONE} x {b or _NONE}", counts) for (a, b), counts in found.by_set_pair().items()]
+    width = min(max(len(name) for name, _ in (*by_set, *by_pair)), 28)
+
+    def named(key: str) -> Column[_Counted]:
+        return Column("", itemgetter(0), key, width=-width - 1, text=lambda row: (row[0] or _NONE)[:width])
+
+    return [
+        Table([named("set"), _count("joints", "joints", 7), _count("planar", "planar", 8),
+               _count("flexural", "flexural", 10), Column("bases", _bases, "bases", width=7)], by_set),
+        Table([named("sets"), _count("lines", "lines", 7), _count("primary", "wedge_primary", 9),
+               _count("secondary", "wedge_secondary", 11), _count("by friction", "wedge_by_friction", 13),
+               _count("direct", "direct", 8), _count("oblique", "oblique", 9)], by_pair),
+    ]  # fmt: skip
+
+
+def _faces(found: Kinematic, n: int, m: int) -> list[Entry]:
+    """Percentages by face."""
+    if not found.over_faces:
+        return []
+    rows = [
+        (dip, {kind: value or 0.0 for kind, value in part.items()})
+        for (dip, _), part in zip(found.over_faces, found.percent_of_faces, strict=True)
+    ]
+    by = " by quantity" if found.joints.has_quantities else ""
+    table: Table[_Counted] = Table([
+        Column("dip", itemgetter(0), "dip", "°", width=5, text=lambda row: f"{row[0]:.4g}°"),
+        _percent("planar", "planar", 9, 1), _percent("primary", "wedge_primary", 10),
+        _percent("secondary", "wedge_secondary", 11), _percent("by friction", "wedge_by_friction", 13),
+        _percent("flexural", "flexural", 10, 1), _percent("direct", "direct", 9), _percent("oblique", "oblique", 9),
+        Column("bases", _bases, "bases", "%", ".1f", 8),
+    ], rows)  # fmt: skip
+    return [
+        f"toward {found.face.dip_direction_deg:03.0f}; per cent{by} of {n} joints (planar, flexural, bases), "
+        f"of {m} lines",
+        table,
+    ]
+
+
+def _count(title: str, kind: str, width: int) -> Column[_Counted]:
+    return Column(title, lambda row: row[1][kind], kind, width=width)
+
+
+def _percent(title: str, kind: str, width: int, digits: int = 2) -> Column[_Counted]:
+    return Column(title, lambda row: row[1][kind], kind, "%", f".{digits}f", width)
+
+
+def _bases(row: _Counted) -> Any:
+    return row[1]["base_sliding"] + row[1]["base_release"]
+
+
+def _defaults(found: Kinematic) -> list[str]:
+    words = {
+        "phi": "φ 30°", "lateral": "lateral limit 20°", "lateral_toppling": "lateral limit of toppling 30°",
+    }  # fmt: skip
+    return [", ".join(words[name] for name in found.defaults)] if found.defaults else []
+
+
+_MEANING = (
+    "what orientation and friction allow, no more: no cohesion, water or size; whether the joints meet in the slope is "
+    "not known. A share is one of poles or lines, not a probability of failure"
+)

@@ -1,0 +1,146 @@
+"""Values of a key as users write them: `60,70,80`, `10m:20m:5` (how many), `10m:20m:+5m` (steps), `lo:hi`."""
+
+import math
+import re
+from collections.abc import Sequence
+from typing import NoReturn, TypeAlias
+
+from slopekit.errors import DesignError, Fault
+from slopekit.orientation import number
+from slopekit.studies.keys import Key
+from slopekit.units import unit_of
+
+#: Two ends: a pair, or a text `lo:hi`.
+Within: TypeAlias = str | Sequence[float | str]
+MOST = 100_000
+_LAST = 1e-9  # of a step: so near its end the last value is the end
+
+
+def parse_values(key: Key, given: object, most: int = MOST) -> tuple[float, ...]:
+    """The values that a key shall take, in the order given.
+
+    Parameters
+    ----------
+    given : `a:b:n` (how many), `a:b:+s` (in steps), `a,b,c`, one number, or a sequence of numbers or texts
+
+    Raises
+    ------
+    DesignError
+        E312 where that is not understood, too many, or a value twice; E105 to E108 for a number.
+
+    >>> parse_values(Key("slope.height", "length", 10.0, 0.001, 1e5), "10m:2000cm:3")
+    (10.0, 15.0, 20.0)
+    >>> parse_values(Key("slope.face.dip", "angle", 65.0, 0.0, 90.0), "60:75:+5")
+    (60.0, 65.0, 70.0, 75.0)
+    """
+    if isinstance(given, str) and ":" in given:
+        values = _evenly(key, given, most)
+    else:
+        parts = _parts(given)
+        _one_spelling(key, parts, given)
+        values = tuple(key.read(part) for part in parts)
+    if not values:
+        raise DesignError([Fault("E312", f"{key.path} has no values", f"{key.path}={given}", how_written(key.path))])
+    if len(values) > most:
+        raise DesignError([Fault("E312", f"{key.path} has {len(values)} values, more than {most}", key.path)])
+    twice = next((value for k, value in enumerate(values) if value in values[:k]), None)
+    if twice is not None:
+        raise DesignError([Fault("E312", f"{key.path} has the value {key.shown(twice)} twice", f"{key.path}={given}")])
+    return values
+
+
+def parse_within(key: Key, given: Within | None) -> tuple[float, float]:
+    """The two ends of a range; None: what such a number can be, of a direction half a turn to both sides.
+
+    Raises
+    ------
+    DesignError
+        E312 where that is not two ends, the lower first; E105 to E108 for a number.
+
+    >>> parse_within(Key("slope.height", "length", 10.0, 0.001, 1e5), "5:20")
+    (5.0, 20.0)
+    """
+    if given is None:
+        if key.period is not None and key.value is not None:
+            return key.value - key.period / 2.0, key.value + key.period / 2.0
+        return key.low, key.high
+    parts = [part.strip() for part in given.split(":")] if isinstance(given, str) else list(given)
+    where = f"{key.path}={given}" if isinstance(given, str) else key.path
+    if len(parts) != 2 or any(part == "" for part in parts):
+        message = f"{given} is no range of {key.path}: two ends are needed"
+        raise DesignError([Fault("E312", message, where, "Write KEY=lo:hi, for example strength.weak.phi=10:40.")])
+    _one_spelling(key, parts, given)
+    low, high = (key.read(part) for part in parts)
+    if not low < high:
+        message = f"{key.path} runs from {key.shown(low)} to {key.shown(high)}: the lower end comes first"
+        raise DesignError([Fault("E312", message, where)])
+    return low, high
+
+
+def how_written(path: str) -> str:
+    """How values are written, for advice."""
+    return f"Write {path}=60:80:5 (from, to, how many), {path}=60:80:+5 (in steps of 5), or {path}=60,70,80."
+
+
+def as_steps(key: Key, given: str, values: Sequence[float]) -> str:
+    """How `a:b:n` is written if steps of n are meant; empty where those are the same values, or it is no such text."""
+    parts = [part.strip() for part in given.split(":")]
+    if len(parts) != 3 or parts[2].startswith(("+", "-")):
+        return ""
+    steps = f"{parts[0]}:{parts[1]}:+{parts[2]}"
+    try:
+        return "" if parse_values(key, steps) == tuple(values) else steps
+    except DesignError:
+        return steps
+
+
+def _evenly(key: Key, given: str, most: int) -> tuple[float, ...]:
+    """`a:b:n` or `a:b:+s`."""
+    parts = [part.strip() for part in given.split(":")]
+
+    def refuse(message: str) -> NoReturn:
+        raise DesignError([Fault("E312", f"{key.path}: {message}", f"{key.path}={given}", how_written(key.path))])
+
+    if len(parts) != 3 or any(part == "" for part in parts):
+        refuse(f"{given} is not from:to:how many, nor from:to:+step")
+    in_steps = parts[2].startswith(("+", "-"))
+    _one_spelling(key, [*parts[:2], parts[2][1:]] if in_steps else parts[:2], given)
+    low, high = key.read(parts[0]), key.read(parts[1])
+    if low == high:
+        refuse(f"from {key.shown(low)} to the same")
+    if in_steps:
+        step = key.read(parts[2])
+        if not 0.0 < step / (high - low) <= 1.0 + _LAST:
+            refuse(f"steps of {parts[2]} do not lead from {key.shown(low)} to {key.shown(high)}")
+        count = math.floor((high - low) / step + _LAST) + 1
+        if count > most:
+            refuse(f"{count} values are more than {most}")
+    else:
+        if not re.fullmatch(r"[0-9]{1,7}", parts[2]) or not 2 <= int(parts[2]) <= most:
+            refuse(f"{parts[2]} is no number of values from 2 to {most}; steps are written with +")
+        count = int(parts[2])
+        step = (high - low) / (count - 1)
+    values = [low + step * k for k in range(count)]
+    if not in_steps or abs(values[-1] - high) <= _LAST * abs(step):
+        values[-1] = high
+    tidy = [float(number(value)) for value in values]  # 0.30000000000000004 is 0.3
+    return tuple(round_ if math.isclose(round_, value, rel_tol=1e-12, abs_tol=1e-15) else value
+                 for round_, value in zip(tidy, values, strict=True))  # fmt: skip
+
+
+def _parts(given: object) -> list[object]:
+    if isinstance(given, str):
+        return [part.strip() for part in given.split(",")]
+    if hasattr(given, "tolist"):
+        given = given.tolist()
+    return list(given) if isinstance(given, Sequence) else [given]
+
+
+def _one_spelling(key: Key, parts: Sequence[object], given: object) -> None:
+    """Refuse 10:20ft, of which nobody knows whether the ten are feet: nought alone needs no unit, nor does a part."""
+    if key.kind == "ratio":
+        return
+    units = {unit_of(part) for part in parts if str(part).strip() not in ("0", "0.0")}
+    if len(units) > 1 and "" in units:
+        message = f"{key.path}: some values carry a unit and others do not"
+        raise DesignError([Fault("E312", message, f"{key.path}={given}", "Write the unit with each of them.")])

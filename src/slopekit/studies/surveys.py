@@ -1,0 +1,60 @@
+"""What studies of joint lists share: how a list is given, what its document and its sheet say of it first."""
+
+from typing import Annotated, Any
+
+from slopekit._version import __version__
+from slopekit.core.sheet import counted
+from slopekit.design.joint_lists import JointList
+from slopekit.errors import Notice
+from slopekit.studies.protocol import Argument, Option
+
+
+def _conventions(incomplete: str) -> list[str]:
+    """The strike conventions that begin so, for the shell."""
+    from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION
+
+    return [name for name in STRIKE_TO_DIP_DIRECTION if name.startswith(incomplete.lower())]
+
+
+#: A survey: a file on a command line; in Python also a pandas or polars frame with such columns, planes ("45/115",
+#: (45, 115)), an (n, 2) array or {name: plane}.
+AJointList = Annotated[
+    Any, Argument("A joint list (CSV, .xlsx, Dips, CloudCompare): dip and dip direction, strikes, poles.", "JOINTS")
+]  # fmt: skip
+AFace = Annotated[Any, Option("Slope face, D/DD: has to be given.")]
+Convention = Annotated[str | None, Option(
+    "What a strike column means: right-hand-rule (RHR) or left-hand-rule (LHR).", completes=_conventions
+)]  # fmt: skip
+SkipBad = Annotated[bool, Option("Leave bad rows out, listed, where they would stop the run.")]
+
+
+def survey_head(study: str, joints: JointList, sha: str) -> dict[str, Any]:
+    """What the JSON of every study of a survey begins with."""
+    return {
+        "slopekit": __version__, "study": study, "kind": study,
+        "survey": {"name": joints.name, "joints": len(joints), "left_out": list(joints.left_out)}
+        | ({"quantity": float(joints.quantities.sum())} if joints.has_quantities else {}),
+        "input_sha256": sha,
+    }  # fmt: skip
+
+
+def head(study: str, joints: JointList, sha: str) -> str:
+    """The first line of its sheet."""
+    return f"slopekit {__version__}   {study}   sha {sha[:6]}   {joints.name}"
+
+
+def survey_entry(joints: JointList) -> str:
+    """How many joints, sets and pairs there are."""
+    n, sets = len(joints), len(joints.sets())
+    in_sets = f" in {counted(sets, 'set')}" if sets else ""
+    return f"{counted(n, 'joint')}{in_sets}, {counted(n * (n - 1) // 2, 'pair')}"
+
+
+def left_out(joints: JointList) -> list[Notice]:
+    """What is not used of the list, and how it was read."""
+    found = []
+    if joints.left_out:
+        found.append(Notice("W366", f"not used of {joints.name}: {'; '.join(joints.left_out)}"))
+    if joints.read_as:
+        found.append(Notice("W373", f"read of {joints.name}: {'; '.join(joints.read_as)}"))
+    return found
