@@ -16,6 +16,7 @@ from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, So
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.studies.check import check
+    from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
@@ -30,7 +31,10 @@ __all__ = [
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
-_LATER = {"export": "exchange.export", "Sweep": "studies.sweep", "Tornado": "studies.tornado"}
+_LATER = {
+    "export": "exchange.export", "Support": "studies.support", "Sweep": "studies.sweep",
+    "Tornado": "studies.tornado",
+}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:

@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
@@ -32,7 +32,7 @@ def command_of(name: str) -> Callable[..., None]:
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
     first = inspect.signature(main).parameters
     with_design = any(parameter.annotation == ADesign for parameter in first.values())
-    declared |= {own.name: own for own in _of_every_study(with_design, name)}
+    declared |= {own.name: own for own in _of_every_study(with_design, any(map(_draws, functions)))}
 
     def command(**given: Any) -> None:
         chosen = next((flag for flag in variants if given[flag]), "")
@@ -68,15 +68,22 @@ def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Par
     return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
 
 
-def _of_every_study(with_design: bool, name: str) -> list[inspect.Parameter]:
+def _of_every_study(with_design: bool, drawn: bool) -> list[inspect.Parameter]:
     sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
+    picture = [_parameter("picture", str | None, _PICTURE, None)] if drawn else []
     return [
         *sets,
-        _parameter("picture", str | None, _PICTURE, None),
+        *picture,
         _parameter("as_json", bool, JSON, False),
         _parameter("quiet", bool, _QUIET, False),
         _parameter("output", str | None, _FOLDER, None),
     ]
+
+
+def _draws(function: Callable[..., Outcome]) -> bool:
+    """Whether there are pictures of what a study comes to."""
+    outcome = get_type_hints(function)["return"]
+    return any(kind.charts is not Outcome.charts for kind in get_args(outcome) or (outcome,))
 
 
 def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
@@ -109,7 +116,7 @@ def _help_of(function: Callable[..., Any]) -> str:
 def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
     """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
     folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = checked_image(given["picture"])
+    image = checked_image(given.get("picture"))
     values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
