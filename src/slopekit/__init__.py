@@ -15,6 +15,7 @@ from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, So
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
+    from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
@@ -32,7 +33,7 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "export": "exchange.export", "Support": "studies.support", "Sweep": "studies.sweep",
+    "Check": "studies.check", "export": "exchange.export", "Support": "studies.support", "Sweep": "studies.sweep",
     "Tornado": "studies.tornado",
 }  # fmt: skip
 

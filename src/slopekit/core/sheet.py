@@ -42,6 +42,7 @@ class Column(Generic[Row]):
     text : or a function of the row, where more than the cell is shown
     width : characters in text, negative to the left; 0: it is not there
     exact : format of its numbers in CSV, empty for every digit
+    timed : measured, another one in every run: it stands in text and files, not in the JSON of the sheet
     """
 
     title: str
@@ -52,6 +53,7 @@ class Column(Generic[Row]):
     width: int = 0
     exact: str = ""
     text: Callable[[Row], str] | None = None
+    timed: bool = False
 
     def shown(self, row: Row) -> str:
         """The cell of a row for a person."""
@@ -120,7 +122,7 @@ class Table(Generic[Row]):
 
     def to_dict(self) -> dict[str, Any]:
         """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
-        columns = [column for column in self.columns if column.width]
+        columns = [column for column in self.columns if column.width and not column.timed]
         return {
             "columns": [
                 {"title": column.title.strip(), "key": column.key or None, "unit": column.unit} for column in columns
@@ -155,11 +157,12 @@ Entry: TypeAlias = str | Table[Any] | Verbatim
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A label, what stands beside it, and how far folded lines of text hang in."""
+    """A label, what stands beside it, how far folded lines of text hang in; `timed` as of a column."""
 
     label: str
     entries: Sequence[Entry]
     hang: int = 3
+    timed: bool = False
 
     def lines(self) -> list[str]:
         """The section in text; without entries it is nothing."""
@@ -198,7 +201,7 @@ class Sheet:
         """Entries by label as JSON values; times stand in their own block."""
         found: dict[str, list[Any]] = {}
         for section in self.sections:
-            if section.entries and section.label != "TIME":
+            if section.entries and not section.timed and section.label != "TIME":
                 own = [entry if isinstance(entry, str) else entry.to_dict() for entry in section.entries]
                 found.setdefault(section.label, []).extend(own)
         return found
