@@ -24,9 +24,8 @@ from benchmarks.golden_text import Section, lines_of, text_of
 from slopekit.design.templates import folder as templates_folder
 from slopekit.design.templates import names
 from slopekit.studies.protocol import STUDIES, VARIANTS
-from slopekit.studies.references import chosen
-from slopekit.studies.suite import verify
-from slopekit.views.verification import summary
+from slopekit.studies.suite import suite
+from slopekit.studies.suite.references import chosen
 from tests.commands import slopekit
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +39,7 @@ RESULTS = "run {} --quiet --no-pictures -o out"
 #: Where a sheet of a study is made, by the function of slopekit that gave it.
 SHEETS = {
     "run": "sheet.sheet", "wedge": "sheet.sheet", "prob": "probability_sheet.probability_sheet",
-    "check": "check_sheet.check_sheet", "solve": "solve_sheet.solve_sheet", "support": "support_sheet.support_sheet",
+    "solve": "solve_sheet.solve_sheet",
 }  # fmt: skip
 #: Rows of the suite: what stands in verification.json already is left out.
 ROW = ("value", "status", "closed_form", "limit", "static_bound", "error", "ok", "reason")
@@ -236,12 +235,12 @@ def _recorded() -> Iterator[list[tuple[str, Any]]]:
 
 def _suite(_: Path) -> Answer:
     """`slopekit check --suite`: its counts and last line, and of every row what slopekit found."""
-    verification = verify()
+    verification = suite()
     document = verification.to_dict()
     lines = lines_of({key: document[key] for key in ("counts", "judged_by", "exit_code")})
     for name, row in zip(names_of_rows(), document["rows"], strict=True):
         lines += [f"{name} {line}" for line in lines_of({key: row[key] for key in ROW})]
-    return {"printed": text_of(summary(verification)), "values": lines}
+    return {"printed": text_of(verification.line), "values": lines}
 
 
 def names_of_rows() -> list[str]:

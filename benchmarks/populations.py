@@ -18,7 +18,7 @@ import numpy as np
 Design = dict[str, Any]
 Outline = list[tuple[float, float]]
 
-_VERIFICATION = Path(__file__).parents[1] / "src" / "slopekit" / "studies" / "verification.json"
+_VERIFICATION = Path(__file__).parents[1] / "src" / "slopekit" / "studies" / "suite" / "verification.json"
 
 # -- sections ---------------------------------------------------------------------------------------------------------
 

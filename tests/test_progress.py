@@ -64,6 +64,20 @@ def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
     assert len(frames[-2]) == len(frames[1])  # nothing is left of it
 
 
+def test_a_bar_has_the_line_for_itself(terminal) -> None:
+    with redirect_stderr(terminal), watched():
+        with progress("cases", 10) as advance:
+            for _ in range(10):
+                advance(1)
+                time.sleep(0.02)
+        shown = terminal.getvalue()
+        time.sleep(0.1)
+    assert "cases" in shown
+    assert "100%" in shown
+    assert " s  " not in shown
+    assert " s  " in terminal.getvalue().removeprefix(shown)
+
+
 def test_what_is_quick_shows_nothing(terminal) -> None:
     with redirect_stderr(terminal), watched():
         say("solve", head=True)

@@ -15,11 +15,13 @@ from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, So
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
+    from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
     from slopekit.studies.combos import combos
     from slopekit.studies.kinematic import Kinematic as Kinematic
     from slopekit.studies.kinematic import kinematic
+    from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
@@ -35,8 +37,9 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "export": "exchange.export", "Combos": "studies.combos", "Kinematic": "studies.kinematic",
-    "Sweep": "studies.sweep", "Tornado": "studies.tornado",
+    "Check": "studies.check", "export": "exchange.export", "Combos": "studies.combos",
+    "Kinematic": "studies.kinematic", "Support": "studies.support", "Sweep": "studies.sweep",
+    "Tornado": "studies.tornado",
 }  # fmt: skip
 
 

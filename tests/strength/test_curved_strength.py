@@ -19,7 +19,7 @@ from slopekit.strength.bilinear import Bilinear
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.waviness import Wavy
-from slopekit.studies.support_search import site_of
+from slopekit.studies.support.search import site_of
 from slopekit.views.sheet import sheet
 
 ROUGH = BartonBandis(8.0, 50e3, 25.0)

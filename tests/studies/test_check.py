@@ -8,12 +8,12 @@ from functools import cache
 import pytest
 
 import slopekit as sk
+from slopekit.core.codec import record_of
 from slopekit.design.templates import path_of
 from slopekit.kinds import ladders, many_blocks
 from slopekit.kinds.ladders import Rung, timed
-from slopekit.studies import check as module
 from slopekit.studies.check import Check, Finding, check
-from slopekit.views.check_sheet import check_line
+from slopekit.studies.check import run as module
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.properties.test_not_unique import BONDED_ROW, ROUGH_COLUMNS, TWO_BLOCKS
 
@@ -175,20 +175,20 @@ def test_a_limit_that_hangs_on_the_stiffness_of_the_joints_is_not_consistent() -
     found = check(sk.load(ROUGH_COLUMNS))
     one = finding(found, "stiffness ratio")
     assert one.value == pytest.approx(1.0 - 0.670 / 0.8175, abs=2e-3)
-    assert (one.met, one.code, one.to_dict()["code"]) == (False, "W364", "W364")
+    assert (one.met, one.code, record_of(one)["code"]) == (False, "W364", "W364")
     assert "0.6698 with k_t/k_n 0.1, 0.9048 with k_t/k_n 1" in one.words
     assert "judge by the range of its mechanism, 0.6689 .. 0.9715" in one.words
     assert [other.name for other in found.findings if other.met is False] == ["stiffness ratio"]
     assert found.consistent is False
     assert found.exit_code == 4
-    assert "hangs on the stiffness of the joints" in check_line(found)
+    assert "hangs on the stiffness of the joints" in found.line
 
 
 def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
     found = check(sk.load(BONDED_ROW))
     one = finding(found, "stiffness ratio")
     assert one.value < 1e-6
-    assert (one.met, one.to_dict()["code"]) == (True, None)
+    assert (one.met, record_of(one)["code"]) == (True, None)
     assert found.consistent
 
 

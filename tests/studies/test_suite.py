@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -11,9 +12,11 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 import slopekit as sk
-from slopekit.studies import references, suite
-from slopekit.studies.references import QUANTITIES, half_unit
-from slopekit.studies.suite import verify
+from slopekit.studies.protocol import Desk
+from slopekit.studies.suite import Verification, references
+from slopekit.studies.suite import run as suite_module
+from slopekit.studies.suite import suite as verify
+from slopekit.studies.suite.references import QUANTITIES, half_unit
 from tests.studies.the_suite import the_suite
 from tests.studies.wedge_oracle import wedge_factor
 
@@ -39,7 +42,7 @@ IN_DEGREES = {
 
 
 @pytest.fixture(scope="module")
-def verification(tmp_path_factory: pytest.TempPathFactory) -> suite.Verification:
+def verification(tmp_path_factory: pytest.TempPathFactory) -> Verification:
     return the_suite(tmp_path_factory.getbasetemp())
 
 
@@ -93,7 +96,7 @@ def test_what_the_judged_rows_are_held_against(verification) -> None:
     assert of["published_inferred"] == 9
     assert all(row.reference.is_factor and row.reference.printed for row in verification.unmet)
     assert [row.error for row in verification.unmet] == sorted(row.error for row in verification.unmet)
-    assert not hasattr(suite, "QUANTITIES")
+    assert not hasattr(suite_module, "QUANTITIES")
 
 
 def test_published_values_are_held_to_half_a_unit_of_their_last_digit() -> None:
@@ -202,7 +205,7 @@ def test_wedges_recomputed_by_other_code(case) -> None:
 # -- rows that can fail -----------------------------------------------------------------------------------------------
 
 
-def falsified(monkeypatch, case_id: str, quantity: str = "", design=None, **changes) -> suite.Verification:
+def falsified(monkeypatch, case_id: str, quantity: str = "", design=None, **changes) -> Verification:
     """The suite of one case after a change of its references of a quantity, of its design or of its status."""
     sources, cases = references.document()
     (case,) = [case for case in cases if case.id == case_id]
@@ -272,8 +275,8 @@ def test_a_false_design_fails(monkeypatch) -> None:
 )
 def test_results_that_cannot_be_right_fail_whatever_the_row(monkeypatch, change, says) -> None:
     """Also on rows that are not judged."""
-    honest = suite.analyse
-    monkeypatch.setattr(suite, "analyse", lambda design: dataclasses.replace(honest(design), **change))
+    honest = suite_module.analyse
+    monkeypatch.setattr(suite_module, "analyse", lambda design: dataclasses.replace(honest(design), **change))
     found = verify("stack")
     assert {row.ok for row in found.rows} == {False}
     assert says in found.failed[0].reason
@@ -304,12 +307,14 @@ def test_a_choice_by_case_kind_and_source() -> None:
 
 
 def test_progress_and_designs_that_are_analysed_once(monkeypatch) -> None:
-    seen: list[tuple[int, int]] = []
+    seen: list[int] = []
+    bars: list[tuple[str, int]] = []
     calls = []
-    honest = suite.analyse
-    monkeypatch.setattr(suite, "analyse", lambda design: calls.append(1) or honest(design))
-    found = verify("geostru", progress=lambda done, of: seen.append((done, of)))
-    assert seen == [(k, 5) for k in range(1, 6)]
+    honest = suite_module.analyse
+    monkeypatch.setattr(suite_module, "analyse", lambda design: calls.append(1) or honest(design))
+    desk = Desk(bar=lambda label, total: bars.append((label, total)) or nullcontext(seen.append))
+    found = verify("geostru", desk=desk)
+    assert (bars, seen) == ([("cases", 5)], [1] * 5)
     assert len(calls) == 5 < len(found.rows)
 
 
@@ -318,7 +323,7 @@ def test_json_is_strict_and_complete(verification) -> None:
     assert document["counts"] == verification.counts
     assert document["exit_code"] == 0
     assert set(document) == {
-        "slopekit", "counts", "judged_by", "exit_code", "sources", "rows", "versions", "timing_s",
+        "slopekit", "counts", "judged_by", "exit_code", "sources", "rows", "versions", "timing_s", "sheet",
     }  # fmt: skip
     for row in document["rows"]:
         assert row["case"] in row["id"]

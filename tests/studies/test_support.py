@@ -21,10 +21,9 @@ from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import BoltDirections, around, sphere
-from slopekit.studies.support_forces import BoltedBlock, least_along, nearest, slides
-from slopekit.studies.support_search import Answer, least_force, site_of
-from slopekit.views.support_sheet import support_line, support_sheet
+from slopekit.studies.support.directions import BoltDirections, around, sphere
+from slopekit.studies.support.forces import BoltedBlock, least_along, nearest, slides
+from slopekit.studies.support.search import Answer, least_force, site_of
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
 from tests.support import random_wedge, upward_normal
@@ -100,7 +99,7 @@ def test_forces_on_random_planes_give_the_target_when_put_back(seed) -> None:
         assert limit == pytest.approx(target, abs=1e-6)
         assert limit >= target
         assert case.pre_ie.fos == pytest.approx(target, abs=1e-6)
-    press = found.pressure.force_words() | {"force": found.pressure.pre_ie.force * found.face_area}
+    press = found.pressure.force | {"force": found.pressure.pre_ie.force * found.face_area}
     assert put_back(design, forces=[press])[1] == pytest.approx(target, abs=1e-6)
     assert found.pressure.use == max(found.pressure.pre_ie.force, found.pressure.closed_form.force)
 
@@ -293,7 +292,7 @@ def test_bolts_of_the_design_stay_and_count() -> None:
         design = loaded(WEDGE | {"support": {"bolts": [half]}})
         other = next(c for c in sk.support(design, 1.6).cases if c.acts == acts)
         assert other.closed_form.force == pytest.approx(case.closed_form.force / 2.0, rel=1e-6)
-        assert other.to_dict(design.bolts, "kN")["yaml"].count("acts:") == 1 + len(other.bolts)
+        assert other.yaml.count("acts:") == 1 + len(other.bolts)
 
 
 def test_a_slope_that_is_stable_enough_needs_nothing() -> None:
@@ -302,8 +301,8 @@ def test_a_slope_that_is_stable_enough_needs_nothing() -> None:
     assert found.exit_code == 0
     assert found.cases == ()
     assert found.to_dict()["needed"] is False
-    assert "no more support is needed" in support_sheet(found)
-    assert support_line(found).startswith("reached  nothing needed")
+    assert "no more support is needed" in str(found)
+    assert found.line.startswith("reached  nothing needed")
 
 
 def test_what_only_moments_ask_for_is_found_by_pre_ie_alone() -> None:
@@ -340,7 +339,7 @@ def test_moments_govern_and_the_larger_number_is_the_one_to_use(turning) -> None
         assert case.force == case.pattern.force
         assert case.pattern.need.moments_govern
         assert case.pattern.need.fos == pytest.approx(1.8, abs=1e-6)
-    sheet = support_sheet(turning)
+    sheet = str(turning)
     assert "moments govern: the closed form's" in sheet
     assert max(map(len, sheet.splitlines())) <= 100
 
@@ -398,7 +397,7 @@ def test_the_yaml_of_bolts_whose_moments_govern_gives_the_target(turning, acts, 
 
 
 def _pasted(design: dict, found, acts: str, folder: Path):
-    text = found.snippets()[f"support-{acts}.yaml"]
+    text = found.files()[f"support-{acts}.yaml"]
     assert max(map(len, text.splitlines())) <= 100
     body = "\n".join(f"{key}: {json.dumps(value)}" for key, value in design.items())
     (folder / "design.yaml").write_text(f"{body}\n{text}", encoding="utf-8")
@@ -477,11 +476,11 @@ def test_what_cannot_be_reached_says_why(code, design, options, says) -> None:
     found = sk.support(loaded(design), fos, **options)
     said = notices_of(found)
     assert says in said[code]
-    assert f"{code} " in support_sheet(found).replace("\n", " ")
+    assert f"{code} " in str(found).replace("\n", " ")
     if code != "E329":  # the slab stands once its bolts have their heads on the face
         assert not found.reached
         assert found.exit_code == 1
-        assert code in support_line(found)
+        assert code in found.line
 
 
 def test_a_slab_that_turns_over_is_held_by_heads_on_the_face() -> None:
@@ -559,7 +558,7 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert document.keys() == {
         "slopekit", "study", "kind", "title", "input_sha256", "target_fos", "unit", "reached", "needed", "without",
         "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure", "warnings",
-        "timing_s",
+        "timing_s", "sheet",
     }  # fmt: skip
     assert document["bolts"][0].keys() == {
         "acts", "direction", "toward", "reached", "use_kn", "closed_form", "pre_ie", "most_kn", "optimum", "pattern",
@@ -572,7 +571,7 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     ]  # fmt: skip
     sheet = (tmp_path / "out" / "support.txt").read_text(encoding="utf-8")
     assert [line.split()[0] for line in sheet.splitlines() if line[:1].isupper()] == [
-        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "USE", "PASTE",
+        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "USE", "PASTE", "TIME",
     ]  # fmt: skip
 
 
@@ -592,4 +591,4 @@ def test_distributions_are_named_in_the_sheet() -> None:
     design = loaded(PLANE, **{"strength.s.phi": {"dist": "normal", "mean": 37, "sd": 2}})
     found = sk.support(design, 1.9, acts="active")
     assert isinstance(found.warnings[0], Notice)
-    assert "W320 strength.s.phi is a distribution" in support_sheet(found)
+    assert "W320 strength.s.phi is a distribution" in str(found)

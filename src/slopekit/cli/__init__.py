@@ -66,8 +66,8 @@ def _slopekit(
 
 
 for command in (
-    designs.wedge, designs.run, designs.check, designs.lint, studies.prob,
-    studies.solve, studies.support, outputs.plot, outputs.export, outputs.report,
+    designs.wedge, designs.run, designs.lint, studies.prob, studies.solve,
+    outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(tools.templates, name="templates")

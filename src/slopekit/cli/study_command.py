@@ -3,7 +3,7 @@
 import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
@@ -26,16 +26,18 @@ def command_of(name: str) -> Callable[..., None]:
     declared: dict[str, inspect.Parameter] = {}
     for function in functions:
         for key, parameter in inspect.signature(function).parameters.items():
-            for own in _on_command_line(key, parameter):
+            always = all(key in inspect.signature(other).parameters for other in functions)
+            for own in _on_command_line(key, parameter, always):
                 declared.setdefault(own.name, own)
     for flag, function in variants.items():
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
-    first = inspect.signature(main).parameters
-    with_design = any(parameter.annotation == ADesign for parameter in first.values())
-    declared |= {own.name: own for own in _of_every_study(with_design, name)}
+    with_design = _takes_design(main)
+    declared |= {own.name: own for own in _of_every_study(with_design, any(map(_draws, functions)))}
 
     def command(**given: Any) -> None:
         chosen = next((flag for flag in variants if given[flag]), "")
+        if with_design:
+            _check_design(name, variants, chosen, given)
         _drive(variants.get(chosen, main), given, chosen)
 
     command.__name__ = name
@@ -48,11 +50,14 @@ def command_of(name: str) -> Callable[..., None]:
 # -- parameters -------------------------------------------------------------------------------------------------------
 
 
-def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Parameter]:
-    """What a parameter of a study is on the command line: nothing, one option or argument, or some flags."""
+def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> list[inspect.Parameter]:
+    """What a parameter of a study is on the command line: nothing, one option or argument, or some flags.
+
+    `always`: the variants of the study have it too.
+    """
     how = given_by(parameter)
     if isinstance(how, Argument):
-        needed = parameter.default is inspect.Parameter.empty and not how.many
+        needed = always and parameter.default is inspect.Parameter.empty and not how.many
         type_ = list[str] | None if how.many else str if needed else str | None
         key = how.called or key
         return [_parameter(key, type_, typer.Argument(help=how.help, metavar=how.metavar), ... if needed else None)]
@@ -68,15 +73,26 @@ def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Par
     return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
 
 
-def _of_every_study(with_design: bool, name: str) -> list[inspect.Parameter]:
+def _of_every_study(with_design: bool, drawn: bool) -> list[inspect.Parameter]:
     sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
+    picture = [_parameter("picture", str | None, _PICTURE, None)] if drawn else []
     return [
         *sets,
-        _parameter("picture", str | None, _PICTURE, None),
+        *picture,
         _parameter("as_json", bool, JSON, False),
         _parameter("quiet", bool, _QUIET, False),
         _parameter("output", str | None, _FOLDER, None),
     ]
+
+
+def _takes_design(function: Callable[..., Outcome]) -> bool:
+    return any(parameter.annotation == ADesign for parameter in inspect.signature(function).parameters.values())
+
+
+def _draws(function: Callable[..., Outcome]) -> bool:
+    """Whether there are pictures of what a study comes to."""
+    outcome = get_type_hints(function)["return"]
+    return any(kind.charts is not Outcome.charts for kind in get_args(outcome) or (outcome,))
 
 
 def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
@@ -109,7 +125,7 @@ def _help_of(function: Callable[..., Any]) -> str:
 def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
     """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
     folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = checked_image(given["picture"])
+    image = checked_image(given.get("picture"))
     values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
@@ -125,6 +141,21 @@ def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: 
         outcome = function(**values, desk=Desk(folder, progress, _option))
     _deliver(outcome, folder, image, given["as_json"], given["quiet"])
     raise typer.Exit(outcome.exit_code)
+
+
+def _check_design(
+    name: str, variants: Mapping[str, Callable[..., Outcome]], chosen: str, given: Mapping[str, Any]
+) -> None:
+    """Refuse a design and a variant without one (E270), neither of both, and what belongs to a design (E271)."""
+    alone = [f"--{flag}" for flag, function in variants.items() if not _takes_design(function)]
+    of_its_own = f"--{chosen}" in alone
+    if of_its_own != (given["design"] is None):
+        message = f"{name} takes a design file or {' or '.join(alone)}" + (", not both" if of_its_own else "")
+        advice = f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}"
+        raise DesignError([Fault("E270", message, "", advice)])
+    if of_its_own and (given["sets"] or given.get("picture")):
+        message = f"--set and --picture belong to a design file, --{chosen} takes neither"
+        raise DesignError([Fault("E271", message)])
 
 
 def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> tuple[Any, set[str]]:

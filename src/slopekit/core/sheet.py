@@ -17,7 +17,7 @@ JOINTS    joint      FoS
 
 import math
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeAlias, TypeVar
 
@@ -42,6 +42,7 @@ class Column(Generic[Row]):
     text : or a function of the row, where more than the cell is shown
     width : characters in text, negative to the left; 0: it is not there
     exact : format of its numbers in CSV, empty for every digit
+    timed : measured, another one in every run: it stands in text and files, not in the JSON of the sheet
     """
 
     title: str
@@ -52,6 +53,7 @@ class Column(Generic[Row]):
     width: int = 0
     exact: str = ""
     text: Callable[[Row], str] | None = None
+    timed: bool = False
 
     def shown(self, row: Row) -> str:
         """The cell of a row for a person."""
@@ -120,7 +122,7 @@ class Table(Generic[Row]):
 
     def to_dict(self) -> dict[str, Any]:
         """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
-        columns = [column for column in self.columns if column.width]
+        columns = [column for column in self.columns if column.width and not column.timed]
         return {
             "columns": [
                 {"title": column.title.strip(), "key": column.key or None, "unit": column.unit} for column in columns
@@ -135,27 +137,43 @@ class Table(Generic[Row]):
         return self.rows if self.shown is None else self.shown
 
 
-Entry: TypeAlias = str | Table[Any]
+@dataclass(frozen=True, slots=True)
+class Verbatim:
+    """Lines to be copied as they are: in text they stand at the left margin, whatever their length."""
+
+    text: str
+
+    def lines(self) -> list[str]:
+        """Its lines."""
+        return self.text.rstrip().splitlines()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Its text, by a key that tells it from a table."""
+        return {"verbatim": self.text}
+
+
+Entry: TypeAlias = str | Table[Any] | Verbatim
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A label, what stands beside it, and how far folded lines of text hang in."""
+    """A label, what stands beside it, how far folded lines of text hang in; `timed` as of a column."""
 
     label: str
     entries: Sequence[Entry]
     hang: int = 3
+    timed: bool = False
 
     def lines(self) -> list[str]:
         """The section in text; without entries it is nothing."""
-        return block(self.label, list(self._texts()), self.hang)
-
-    def _texts(self) -> Iterator[str]:
+        lines: list[str] = []
         for entry in self.entries:
-            if isinstance(entry, Table):
-                yield from entry.lines()
+            if isinstance(entry, Verbatim):
+                lines += entry.lines()
             else:
-                yield entry
+                texts = [entry] if isinstance(entry, str) else entry.lines()
+                lines += block("" if lines else self.label, texts, self.hang)
+        return lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,8 +201,8 @@ class Sheet:
         """Entries by label as JSON values; times stand in their own block."""
         found: dict[str, list[Any]] = {}
         for section in self.sections:
-            if section.entries and section.label != "TIME":
-                own = [entry.to_dict() if isinstance(entry, Table) else entry for entry in section.entries]
+            if section.entries and not section.timed and section.label != "TIME":
+                own = [entry if isinstance(entry, str) else entry.to_dict() for entry in section.entries]
                 found.setdefault(section.label, []).extend(own)
         return found
 
@@ -199,14 +217,15 @@ def sheet_html(head: str, sections: Mapping[str, Sequence[Any]]) -> str:
     parts = [f'<div class="slopekit-sheet"><p><code>{escape(head)}</code></p>']
     for label, entries in sections.items():
         parts.append(f"<h4>{escape(label)}</h4>")
-        parts += [_table_html(entry) if isinstance(entry, Mapping) else f"<p>{escape(entry)}</p>"
-                  for entry in entries]  # fmt: skip
+        parts += [f"<p>{escape(entry)}</p>" if isinstance(entry, str) else _entry_html(entry) for entry in entries]
     return "\n".join([*parts, "</div>"])
 
 
-def _table_html(table: Mapping[str, Any]) -> str:
+def _entry_html(table: Mapping[str, Any]) -> str:
     from html import escape
 
+    if "verbatim" in table:
+        return f"<pre>{escape(table['verbatim'])}</pre>"
     heads = "".join(f"<th>{escape(column['title'])}</th>" for column in table["columns"])
     rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in table["shown"])
     rest = f"<p>{escape(table['rest'])}</p>" if table["rest"] else ""

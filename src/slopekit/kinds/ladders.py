@@ -7,7 +7,7 @@ them a kind has, its file.
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -56,9 +56,9 @@ class Rung:
     method: str
     setting: str
     node_pairs: int | None
-    setting_value: float | None
-    factor: float | None
-    seconds: float
+    setting_value: float | None = field(metadata={"json": "effort"})
+    factor: float | None = field(metadata={"json": "fos"})
+    seconds: float = field(metadata={"json": None})
     edge_m: float | None = None
 
 
@@ -78,8 +78,8 @@ class NormalsRung:
     normals: str
     edge_m: float
     node_pairs: int
-    factor: float | None
-    cohesive: float | None = None
+    factor: float | None = field(metadata={"json": "fos"})
+    cohesive: float | None = field(default=None, metadata={"json": "fos_cohesion_kept"})
 
 
 @dataclass(frozen=True, slots=True)

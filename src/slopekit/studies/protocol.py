@@ -28,7 +28,9 @@ STUDIES: Mapping[str, str] = {
     "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
 }  # fmt: skip
 #: Studies that are a flag of another command: its name, the flag's, where the function stands.
-VARIANTS: Mapping[str, tuple[str, str]] = {"tornado": ("sweep", "slopekit.studies.tornado")}
+VARIANTS: Mapping[str, tuple[str, str]] = {
+    "suite": ("check", "slopekit.studies.suite"), "tornado": ("sweep", "slopekit.studies.tornado"),
+}  # fmt: skip
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 

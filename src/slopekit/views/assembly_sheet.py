@@ -7,10 +7,20 @@ import numpy as np
 from slopekit.core.sheet import counted, factor_text
 from slopekit.findings import MOTIONS, AssemblyGeometry, Column, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import dilates
-from slopekit.kinds.words import SheetPart, first_and_last, in_order, line_in_words, names_in_runs, size_number
+from slopekit.kinds.words import (
+    SheetPart,
+    accept,
+    first_and_last,
+    in_order,
+    limit_in_words,
+    line_in_words,
+    methods,
+    names_in_runs,
+    size_number,
+)  # fmt: skip
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import accept, all_pairs, curved_strength, forces, governs, methods, series, verdict
+from slopekit.views.entries import all_pairs, curved_strength, forces, governs, series, verdict
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -134,18 +144,6 @@ def _factors(result: Result) -> list[str]:
     elif result.design.criterion == "all-pairs":
         entries.append("  none  all pairs failed: asked for, and not found")
     return entries
-
-
-def limit_in_words(result: Result) -> str:
-    """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
-    findings = result.findings
-    if findings is None:
-        return "limit, PRE-IE"
-    ratio = findings.shear_to_normal
-    if not findings.mechanisms:
-        return path_in_words("none", ratio)
-    first = findings.mechanisms[0]
-    return path_in_words(first.basis, ratio, first.fos, first.change)
 
 
 def _moves(result: Result, first: Mechanism | None) -> list[str]:
@@ -328,27 +326,6 @@ def _defaults(result: Result) -> list[str]:
     }  # fmt: skip
     names = [ours.get(name, name) for name in result.design.defaults]
     return [", ".join(names)] if names else []
-
-
-def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
-    """What a factor of many blocks is.
-
-    Parameters
-    ----------
-    basis, change : as of `findings.Mechanism`; ratio : k_t / k_n of the elastic joints, None where it is not known
-
-    >>> path_in_words("limit", 0.4)
-    'limit of the elastic path (k_t/k_n 0.4)'
-    >>> path_in_words("peak", 0.4, 1.6, 0.005)
-    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
-    """
-    path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
-    if basis != "peak":
-        return f"limit of {path}" + (", settled" if basis == "settled" else "")
-    runs = ""
-    if fos is not None and change > 0.0:
-        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
-    return f"peak of {path}: last state at rest{runs}"
 
 
 def toppling_rows(result: Result, table: Sequence[Column]) -> list[str]:

@@ -1,8 +1,6 @@
 """Entries that the sheets of one block and of many blocks share, and how they are folded."""
 
 from slopekit.arrays import Floats
-from slopekit.core.sheet import factor_text
-from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import STATUSES, Result
 
@@ -33,16 +31,6 @@ def forces(result: Result) -> list[str]:
     ]
     alone = " (forces alone)" if result.moments_govern and held else ""
     return ["  ".join([*shown, *more, water, *held]) + alone]
-
-
-def methods(result: Result) -> list[str]:
-    """The methods of columns, which know other mechanics: printed beside, not compared."""
-    if not result.methods:
-        return []
-    names = {"fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
-             "all_equilibrium": "all equilibrium"}  # fmt: skip
-    found = [f"{names[name]} {factor_text(value).strip()}" for name, value in result.methods.items()]
-    return ["  ".join(found) + "   (other mechanics: not compared)"]
 
 
 def series(result: Result) -> list[str]:
@@ -96,31 +84,6 @@ def all_pairs(result: Result) -> list[str]:
     ]
     entries.append(f"failed pairs of {result.model.node_pairs} by factor  " + "  ".join(shown))
     return entries
-
-
-def accept(result: Result) -> list[str]:
-    """The acceptance rules, each with its judgement."""
-    return [f"{rule}{_judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
-
-
-def _judged_on(result: Result, rule: Rule) -> str:
-    named: str = result.design.criterion if rule.name == "fos" else ""
-    return f" ({named})" if named else ""
-
-
-def _judgement(result: Result, rule: Rule) -> str:
-    if result.judged(rule):
-        lowest = result.fos.lowest
-        if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
-            return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
-        return "MET"
-    if result.agree is False or result.status == "not_converged":
-        return "NOT MET (the methods disagree or did not converge: no number to judge)"
-    if result.fos.limit is None and result.status != "no_driving_force":
-        return "NOT MET (no factor of safety)"
-    if result.value_of(rule) is None:
-        return "NOT MET (there is no such number here)"
-    return "NOT MET"
 
 
 def times(count: int) -> str:

@@ -6,8 +6,7 @@ from typing import Any
 
 from slopekit.core.sheet import factor_text
 from slopekit.kinds import status_text
-from slopekit.kinds.words import names_in_runs
-from slopekit.views.assembly_sheet import path_in_words
+from slopekit.kinds.words import names_in_runs, path_in_words
 from slopekit.views.report_inputs import Table
 
 FALLS = "none: held by no strength that was tried"

@@ -7,18 +7,16 @@ from typing import Any
 from slopekit._version import __version__
 from slopekit.core.sheet import WIDTH, block, factor_text
 from slopekit.kinds import dilates, kind_of
-from slopekit.kinds.words import SheetPart, line_in_words, size_number
+from slopekit.kinds.words import SheetPart, accept, line_in_words, methods, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
 from slopekit.views.entries import (
-    accept,
     all_pairs,
     cohesion,
     curved_strength,
     forces,
     governs,
-    methods,
     series,
     times,
     verdict,

@@ -1,15 +1,14 @@
 """The sheet of support: what each method needs, how it is built, and which number to use; 100 columns."""
 
 import math
-import textwrap
 
-from slopekit._version import __version__
-from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
+from slopekit.core.sheet import Entry, Section, Sheet, Verbatim, counted, factor_text
 from slopekit.errors import Notice
 from slopekit.kinds import status_text
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
-from slopekit.studies.support_records import Case, Need, Pattern, Pressure, Support, snippet
-from slopekit.studies.support_search import Answer
+from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
+from slopekit.studies.support.search import Answer
+from slopekit.studies.words import head
 
 _ROLES = {
     "active": "a load: it counts in full, whatever the joints do",
@@ -19,27 +18,26 @@ _WHICH = {"best": "best direction", "given": "the direction given", "practical":
 _FEW = 12  # bolts that are printed to be pasted
 
 
-def support_sheet(found: Support) -> str:
-    """The sheet of a support study, lines joined, no trailing newline."""
-    design = found.design
-    title = f"   {design.title}" if design.title else ""
-    head = f"slopekit {__version__}   support   {design.kind}   sha {design.input_hash()[:6]}{title}"
-    lines = textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
-    lines += block("TARGET", _target(found))
-    lines += block("BOLTS", [bolt_text(bolt) for bolt in design.bolts])
-    for acts in ("active", "passive"):
-        cases = [case for case in found.cases if case.acts == acts]
-        entries = [_ROLES[acts], *(entry for case in cases for entry in _case(found, case))] if cases else []
-        lines += block(acts.upper(), entries)
-    if found.pressure is not None:
-        lines += block("PRESSURE", _pressure(found.pressure, found.unit))
-    lines += block("USE", _use(found))
-    lines += block("NOTE", [str(notice) for notice in found.warnings])
-    lines += _paste(found)
-    return "\n".join(lines)
+def sheet_of(found: Support) -> Sheet:
+    """The sheet of a support study."""
+    roles = [
+        Section(acts.upper(), [_ROLES[acts], *(entry for case in cases for entry in _case(found, case))])
+        for acts in ("active", "passive")
+        if (cases := [case for case in found.cases if case.acts == acts])
+    ]
+    return Sheet(head(found.design, "support"), (
+        Section("TARGET", _target(found)),
+        Section("BOLTS", [bolt_text(bolt) for bolt in found.design.bolts]),
+        *roles,
+        Section("PRESSURE", _pressure(found.pressure, found.unit) if found.pressure is not None else ()),
+        Section("USE", _use(found)),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+        Section("PASTE", _paste(found)),
+        Section("TIME", [f"{found.seconds:.2f} s"]),
+    ))  # fmt: skip
 
 
-def support_line(found: Support) -> str:
+def line_of(found: Support) -> str:
     """A line for each way the bolts act: reached, force, direction, bolts."""
     if found.stands:
         return f"reached  nothing needed  {_level(found.pre_ie)}"
@@ -163,15 +161,15 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
             )
         else:
             asked = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
-            rows = f"{laid.rows} row{'s' * (laid.rows > 1)} and {laid.columns} column{'s' * (laid.columns > 1)}"
+            rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
             apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
             lines.append(
-                f"{len(laid)} bolt{'s' * (len(laid) > 1)}{asked} in {rows}{apart}, {size_number(pattern.each)} of "
+                f"{counted(len(laid), 'bolt')}{asked} in {rows}{apart}, {size_number(pattern.each)} of "
                 f"{capacity:g} kN in each; {pattern.per_m2:.4g} kN on a m² of face"
             )
     if laid.left_out:
         lines.append(
-            f"{laid.left_out} place{'s' * (laid.left_out > 1)} on the face left out: bolts from there leave the block "
+            f"{counted(laid.left_out, 'place')} on the face left out: bolts from there leave the block "
             "through a free face, or the crack"
         )
     lengths = pattern.lengths
@@ -221,18 +219,16 @@ def _use(found: Support) -> list[str]:
     return lines
 
 
-def _paste(found: Support) -> list[str]:
-    """The bolts as YAML, at the left margin so that they can be pasted."""
-    lines: list[str] = []
+def _paste(found: Support) -> list[Entry]:
+    """The bolts as YAML, to be pasted."""
+    entries: list[Entry] = []
     for case in found.built:
-        if not case.bolts:
+        if case.yaml is None:
             continue
-        bolts = (*found.design.bolts, *case.bolts)
-        if len(bolts) > _FEW:
-            words = f"{case.acts}: {len(bolts)} bolts; -o DIR writes them to support-{case.acts}.yaml"
-            lines += block("PASTE" if not lines else "", [words])
+        count = len(case.existing) + len(case.bolts)
+        if count > _FEW:
+            entries.append(f"{case.acts}: {count} bolts; -o DIR writes them to support-{case.acts}.yaml")
             continue
         each = " (each row's bolts, per metre of slope)" if found.unit == "kN/m" else ""
-        lines += block("PASTE" if not lines else "", [f"{case.acts}, in place of `support` in the design{each}:"])
-        lines += snippet(bolts).rstrip().splitlines()
-    return lines
+        entries += [f"{case.acts}, in place of `support` in the design{each}:", Verbatim(case.yaml)]
+    return entries

@@ -8,7 +8,6 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.kinds import ladders
 from slopekit.studies.check import check
-from slopekit.views.check_sheet import check_line, check_sheet
 from tests.commands import slopekit
 
 
@@ -17,7 +16,7 @@ def test_the_sheet(name, monkeypatch) -> None:
     """Never a bare number: status, factors, what was looked at, ladder, verdict, within 100 columns."""
     monkeypatch.setattr(ladders, "_REPEATS", 1)
     checked = check(sk.load(path_of(name)))
-    sheet = check_sheet(checked)
+    sheet = str(checked)
     lines = sheet.splitlines()
     assert max(map(len, lines)) <= 100
     labels = [line[:10].strip() for line in lines[1:] if not line.startswith(" ")]
@@ -32,12 +31,12 @@ def test_the_sheet(name, monkeypatch) -> None:
     else:  # two ratios of the joints' stiffness, and the node pairs
         assert [sum(rung in line for line in lines) for rung in ("k_t / k_n 0.1", "k_t / k_n 1 ")] == [1, 1]
         assert any("as analysed" in line for line in lines)
-    assert check_line(checked).startswith(checked.result.status)
+    assert checked.line.startswith(checked.result.status)
 
 
 def test_without_a_factor_the_sheet_says_why() -> None:
     lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
-    sheet = check_sheet(lifted)
+    sheet = str(lifted)
     assert "none: there is no factor of safety to come near to" in sheet
     assert "the same status from both" in sheet
 

@@ -1,23 +1,27 @@
 """What support is asked for, and what it came to: needs by method, patterns, cases, their JSON (a contract)."""
 
-import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.core.codec import json_of, record_of
 from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Line, number
 from slopekit.studies.points import study_head
-from slopekit.studies.support_directions import Optimum
-from slopekit.studies.support_pattern import Layout
-from slopekit.studies.support_search import Answer
+from slopekit.studies.protocol import Outcome
+from slopekit.studies.support.directions import Optimum
+from slopekit.studies.support.pattern import Layout
+from slopekit.studies.support.search import Answer
 from slopekit.units import quantity
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 Which = Literal["best", "given", "practical"]
 Acts = Literal["active", "passive"]
@@ -36,29 +40,21 @@ class Options:
     length : of every bolt, None where each is as long as it must be
     """
 
-    target: float
+    target: float = field(metadata={"json": None})
     acts: tuple[Acts, ...]
     toward: Line | None
-    plunge: tuple[float, float] | None
-    capacity: float
-    spacing: float | None
-    bond: float
-    length: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """The options as JSON values."""
-        return {
-            "acts": list(self.acts), "toward": None if self.toward is None else asdict(self.toward),
-            "plunge_deg": None if self.plunge is None else list(self.plunge), "bolt_capacity_kn": self.capacity,
-            "spacing_m": self.spacing, "bond_m": self.bond, "length_m": self.length,
-        }  # fmt: skip
+    plunge: tuple[float, float] | None = field(metadata={"json": "plunge_deg"})
+    capacity: float = field(metadata={"json": "bolt_capacity_kn"})
+    spacing: float | None = field(metadata={"json": "spacing_m"})
+    bond: float = field(metadata={"json": "bond_m"})
+    length: float | None = field(metadata={"json": "length_m"})
 
 
 def read_options(
     *, fos: object, acts: object, toward: object, plunge: object, bolt_capacity: object, spacing: object, bond: object,
-    length: object,
+    length: object, named: Callable[[str], str],
 ) -> Options:  # fmt: skip
-    """Read options as a user gives them.
+    """Read options as a user gives them; `named` says how a fault names them.
 
     Raises
     ------
@@ -67,28 +63,29 @@ def read_options(
     """
     faults = Faults()
 
-    def positive(value: object, kind: str, name: str, option: str) -> float | None:
-        where = f"{option} {value}"
+    def positive(value: object, kind: str, name: str, key: str) -> float | None:
+        where = f"{named(key)} {value}"
         return None if value is None else faults.of(lambda: above_zero(value, kind, name, "E321", where))
 
-    target = positive(fos, "ratio", "the target factor of safety", "--fos")
-    capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "--bolt-capacity")
-    apart = positive(spacing, "length", "the spacing of the bolts", "--spacing")
-    anchorage = positive(bond, "length", "the anchorage behind the joint", "--bond")
-    long = positive(length, "length", "the length of the bolts", "--length")
-    both = faults.of(lambda: _acts(acts))
+    target = positive(fos, "ratio", "the target factor of safety", "fos")
+    capacity = positive(bolt_capacity, "force", "the capacity of a bolt", "bolt_capacity")
+    apart = positive(spacing, "length", "the spacing of the bolts", "spacing")
+    anchorage = positive(bond, "length", "the anchorage behind the joint", "bond")
+    long = positive(length, "length", "the length of the bolts", "length")
+    both = faults.of(lambda: _acts(acts, f"{named('acts')} {acts}"))
     line = toward if isinstance(toward, Line) or toward is None else faults.of(
-        lambda: line_of_words(toward, "the bolts", "E321", f"--toward {toward}")
+        lambda: line_of_words(toward, "the bolts", "E321", f"{named('toward')} {toward}")
     )  # fmt: skip
-    limits = None if plunge is None else faults.of(lambda: _plunges(plunge))
+    limits = None if plunge is None else faults.of(lambda: _plunges(plunge, named("plunge")))
     if target is None and not faults:
-        faults.append(Fault("E321", "the target factor of safety is missing", "--fos", "For example --fos 1.5."))
+        faults.append(Fault("E321", "the target factor of safety is missing", named("fos"), "For example 1.5."))
     if faults or target is None or capacity is None or anchorage is None or both is None:
-        raise DesignError(faults or [Fault("E321", "capacity and bond are needed", "--bolt-capacity, --bond")])
+        where = f"{named('bolt_capacity')}, {named('bond')}"
+        raise DesignError(faults or [Fault("E321", "capacity and bond are needed", where)])
     return Options(target, both, line, limits, capacity, apart, anchorage, long)
 
 
-def _acts(value: object) -> tuple[Acts, ...]:
+def _acts(value: object, where: str) -> tuple[Acts, ...]:
     if value is None or value == "both":
         return "active", "passive"
     if value == "active":
@@ -96,14 +93,14 @@ def _acts(value: object) -> tuple[Acts, ...]:
     if value == "passive":
         return ("passive",)
     advice = "Leave it out for both."
-    raise DesignError([Fault("E321", f"bolts are active or passive, not {value}", f"--acts {value}", advice)])
+    raise DesignError([Fault("E321", f"bolts are active or passive, not {value}", where, advice)])
 
 
-def _plunges(value: object) -> tuple[float, float]:
-    where = f"--plunge {value}"
+def _plunges(value: object, option: str) -> tuple[float, float]:
+    where = f"{option} {value}"
     parts = re.split(r"\s*[,:]\s*", value.strip()) if isinstance(value, str) else value
     if not isinstance(parts, Sequence) or len(parts) != 2:
-        advice = "Write least,most: --plunge -5,15; positive is downward into the rock."
+        advice = f"Write least,most: {option} -5,15; positive is downward into the rock."
         raise DesignError([Fault("E321", f"limits of plunge are two numbers, not {value}", where, advice)])
     low, high = (quantity(part, "angle", "a limit of plunge", where) for part in parts)
     if not -90.0 <= low <= high <= 90.0:
@@ -124,21 +121,19 @@ class Need:
     notice : why not, or what to know
     """
 
-    force: float | None
+    JSON_ALSO: ClassVar = ("reached",)
+    force: float | None = field(metadata={"json": "force_kn"})
     fos: float | None
     status: str
-    below: float | None = None
+    below: float | None = field(default=None, metadata={"json": "jumps_from"})
     moments_govern: bool = False
     agree: bool | None = None
     notice: Notice | None = None
 
-    def to_dict(self, name: str = "force_kn") -> dict[str, Any]:
-        """The need as JSON values."""
-        return {
-            name: self.force, "fos": _finite(self.fos), "status": self.status, "reached": self.force is not None,
-            "jumps_from": self.below, "moments_govern": self.moments_govern, "agree": self.agree,
-            "notice": _notice(self.notice),
-        }  # fmt: skip
+    @property
+    def reached(self) -> bool:
+        """Whether there is a force that gives the target."""
+        return self.force is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,16 +151,17 @@ class Pattern:
     notices : why there is none, or what to know
     """
 
-    layout: Layout | None
+    JSON_ALSO: ClassVar = ("reached", "shortest_m", "longest_m")
+    layout: Layout | None = field(metadata={"json": None})
     notices: tuple[Notice, ...]
-    force: float | None = None
-    each: float | None = None
-    lengths: Floats = field(default_factory=lambda: np.zeros(0))
-    taken: Floats = field(default_factory=lambda: np.zeros(0))
-    per_m2: float | None = None
-    asked: float | None = None
-    first: float | None = None
-    need: Need | None = None
+    force: float | None = field(default=None, metadata={"json": "force_kn"})
+    each: float | None = field(default=None, metadata={"json": "each_kn"})
+    lengths: Floats = field(default_factory=lambda: np.zeros(0), metadata={"json": "least_lengths_m"})
+    taken: Floats = field(default_factory=lambda: np.zeros(0), metadata={"json": "lengths_m"})
+    per_m2: float | None = field(default=None, metadata={"json": "per_m2_kn"})
+    asked: float | None = field(default=None, metadata={"json": "centroid_force_kn"})
+    first: float | None = field(default=None, metadata={"json": "fos_at_centroid_force"})
+    need: Need | None = field(default=None, metadata={"json": "pre_ie"})
     groups: int = 0
 
     @property
@@ -173,31 +169,28 @@ class Pattern:
         """Whether these bolts give the target: in number, length and strength."""
         return self.force is not None and not any(notice.code in ("E326", "E327", "E328") for notice in self.notices)
 
+    @property
+    def shortest_m(self) -> float | None:
+        """The least of the least lengths, None without bolts."""
+        return float(self.lengths.min()) if len(self.lengths) else None
+
+    @property
+    def longest_m(self) -> float | None:
+        """The greatest of the least lengths."""
+        return float(self.lengths.max()) if len(self.lengths) else None
+
     def to_dict(self) -> dict[str, Any]:
-        """The pattern as JSON values."""
+        """The pattern as JSON values, its layout within it."""
         laid = self.layout
-        return {
-            "reached": self.reached,
-            "bolts": None if laid is None else len(laid),
-            "needed": None if laid is None else laid.needed,
-            "rows": None if laid is None else laid.rows,
-            "columns": None if laid is None else laid.columns,
-            "spacing_m": None if laid is None else {"across": laid.across_m, "up": laid.up_m},
-            "left_out": None if laid is None else laid.left_out,
-            "force_kn": self.force,
-            "each_kn": self.each,
-            "per_m2_kn": self.per_m2,
-            "shortest_m": float(self.lengths.min()) if len(self.lengths) else None,
-            "longest_m": float(self.lengths.max()) if len(self.lengths) else None,
-            "centroid_force_kn": self.asked,
-            "fos_at_centroid_force": _finite(self.first),
-            "pre_ie": None if self.need is None else self.need.to_dict(),
-            "groups": self.groups,
-            "heads_m": [] if laid is None else laid.heads_m.tolist(),
-            "least_lengths_m": self.lengths.tolist(),
-            "lengths_m": self.taken.tolist(),
-            "notices": [_notice(notice) for notice in self.notices],
-        }
+        placed: dict[str, Any] = {"heads_m": []}
+        if laid is not None:
+            placed = {
+                "bolts": len(laid), "needed": laid.needed, "rows": laid.rows, "columns": laid.columns,
+                "spacing_m": {"across": laid.across_m, "up": laid.up_m}, "left_out": laid.left_out,
+                "heads_m": laid.heads_m,
+            }  # fmt: skip
+        absent = dict.fromkeys(("bolts", "needed", "rows", "columns", "spacing_m", "left_out"))
+        return {**record_of(self), **absent, **json_of(placed)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,19 +206,22 @@ class Case:
     optimum : evidence that the direction is the best, None for a given one
     pattern : heads on the face, of the direction that is built; None for others
     bolts : what goes into the design beside the bolts that are there, empty where the target is out of reach
+    existing : the bolts that are there
     dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
     """
 
-    acts: Literal["active", "passive"]
-    which: Which
+    JSON_ALSO: ClassVar = ("reached", "use_kn", "support", "yaml")
+    acts: Acts
+    which: Which = field(metadata={"json": "direction"})
     toward: Line | None
     closed_form: Need
     pre_ie: Need | None
-    most: float | None = None
+    most: float | None = field(default=None, metadata={"json": "most_kn"})
     optimum: Optimum | None = None
     pattern: Pattern | None = None
-    bolts: tuple[Bolt, ...] = ()
-    dilates: bool = False
+    bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
+    existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
+    dilates: bool = field(default=False, metadata={"json": None})
 
     @property
     def reached(self) -> bool:
@@ -248,38 +244,33 @@ class Case:
             return None
         return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
 
-    def to_dict(self, existing: Sequence[Bolt], unit: str) -> dict[str, Any]:
-        """The case as JSON values."""
-        best = self.optimum
-        return {
-            "acts": self.acts,
-            "direction": self.which,
-            "toward": None if self.toward is None else _line(self.toward),
-            "reached": self.reached,
-            "use_kn": self.force,
-            "closed_form": self.closed_form.to_dict(),
-            "pre_ie": None if self.pre_ie is None else self.pre_ie.to_dict(),
-            "most_kn": self.most,
-            "optimum": None if best is None else {
-                "is_minimum": best.is_minimum, "scanned": best.scanned, "least_scanned_kn": _finite(best.least_scanned),
-                "one_degree_off_kn": [_finite(force) for force in best.around],
-            },
-            "pattern": None if self.pattern is None else self.pattern.to_dict(),
-            "support": {"bolts": [bolt_words(bolt) for bolt in (*existing, *self.bolts)]} if self.bolts else None,
-            "yaml": snippet((*existing, *self.bolts)) if self.bolts else None,
-        }  # fmt: skip
+    @property
+    def use_kn(self) -> float | None:
+        """The force to use, as the JSON calls it."""
+        return self.force
+
+    @property
+    def support(self) -> dict[str, Any] | None:
+        """All bolts as `support` of a design; None where the target is out of reach."""
+        return {"bolts": [bolt_words(bolt) for bolt in (*self.existing, *self.bolts)]} if self.bolts else None
+
+    @property
+    def yaml(self) -> str | None:
+        """The same as the text of a design file."""
+        return snippet((*self.existing, *self.bolts)) if self.bolts else None
 
 
 @dataclass(frozen=True, slots=True)
 class Pressure:
     """An even pressure on the face, square to it: kPa by each method, the area and the point its force acts on."""
 
+    JSON_ALSO: ClassVar = ("force",)
     closed_form: Need
     pre_ie: Need | None
-    area: float
+    area: float = field(metadata={"json": "face_area_m2"})
     toward: Line
-    at: tuple[float, float, float]
-    dilates: bool = False
+    at: tuple[float, float, float] = field(metadata={"json": "at_m"})
+    dilates: bool = field(default=False, metadata={"json": None})
 
     @property
     def use(self) -> float | None:
@@ -288,27 +279,24 @@ class Pressure:
             return None
         return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
 
-    def force_words(self) -> dict[str, Any] | None:
+    @property
+    def force(self) -> dict[str, Any] | None:
         """The force of the pressure to use, as a design file's `loads.forces` takes it."""
         if self.use is None:
             return None
         return {"force": self.use * self.area, "toward": _line_words(self.toward), "at": list(self.at)}
 
     def to_dict(self) -> dict[str, Any]:
-        """The pressure as JSON values."""
-        return {
-            "use_kpa": self.use,
-            "closed_form": self.closed_form.to_dict("pressure_kpa"),
-            "pre_ie": None if self.pre_ie is None else self.pre_ie.to_dict("pressure_kpa"),
-            "face_area_m2": self.area,
-            "toward": _line(self.toward),
-            "at_m": list(self.at),
-            "force": self.force_words(),
-        }
+        """The pressure as JSON values: its needs are kPa."""
+        found = record_of(self) | {"use_kpa": self.use}
+        for method in ("closed_form", "pre_ie"):
+            if found[method] is not None:
+                found[method] = {"pressure_kpa": found[method].pop("force_kn")} | found[method]
+        return found
 
 
-@dataclass(frozen=True, slots=True)
-class Support:
+@dataclass(frozen=True, slots=True, repr=False)
+class Support(Outcome):
     """What a design needs.
 
     Attributes
@@ -320,19 +308,35 @@ class Support:
     weight : kN; face_area : m²; unit : kN, or kN/m of a plane
     """
 
-    design: Design
-    target: float
+    JSON_ALSO: ClassVar = ("reached", "needed", "without", "existing_bolts")
+    name: ClassVar[str] = "support"
+    design: Design = field(metadata={"json": None})
+    target: float = field(metadata={"json": "target_fos"})
     options: Options
-    closed_form: Answer
-    pre_ie: Answer
-    cases: tuple[Case, ...]
+    closed_form: Answer = field(metadata={"json": None})
+    pre_ie: Answer = field(metadata={"json": None})
+    cases: tuple[Case, ...] = field(metadata={"json": "bolts"})
     pressure: Pressure | None
-    weight: float
-    face_area: float
+    weight: float = field(metadata={"json": "weight_kn"})
+    face_area: float = field(metadata={"json": "face_area_m2"})
     unit: str
     warnings: tuple[Notice, ...]
     dilates: bool = False
-    seconds: float = field(default=0.0, compare=False)
+    seconds: float = field(default=0.0, compare=False, metadata={"json": None})
+
+    @property
+    def sheet(self) -> "Sheet":
+        """What each method needs, how it is built, and which number to use."""
+        from slopekit.studies.support.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """A line for each way the bolts act."""
+        from slopekit.studies.support.sheet import line_of
+
+        return line_of(self)
 
     @property
     def stands(self) -> bool:
@@ -349,13 +353,28 @@ class Support:
         """Whether nothing is needed, or some bolts in the direction that is built give the target."""
         return self.stands or any(case.reached for case in self.built)
 
-    def snippets(self) -> Mapping[str, str]:
+    def files(self) -> dict[str, str]:
         """What is to be built, as `support:` of a design file, by the name of a file: for each way the bolts act."""
-        found = {}
-        for case in self.built:
-            if case.bolts:
-                found[f"support-{case.acts}.yaml"] = snippet((*self.design.bolts, *case.bolts))
-        return found
+        return {f"support-{case.acts}.yaml": case.yaml for case in self.built if case.yaml}
+
+    @property
+    def needed(self) -> bool:
+        """Whether it does not stand as it is."""
+        return not self.stands
+
+    @property
+    def without(self) -> dict[str, Any]:
+        """What both methods say without more support."""
+        return {
+            "fos": {"limit": self.pre_ie.factor, "closed_form": self.closed_form.factor},
+            "status": self.pre_ie.status, "closed_form_status": self.closed_form.status,
+            "moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree,
+        }  # fmt: skip
+
+    @property
+    def existing_bolts(self) -> int:
+        """How many bolts the design has."""
+        return len(self.design.bolts)
 
     @property
     def exit_code(self) -> int:
@@ -368,25 +387,8 @@ class Support:
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
         return {
-            **study_head("support", self.design),
-            "target_fos": self.target,
-            "unit": self.unit,
-            "reached": self.reached,
-            "needed": not self.stands,
-            "without": {
-                "fos": {"limit": self.pre_ie.factor, "closed_form": self.closed_form.factor},
-                "status": self.pre_ie.status, "closed_form_status": self.closed_form.status,
-                "moments_govern": self.pre_ie.moments_govern, "agree": self.pre_ie.agree,
-            },
-            "weight_kn": self.weight,
-            "face_area_m2": self.face_area,
-            "dilates": self.dilates,
-            "existing_bolts": len(self.design.bolts),
-            "options": self.options.to_dict(),
-            "bolts": [case.to_dict(self.design.bolts, self.unit) for case in self.cases],
-            "pressure": None if self.pressure is None else self.pressure.to_dict(),
-            "warnings": [notice.to_dict() for notice in self.warnings],
-            "timing_s": {"total": self.seconds},
+            **study_head("support", self.design), **record_of(self), "timing_s": {"total": self.seconds},
+            **self.words(),
         }  # fmt: skip
 
 
@@ -432,17 +434,5 @@ def snippet(bolts: Sequence[Bolt]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _line(line: Line) -> dict[str, float]:
-    return {"trend_deg": line.trend_deg, "plunge_deg": line.plunge_deg}
-
-
 def _line_words(line: Line) -> str:
     return f"{line.trend_deg!r}/{line.plunge_deg!r}"
-
-
-def _notice(notice: Notice | None) -> dict[str, str] | None:
-    return None if notice is None else notice.to_dict()
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

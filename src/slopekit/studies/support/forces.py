@@ -311,7 +311,7 @@ def nearest(held: BoltedBlock, passive: bool = False) -> list[Floats]:
 
 
 def _to_both(held: BoltedBlock, load: Floats) -> list[Floats]:
-    """Ways to the polyhedron of sliding on both joints: every choice of up to three of its four faces."""
+    """BoltDirections to the polyhedron of sliding on both joints: every choice of up to three of its four faces."""
     between, line = float(held.normals[0] @ held.normals[1]), _line(held)
     share = 1.0 - between * between
     to_normals = (held.normals[::-1] * between - held.normals) / share  # (2, 3): N = to_normals @ R
@@ -336,7 +336,7 @@ def _to_both(held: BoltedBlock, load: Floats) -> list[Floats]:
 
 
 def _to_cone(held: BoltedBlock, load: Floats, k: int) -> list[Floats]:
-    """Ways to the cone of sliding on joint k alone, and to its end where the joint is about to open.
+    """BoltDirections to the cone of sliding on joint k alone, and to its end where the joint is about to open.
 
     Where the other joint is about to close the strength of both stands against the same pull: that point lies in the
     set of both, and needs no way of its own here.

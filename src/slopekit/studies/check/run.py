@@ -11,16 +11,17 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from slopekit._version import __version__
-from slopekit.design.common import Design
+from slopekit.core.codec import json_of, record_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.ladders import (
-    NormalsRung,
-    Rung,
-)
+from slopekit.kinds.ladders import NormalsRung, Rung
 from slopekit.result import Result
+from slopekit.studies.points import study_head
+from slopekit.studies.protocol import DESK, ADesign, Desk, Outcome, study
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
@@ -46,18 +47,11 @@ class Finding:
     wanted: float | None
     met: bool | None
     words: str
-    code: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """The finding as JSON values."""
-        return {
-            "name": self.name, "value": self.value, "wanted": self.wanted, "met": self.met, "words": self.words,
-            "code": self.code or None,
-        }  # fmt: skip
+    code: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Check:
+@dataclass(frozen=True, slots=True, repr=False)
+class Check(Outcome):
     """A checked design.
 
     Attributes
@@ -71,6 +65,7 @@ class Check:
     normals : of a curved slip surface: the limit with its normals and with those of its facets, for show
     """
 
+    name: ClassVar[str] = "check"
     result: Result
     ladder: tuple[Rung, ...]
     errors: tuple[float | None, ...]
@@ -81,6 +76,25 @@ class Check:
     findings: tuple[Finding, ...]
     seconds: float = field(default=0.0, compare=False)
     normals: tuple[NormalsRung, ...] = ()
+
+    @property
+    def sheet(self) -> "Sheet":
+        """Factors, what was looked at, the ladder, the verdict."""
+        from slopekit.studies.check.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """The verdict on one line."""
+        from slopekit.studies.check.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Time against error; of a curved surface its normals as well."""
+        return ("speed-error", "normals") if self.normals else ("speed-error",)
 
     @property
     def consistent(self) -> bool | None:
@@ -103,36 +117,18 @@ class Check:
     def to_dict(self) -> dict[str, Any]:
         """The check as JSON values; times, and what depends on them, stand in a block of their own."""
         result = self.result.to_dict()
+        as_it_is = ("status", "fos", "methods", "moments_govern", "accepted", "rules")
         return {
-            "slopekit": __version__,
-            "study": "check",
-            "kind": result["kind"],
-            "title": result["title"],
-            "input_sha256": result["input_sha256"],
-            "status": result["status"],
-            "fos": result["fos"],
-            "methods": result["methods"],
-            "moments_govern": result["moments_govern"],
-            "accepted": result["accepted"],
-            "rules": result["rules"],
+            **study_head("check", self.result.design),
+            **{key: result[key] for key in as_it_is},
             "consistent": self.consistent,
             "agree_within": self.result.design.agree_within,
             "reference": {"value": self.reference, "what": self.against},
-            "findings": [finding.to_dict() for finding in self.findings],
+            "findings": json_of(self.findings),
             "ladder": [
-                {
-                    "method": rung.method, "setting": rung.setting, "node_pairs": rung.node_pairs,
-                    "effort": rung.setting_value, "edge_m": rung.edge_m, "fos": rung.factor, "error": error,
-                }
-                for rung, error in zip(self.ladder, self.errors, strict=True)
+                record_of(rung) | {"error": error} for rung, error in zip(self.ladder, self.errors, strict=True)
             ],
-            "normals": [
-                {
-                    "normals": rung.normals, "edge_m": rung.edge_m, "node_pairs": rung.node_pairs,
-                    "fos": rung.factor, "fos_cohesion_kept": rung.cohesive,
-                }
-                for rung in self.normals
-            ],
+            "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
             "warnings": result["warnings"],
@@ -141,11 +137,17 @@ class Check:
                 "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
                 "ladder": [{"setting": rung.setting, "seconds": rung.seconds} for rung in self.ladder],
             },
-        }  # fmt: skip
+            **self.words(),
+        }
 
 
-def check(design: Design) -> Check:
-    """Check a loaded design: closed form against PRE-IE over a ladder of effort, and what the number rests on.
+@study
+def check(design: ADesign, *, desk: Desk = DESK) -> Check:
+    """Closed form against PRE-IE on a design, speed against error; or the verification suite.
+
+    Takes a few seconds for one block, up to minutes for a bench. Exit codes: 0 consistent or nothing independent to
+    judge by, 1 consistent but an acceptance rule is not met, 4 not consistent. With --suite -o DIR writes
+    verification.md besides.
 
     Raises
     ------
@@ -165,17 +167,9 @@ def check(design: Design) -> Check:
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
     return Check(
-        result,
-        ladder,
-        errors,
-        reference,
-        against,
-        orders,
-        cheapest,
-        findings,
-        time.perf_counter() - began,
+        result, ladder, errors, reference, against, orders, cheapest, findings, time.perf_counter() - began,
         found.normals,
-    )
+    )  # fmt: skip
 
 
 def _reference(result: Result, ladder: tuple[Rung, ...]) -> tuple[float | None, str, Rung | None]:

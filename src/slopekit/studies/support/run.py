@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -23,9 +23,11 @@ from slopekit.errors import Notice
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.orientation import Line
-from slopekit.studies.support_directions import NO_STRENGTH, BoltDirections, Optimum, Way
-from slopekit.studies.support_pattern import Layout, centre_of, groups, layout, too_short
-from slopekit.studies.support_records import (
+from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
+from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
+from slopekit.studies.support.pattern import Layout, centre_of, groups, layout, too_short
+from slopekit.studies.support.records import (
+    Acts,
     Case,
     Need,
     Options,
@@ -37,7 +39,7 @@ from slopekit.studies.support_records import (
     enough,
     read_options,
 )
-from slopekit.studies.support_search import (
+from slopekit.studies.support.search import (
     Answer,
     Found,
     Site,
@@ -54,27 +56,31 @@ _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them sta
 _LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
 
 
+@study
 def support(
-    design: Design,
-    fos: object = 1.5,
+    design: ADesign,
+    fos: Annotated[Any, Option("The factor of safety that is wanted [1.5].")] = 1.5,
     *,
-    acts: object = None,
-    toward: object = None,
-    plunge: object = None,
-    bolt_capacity: object = 200.0,
-    spacing: object = None,
-    bond: object = 3.0,
-    length: object = None,
+    acts: Annotated[Any, Option("active (a load) or passive (strength) [both].")] = None,
+    toward: Annotated[
+        Any,
+        Option(
+            "Direction of the bolts' force on the block, into the rock; the best comes as well.", metavar="TREND/PLUNGE"
+        ),
+    ] = None,
+    plunge: Annotated[
+        Any, Option("Plunges that can be drilled, positive downward: -5,15.", metavar="LEAST,MOST")
+    ] = None,
+    bolt_capacity: Annotated[Any, Option("Of one bolt [200 kN].")] = 200.0,
+    spacing: Annotated[Any, Option("Of the heads on the face [what the force asks for].")] = None,
+    bond: Annotated[Any, Option("Anchorage behind the deepest joint [3 m].")] = 3.0,
+    length: Annotated[Any, Option("Of every bolt [each as long as it must be].")] = None,
+    desk: Desk = DESK,
 ) -> Support:
-    """Bolts, or a pressure on the face, that give a wedge or a plane a factor of safety; bolts that it has count.
+    """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
-    Parameters
-    ----------
-    fos : the target
-    acts : "active" or "passive"; both when left out
-    toward : "000/-05", trend/plunge of the bolts' force on the block, into the rock; the best direction comes as well
-    plunge : "-5,15", plunges that can be drilled (positive downward), for the best direction within them
-    bolt_capacity : kN; spacing : m, of the heads on the face; bond : m, anchorage behind the joint; length : m, of all
+    For a wedge or a plane. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
+    1 not reached, 4 the methods disagree.
 
     Raises
     ------
@@ -86,21 +92,21 @@ def support(
     >>> bolts = sk.support(sk.load(wedge), 1.7, acts="active").cases[0]
     >>> round(bolts.force), round(bolts.closed_form.fos, 6), round(bolts.pre_ie.fos, 6)
     (168045, 1.7, 1.7)
-    """
+    """  # fmt: skip
     began = time.perf_counter()
     options = read_options(
         fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
-        length=length,
+        length=length, named=desk.named,
     )  # fmt: skip
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
-    study = _Study(site, options, bare, bare_limit)
-    stands = enough(options.target, bare, bare_limit, study.dilates)
-    cases = () if stands else tuple(study.cases())
+    search = _Search(site, options, bare, bare_limit)
+    stands = enough(options.target, bare, bare_limit, search.dilates)
+    cases = () if stands else tuple(search.cases())
     weight = design.unit_weight_kn_m3 * site.block.volume
     return Support(
-        design, options.target, options, bare, bare_limit, cases, None if stands else study.pressure(), weight,
-        site.area, site.unit, tuple(common_notices(design, kind_of(design).strengths(design))), study.dilates,
+        design, options.target, options, bare, bare_limit, cases, None if stands else search.pressure(), weight,
+        site.area, site.unit, tuple(common_notices(design, kind_of(design).strengths(design))), search.dilates,
         time.perf_counter() - began,
     )  # fmt: skip
 
@@ -122,7 +128,7 @@ class _Asked:
         return pre_ie_coarse(self.changed(force))
 
 
-class _Study:
+class _Search:
     """One design at one target."""
 
     def __init__(self, site: Site, options: Options, bare: Answer, bare_limit: Answer) -> None:
@@ -151,7 +157,7 @@ class _Study:
         return found
 
     def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
-        acts: Literal["active", "passive"] = "passive" if ways.passive else "active"
+        acts: Acts = "passive" if ways.passive else "active"
         if way is None:
             return Case(acts, which, None, Need(None, None, self.bare.status, notice=self._nowhere(ways, which)), None)
         stands = self.bare.level >= self.target
@@ -172,8 +178,12 @@ class _Study:
             least = 0.0 if self.dilates else closed.force or 0.0
             case = replace(case, pattern=self._pattern(ways, line, force, least, found.slope))
         if case.pattern is not None and case.pattern.reached:
-            return replace(case, bolts=self._bolts(ways, line, case.pattern))
-        return case if case.force is None else replace(case, bolts=(ways.bolt(line, case.force),))
+            return replace(case, existing=self.site.design.bolts, bolts=self._bolts(ways, line, case.pattern))
+        return (
+            case
+            if case.force is None
+            else replace(case, existing=self.site.design.bolts, bolts=(ways.bolt(line, case.force),))
+        )
 
     def _nowhere(self, ways: BoltDirections, which: Which) -> Notice:
         if not ways.held.has_strength:
@@ -290,7 +300,7 @@ class _Study:
         laid = pattern.layout
         assert laid is not None
         assert pattern.force is not None
-        acts: Literal["active", "passive"] = "passive" if ways.passive else "active"
+        acts: Acts = "passive" if ways.passive else "active"
         return tuple(
             Bolt(pattern.force / len(laid), line, acts, (float(head[0]), float(head[1]), float(head[2])), float(length))
             for head, length in zip(laid.heads_m, pattern.taken, strict=True)

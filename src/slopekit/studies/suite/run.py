@@ -8,20 +8,23 @@ import json
 import math
 import platform
 import time
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit._version import __version__
+from slopekit.core.codec import record_of
 from slopekit.design.files import load
 from slopekit.errors import SlopekitError
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
-from slopekit.studies.references import Case, Reference, chosen, document, half_unit
+from slopekit.studies.protocol import DESK, Desk, Outcome, study
+from slopekit.studies.suite.references import Case, Reference, chosen, document, half_unit
 
-#: Called with the number of cases done and the number of all.
-Progress = Callable[[int, int], None]
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
+
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
 _VERSIONS_OF = ("numpy", "scipy", "clarabel", "manifold3d")
@@ -41,8 +44,9 @@ class Row:
     seconds, closed_form_seconds : of the analysis of the design and of the closed form in it
     """
 
-    case: Case
-    reference: Reference
+    JSON_ALSO: ClassVar = ("id",)
+    case: Case = field(metadata={"json": None})
+    reference: Reference = field(metadata={"json": None})
     value: float | str | None
     status: str
     closed_form: float | None
@@ -51,8 +55,8 @@ class Row:
     error: float | None
     ok: bool | None
     reason: str
-    seconds: float
-    closed_form_seconds: float | None
+    seconds: float = field(metadata={"json": None})
+    closed_form_seconds: float | None = field(metadata={"json": None})
 
     @property
     def id(self) -> str:
@@ -62,41 +66,43 @@ class Row:
 
     def to_dict(self) -> dict[str, Any]:
         """The row as JSON values; what is measured in time stands in a block of its own."""
-        case, reference = self.case, self.reference
-        return {
-            "id": self.id,
-            "case": case.id,
-            "kind": case.kind,
-            "title": case.title,
-            "source": reference.source,
-            "confidence": reference.confidence,
-            "quantity": reference.quantity,
-            "of": reference.of,
-            "published": reference.published,
-            "exact": reference.exact,
-            "formula": reference.formula or None,
-            "value": self.value,
-            "status": self.status,
-            "closed_form": self.closed_form,
-            "limit": self.limit,
-            "static_bound": self.static_bound,
-            "error": self.error,
-            "tolerance": reference.tolerance,
-            "why": reference.why or None,
-            "ok": self.ok,
-            "reason": self.reason or None,
+        case = self.case
+        found = {
+            "case": case.id, "kind": case.kind, "title": case.title, **record_of(self.reference), **record_of(self),
             "timing_s": {"total": self.seconds, "closed_form": self.closed_form_seconds},
-        }
+        }  # fmt: skip
+        return found | {name: found[name] or None for name in ("formula", "why", "reason")}
 
 
-@dataclass(frozen=True, slots=True)
-class Verification:
+@dataclass(frozen=True, slots=True, repr=False)
+class Verification(Outcome):
     """The whole suite: rows in the order of their sources, the sources by key, the versions that made it."""
 
+    name: ClassVar[str] = "verification"
     rows: tuple[Row, ...]
     sources: Mapping[str, str]
     versions: Mapping[str, str]
     seconds: float
+
+    @property
+    def sheet(self) -> "Sheet":
+        """The rows by case, what is wrong, the counts."""
+        from slopekit.studies.suite.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """The counts on one line."""
+        from slopekit.studies.suite.sheet import line_of
+
+        return line_of(self)
+
+    def files(self) -> dict[str, str]:
+        """The page docs/verification.md."""
+        from slopekit.studies.suite.page import page_of
+
+        return {"verification.md": page_of(self)}
 
     @property
     def failed(self) -> tuple[Row, ...]:
@@ -160,11 +166,12 @@ class Verification:
             "rows": [row.to_dict() for row in self.rows],
             "versions": dict(self.versions),
             "timing_s": {"total": self.seconds},
+            **self.words(),
         }
 
 
 @dataclass(frozen=True, slots=True)
-class _Outcome:
+class _Analysed:
     """What one design gave: a result, or the words of what went wrong, and the time it took."""
 
     result: Result | None
@@ -172,34 +179,32 @@ class _Outcome:
     seconds: float
 
 
-def verify(only: str | Iterable[str] | None = None, progress: Progress | None = None) -> Verification:
-    """Run the suite.
+@study
+def suite(only: str | Iterable[str] | None = None, *, desk: Desk = DESK) -> Verification:
+    """The verification suite: published and exact cases.
 
-    Parameters
-    ----------
-    only : ids of cases, keys of sources or kinds of designs; nothing for all cases
-    progress : called after every case with the number of cases done and of all
+    All of them; or those that `only` names: ids of cases, keys of sources, kinds of designs.
 
     Raises
     ------
     DesignError
         E272 for a name that is none of these.
 
-    >>> verify("6c_footing").counts["outside"]
+    >>> suite("6c_footing").counts["outside"]
     0
     """
     sources, _ = document()
     cases = chosen(only)
     started = time.perf_counter()
-    outcomes: dict[str, _Outcome] = {}
+    outcomes: dict[str, _Analysed] = {}
     rows: list[Row] = []
-    for done, case in enumerate(cases, start=1):
-        key = json.dumps(case.design, sort_keys=True)
-        if key not in outcomes:
-            outcomes[key] = _analysed(case.design)
-        rows += [_row(case, reference, outcomes[key]) for reference in case.references]
-        if progress is not None:
-            progress(done, len(cases))
+    with desk.bar("cases", len(cases)) as advance:
+        for case in cases:
+            key = json.dumps(case.design, sort_keys=True)
+            if key not in outcomes:
+                outcomes[key] = _analysed(case.design)
+            rows += [_row(case, reference, outcomes[key]) for reference in case.references]
+            advance(1)
     quoted = {row.reference.source for row in rows} | {case.source for case in cases}
     return Verification(
         tuple(rows), {key: text for key, text in sources.items() if key in quoted}, _versions(),
@@ -220,17 +225,17 @@ def _versions() -> dict[str, str]:
     return found
 
 
-def _analysed(mapping: Mapping[str, Any]) -> _Outcome:
+def _analysed(mapping: Mapping[str, Any]) -> _Analysed:
     """A design's result; a design that is refused or breaks is a failed row with its words, never a crash."""
     started = time.perf_counter()
     try:
         result = analyse(load(mapping))
     except SlopekitError as error:
-        return _Outcome(None, str(error.faults[0]).splitlines()[0], time.perf_counter() - started)
-    return _Outcome(result, "", time.perf_counter() - started)
+        return _Analysed(None, str(error.faults[0]).splitlines()[0], time.perf_counter() - started)
+    return _Analysed(result, "", time.perf_counter() - started)
 
 
-def _row(case: Case, reference: Reference, outcome: _Outcome) -> Row:
+def _row(case: Case, reference: Reference, outcome: _Analysed) -> Row:
     """A row, judged: the status and the bound hold for every row of a case, whatever its quantity."""
     result = outcome.result
     if result is None:

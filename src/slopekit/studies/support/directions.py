@@ -1,11 +1,11 @@
 """The least force by the closed form: along a direction, over all of them, within limits of plunge.
 
-The forces come from `support_forces`; each is put back into the closed form itself before it counts.
+The forces come from `forces`; each is put back into the closed form itself before it counts.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,8 +13,8 @@ from slopekit.arrays import Bools, Floats
 from slopekit.design.common import Bolt
 from slopekit.errors import Notice
 from slopekit.orientation import Line
-from slopekit.studies.support_forces import BoltedBlock, least_along, most_along, nearest
-from slopekit.studies.support_search import Answer, Found, Site, least_force
+from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
+from slopekit.studies.support.search import Answer, Found, Site, least_force
 
 _CLOSER = 0.4  # what a grid of nine by nine closes in by
 _ALL_ROUNDS, _GO_ON = 6, 2
@@ -118,8 +118,8 @@ class Optimum:
     """
 
     scanned: int
-    least_scanned: float
-    around: tuple[float, float]
+    least_scanned: float = field(metadata={"json": "least_scanned_kn"})
+    around: tuple[float, float] = field(metadata={"json": "one_degree_off_kn"})
     is_minimum: bool
 
 

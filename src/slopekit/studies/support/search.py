@@ -18,7 +18,7 @@ from slopekit.kinds.one_block import Clock, find_limit
 from slopekit.orientation import Line, line_of
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
-from slopekit.studies.support_forces import BoltedBlock
+from slopekit.studies.support.forces import BoltedBlock
 
 _OUTCOMES = {
     Outcome.NO_DRIVING_FORCE: "no_driving_force", Outcome.LIFTED: "lifted", Outcome.NOT_CONVERGED: "not_converged",

@@ -11,7 +11,7 @@ import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.errors import Notice
-from slopekit.studies.support_search import Site
+from slopekit.studies.support.search import Site
 
 MOST_BOLTS = 5000
 CLOSEST_M = 0.25  # bolts that stand closer hold the same rock

@@ -1,36 +1,36 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
-import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from operator import attrgetter
 
-from slopekit._version import __version__
-from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
-from slopekit.studies.check import Check, Finding
-from slopekit.views.assembly_sheet import limit_in_words
-from slopekit.views.entries import accept, methods
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
+from slopekit.kinds.ladders import Rung
+from slopekit.kinds.words import accept, limit_in_words, methods
+from slopekit.studies.check.run import Check, Finding
+from slopekit.studies.words import head
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
 
 
-def check_sheet(checked: Check) -> str:
-    """The sheet of a check, lines joined, no trailing newline."""
+def sheet_of(checked: Check) -> Sheet:
+    """The sheet of a check."""
     result = checked.result
-    design = result.design
-    title = f"   {design.title}" if design.title else ""
-    head = f"slopekit {__version__}   check   {result.kind}   sha {design.input_hash()[:6]}{title}"
-    lines = textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
-    lines += block("STATUS", [result.status_text])
-    lines += block("FoS", _factors(checked))
-    lines += block("LOOKED AT", [_finding(finding) for finding in checked.findings], hang=42)
-    lines += block("COLUMNS", methods(result))
-    lines += block("LADDER", _ladder(checked))
-    lines += block("CHEAPEST", _cheapest(checked))
-    lines += block("ACCEPT", accept(result))
-    lines += block("VERDICT", [_verdict(checked), _MEANING])
-    lines += block("NOTE", [str(notice) for notice in result.warnings])
-    return "\n".join(lines)
+    return Sheet(head(result.design, "check"), (
+        Section("STATUS", [result.status_text]),
+        Section("FoS", _factors(checked)),
+        Section("LOOKED AT", [Table(_FINDING, checked.findings, headless=True)], hang=42),
+        Section("COLUMNS", methods(result)),
+        Section("LADDER", _ladder(checked)),
+        Section("CHEAPEST", _cheapest(checked), timed=True),
+        Section("ACCEPT", accept(result)),
+        Section("VERDICT", [_verdict(checked), _MEANING]),
+        Section("TIME", [f"{checked.seconds:.2f} s"], timed=True),
+        Section("NOTE", [str(notice) for notice in result.warnings]),
+    ))  # fmt: skip
 
 
-def check_line(checked: Check) -> str:
+def line_of(checked: Check) -> str:
     """The verdict on one line."""
     fos = checked.result.fos.limit
     factor = "none" if fos is None else f"{fos:.4f}"
@@ -63,36 +63,62 @@ def _factors(checked: Check) -> list[str]:
     return lines
 
 
-def _finding(finding: Finding) -> str:
-    value = (
-        "" if finding.value is None else f"{finding.value:.4g}" if finding.wanted is None else f"{finding.value:.1e}"
-    )
-    wanted = "" if finding.wanted is None else f"<= {finding.wanted:g}"
-    return f"{_MARKS[finding.met]}  {finding.name:<16} {value:>8} {wanted:<9} {finding.words}"
+def _figure(finding: Finding) -> str:
+    if finding.value is None:
+        return ""
+    return f"{finding.value:.4g}" if finding.wanted is None else f"{finding.value:.1e}"
 
 
-def _ladder(checked: Check) -> list[str]:
+_FINDING: tuple[Column[Finding], ...] = (
+    Column("met", attrgetter("met"), "met", show=lambda met: _MARKS[met], width=-4),
+    Column("what", attrgetter("name"), "name", width=-17),
+    Column("figure", attrgetter("value"), "value", text=_figure, width=8),
+    Column(
+        "wanted", attrgetter("wanted"), "wanted", show=lambda most: "" if most is None else f" <= {most:g}", width=-11
+    ),
+    Column("words", attrgetter("words"), "words", width=-1),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A rung of the ladder, its error, how many times the seconds of the base, and whether its method is said here."""
+
+    rung: Rung
+    error: float | None
+    times: float
+    first: bool
+
+
+_LADDER: tuple[Column[_Step], ...] = (
+    Column("method", attrgetter("rung.method"), "method", text=lambda step: step.rung.method * step.first, width=-13),
+    Column("setting", attrgetter("rung.setting"), "setting", width=-23),
+    Column("pairs", attrgetter("rung.node_pairs"), "node_pairs", width=6),
+    Column("F", attrgetter("rung.factor"), "fos", show=lambda fos: "none" if fos is None else f"{fos:.8g}", width=13),
+    Column("error", attrgetter("error"), "error", show=lambda off: "-" if off is None else f"{off:.1e}", width=9),
+    Column("ms", attrgetter("rung.seconds"), "seconds", "s", lambda s: _brief(s * 1e3), 10, timed=True),
+    Column("times", attrgetter("times"), "times", show=lambda times: _brief(times), width=10, timed=True),
+)
+
+
+def _ladder(checked: Check) -> list[Entry]:
     if not checked.ladder:
         return ["none: there is no factor of safety to come near to"]
     base = next((rung.seconds for rung in checked.ladder if rung.method == "closed form"), None)
     than = "closed form" if base is not None else "quickest"
-    base = min(rung.seconds for rung in checked.ladder) if base is None else base
-    lines = [
+    said = (
         f"relative errors against {checked.against} ({checked.reference:.10g}); solver times of this run, as multiples "
         f"of the {than}'s; plain passes start cold and keep every bond, the limit lets go what opens"
-    ]
-    lines.append(f"{'method':<13}{'setting':<23}{'pairs':>6}{'F':>13}{'error':>9}{'ms':>10} {'times':>9}")
+    )
+    least = min(rung.seconds for rung in checked.ladder)
+    return [said, Table(_LADDER, list(_steps(checked, least if base is None else base)))]
+
+
+def _steps(checked: Check, base: float) -> Iterator[_Step]:
     said = ""
     for rung, error in zip(checked.ladder, checked.errors, strict=True):
-        method, said = rung.method if rung.method != said else "", rung.method
-        factor = "none" if rung.factor is None else f"{rung.factor:.8g}"
-        off = "-" if error is None else f"{error:.1e}"
-        pairs = "" if rung.node_pairs is None else str(rung.node_pairs)
-        lines.append(
-            f"{method:<13}{rung.setting:<23}{pairs:>6}{factor:>13}{off:>9}{_brief(rung.seconds * 1e3):>10} "
-            f"{_brief(rung.seconds / base):>9}"
-        )
-    return lines
+        yield _Step(rung, error, rung.seconds / base, rung.method != said)
+        said = rung.method
 
 
 def _brief(value: float) -> str:

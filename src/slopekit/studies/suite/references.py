@@ -5,7 +5,7 @@ A case is a design and what sources say of it. No reference value comes from slo
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
@@ -66,7 +66,7 @@ class Reference:
     of: float | None = None
     tolerance: float | None = None
     why: str = ""
-    not_judged: str = ""
+    not_judged: str = field(default="", metadata={"json": None})
 
     @property
     def own(self) -> bool:
@@ -114,7 +114,7 @@ def half_unit(text: str) -> float:
 @cache
 def document() -> tuple[Mapping[str, str], tuple[Case, ...]]:
     """Sources and cases of the shipped file."""
-    document = json.loads(files("slopekit.studies").joinpath("verification.json").read_text(encoding="utf-8"))
+    document = json.loads(files("slopekit.studies.suite").joinpath("verification.json").read_text(encoding="utf-8"))
     return document["sources"], tuple(_case(entry) for entry in document["cases"])
 
 

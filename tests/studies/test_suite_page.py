@@ -1,5 +1,6 @@
 """The page of the verification suite: what docs/ holds is what the suite gives now, apart from times and versions."""
 
+import csv
 import dataclasses
 import json
 import re
@@ -7,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-import slopekit as sk
-from slopekit.studies.suite import Verification, verify
-from slopekit.views import verification as view
+from slopekit.cli.study_command import _deliver
+from slopekit.studies.suite import Verification, suite
+from slopekit.studies.suite.page import page_of
 from tests.studies.the_suite import the_suite
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -36,7 +37,7 @@ def same(one: str, other: str) -> bool:
 
 
 def test_the_page_in_docs_is_what_the_suite_gives(verification) -> None:
-    now = without_times(view.markdown(verification))
+    now = without_times(page_of(verification))
     kept = without_times((DOCS / "verification.md").read_text(encoding="utf-8"))
     assert len(now) == len(kept)
     assert [(a, b) for a, b in zip(now, kept, strict=True) if not same(a, b)] == []
@@ -58,7 +59,7 @@ def test_the_data_in_docs_are_what_the_suite_gives(verification) -> None:
 
 
 def test_the_page_is_whole(verification) -> None:
-    page = view.markdown(verification)
+    page = page_of(verification)
     tables = [
         line for line in page.splitlines() if line.startswith("| ") and "---" not in line and "Case |" not in line
     ]
@@ -77,13 +78,13 @@ def test_the_page_is_whole(verification) -> None:
 def test_a_failed_row_stands_in_the_page_and_on_the_terminal(verification) -> None:
     broken = dataclasses.replace(verification.rows[0], ok=False, reason="off by 0.1, outside its tolerance")
     changed = dataclasses.replace(verification, rows=(broken, *verification.rows[1:]))
-    assert f"- {broken.id}: off by 0.1" in view.markdown(changed)
-    assert f"OUTSIDE {broken.id}: off by 0.1" in view.table(changed)
-    assert "1 outside" in view.table(changed)
+    assert f"- {broken.id}: off by 0.1" in page_of(changed)
+    assert f"OUTSIDE   {broken.id}: off by 0.1" in str(changed)
+    assert "1 outside" in str(changed)
 
 
 def test_marks_of_confidence_are_explained_and_say_nothing_of_slopekit(verification) -> None:
-    page = view.markdown(verification)
+    page = page_of(verification)
     for row in verification.rows:
         mark, _, words = row.reference.confidence.partition(": ")
         assert f"\n  - {mark}: " in page
@@ -92,7 +93,7 @@ def test_marks_of_confidence_are_explained_and_say_nothing_of_slopekit(verificat
 
 
 def test_own_values_do_not_stand_under_published(verification) -> None:
-    cells = [line.split(" | ") for line in view.markdown(verification).splitlines() if line.startswith("| ")]
+    cells = [line.split(" | ") for line in page_of(verification).splitlines() if line.startswith("| ")]
     own = [row for row in cells if row[1] in ("cases", "prototype", "lem", "exact", "conic")]
     assert len(own) == sum(row.reference.own for row in verification.rows) > 100
     assert {row[4] for row in own} == {""}
@@ -100,7 +101,7 @@ def test_own_values_do_not_stand_under_published(verification) -> None:
 
 
 def test_the_page_says_what_the_rows_rest_on(verification) -> None:
-    page = view.markdown(verification)
+    page = page_of(verification)
     above = page.partition("\n| ")[0]
     of = verification.judged_by
     judged = verification.counts["within"]
@@ -117,7 +118,7 @@ def test_the_page_says_what_the_rows_rest_on(verification) -> None:
 
 
 def test_a_case_stands_in_one_place(verification) -> None:
-    lines = view.markdown(verification).splitlines()
+    lines = page_of(verification).splitlines()
     headings: dict[str, set[str]] = {}
     heading = ""
     for line in lines:
@@ -129,14 +130,14 @@ def test_a_case_stands_in_one_place(verification) -> None:
 
 
 def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
-    text = view.table(verification)
+    text = str(verification)
     lines = text.splitlines()
     assert max(map(len, lines)) <= 100
-    assert sum(bool(re.fullmatch(r"    \S.* (yes|-)", line)) for line in lines) == len(verification.rows)
+    assert sum(bool(re.fullmatch(r" {12}\S.* (yes|-)", line)) for line in lines) == len(verification.rows)
     counts = verification.counts
     assert f"{counts['rows']} rows of {counts['cases']} designs: {counts['within']} within" in text
     assert not text.endswith("\n")
-    assert "verification.md says why" in lines[-1]
+    assert "verification.md says why" in text
     for words in ("failed pairs at 1.33 ", "failed pairs at 1.333 ", "failed pairs at 1.334 ", "P of column 13, kN"):
         assert text.count(words) == 1
     for row in verification.rows:
@@ -149,16 +150,20 @@ def test_the_table_fits_a_terminal_and_nothing_is_cut(verification) -> None:
 
 def test_the_terminal_shows_what_the_error_is_against(verification) -> None:
     (line,) = [
-        line for line in view.table(verification).splitlines() if re.match(r"    wyllie-mah .* 1\.24666 ", line)
+        line for line in str(verification).splitlines() if re.match(r" {12}wyllie-mah .* 1\.24666 ", line)
     ]  # fmt: skip
     assert "1.25" not in line
 
 
-def test_both_files_are_written(tmp_path) -> None:
-    small = verify("6c_footing")
-    page, data = view.write(small, tmp_path / "new" / "docs")
-    assert page.read_text(encoding="utf-8") == view.markdown(small)
-    assert json.loads(data.read_text(encoding="utf-8")) == small.to_dict()
-    (tmp_path / "file").write_text("")
-    with pytest.raises(sk.DesignError, match="E129"):
-        view.write(small, tmp_path / "file" / "docs")
+def test_the_files(tmp_path) -> None:
+    """What the driver writes: the page, the JSON, the sheet, every row as CSV."""
+    small = suite("6c_footing")
+    _deliver(small, tmp_path, None, as_json=False, quiet=True)
+    assert (tmp_path / "verification.md").read_text(encoding="utf-8") == page_of(small)
+    assert json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
+    assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small}\n"
+    with (tmp_path / "verification.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["case"], float(row["value"])) for row in rows if row["quantity"] == "PRE-IE limit"] == [
+        (row.case.id, row.value) for row in small.rows if row.reference.quantity == "limit"
+    ]
