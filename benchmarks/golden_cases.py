@@ -23,6 +23,7 @@ from benchmarks.fuzz_seeds import SEEDS, write_files
 from benchmarks.golden_text import Section, lines_of, text_of
 from slopekit.design.templates import folder as templates_folder
 from slopekit.design.templates import names
+from slopekit.studies.protocol import STUDIES, VARIANTS
 from slopekit.studies.references import chosen
 from slopekit.studies.suite import verify
 from slopekit.views.verification import summary
@@ -36,9 +37,9 @@ EXAMPLES = ROOT / "examples"
 #: Cases that take more than five seconds of processor time.
 HEAVY = ("checks/bench", "checks/paper-ellipsoid", "suite/rows")
 RESULTS = "run {} --quiet --no-pictures -o out"
-#: Where a sheet of a study is made, by the function of slopekit that gave it.
+#: Where the sheet of what does not show itself is made, by the function of slopekit that gave it.
 SHEETS = {
-    "run": "sheet.sheet", "wedge": "sheet.sheet", "prob": "probability_sheet.probability_sheet",
+    "run": "sheet.sheet", "wedge": "sheet.sheet",
     "combos": "combos_sheet.combos_sheet", "kinematic": "kinematic_sheet.kinematic_sheet",
     "check": "check_sheet.check_sheet", "solve": "solve_sheet.solve_sheet", "support": "support_sheet.support_sheet",
 }  # fmt: skip
@@ -215,7 +216,7 @@ _TIMES = re.compile(r"(?<=^slopekit, limit, closed form and bound ).*|(?<=^slope
 @contextmanager
 def _recorded() -> Iterator[list[tuple[str, Any]]]:
     calls: list[tuple[str, Any]] = []
-    before = {name: getattr(sk, name) for name in SHEETS}
+    before = {name: getattr(sk, name) for name in (*SHEETS, *STUDIES, *VARIANTS)}
 
     def recording(name: str) -> Callable[..., Any]:
         def call(*args: Any, **options: Any) -> Any:

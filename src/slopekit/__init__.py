@@ -10,12 +10,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
-from slopekit.api import analyse, combos, kinematic, load, plot, prob, report, run, solve, wedge
+from slopekit.api import analyse, combos, kinematic, load, plot, report, run, solve, wedge
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.studies.check import check
+    from slopekit.studies.prob import Probability as Probability
+    from slopekit.studies.prob import prob
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
@@ -30,7 +32,12 @@ __all__ = [
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
-_LATER = {"export": "exchange.export", "Sweep": "studies.sweep", "Tornado": "studies.tornado"}
+_LATER = {
+    "export": "exchange.export",
+    "Probability": "studies.prob",
+    "Sweep": "studies.sweep",
+    "Tornado": "studies.tornado",
+}
 
 
 def __getattr__(name: str) -> Any:

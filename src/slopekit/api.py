@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from slopekit.studies.combos import Combos
     from slopekit.studies.keys import Within
     from slopekit.studies.kinematic import Kinematic
-    from slopekit.studies.probability import Probability
     from slopekit.studies.solutions import Solution
     from slopekit.studies.solve_probability import ProbabilitySolution
     from slopekit.views.notebook import Drawing
@@ -130,47 +129,6 @@ def run(
 
 
 # -- studies ----------------------------------------------------------------------------------------------------------
-
-
-def prob(
-    design: "Design",
-    n: int | None = None,
-    *,
-    seed: int = 1,
-    method: str = "monte-carlo",
-    by: Any = None,
-    target: float = 1.0,
-    confirm: int = 200,
-    near: float | None = None,
-    confidence: float = 0.95,
-    accept: float | None = None,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-    executor: Any = None,
-) -> "Probability":
-    """The probability that the factor of safety of a design, with numbers that scatter, lies below a target.
-
-    Parameters
-    ----------
-    n : samples: 20,000 by the closed form, 1,000 where PRE-IE has to be asked
-    seed : the same seed gives the same numbers; method : monte-carlo, latin-hypercube or sobol
-    by : closed-form or pre-ie; left out, the closed form where the kind has one that knows all of the design
-    confirm : samples at random that PRE-IE looks at; near : besides all within this part of the target
-    confidence : of the limits; accept : largest probability accepted
-    jobs : processes; scheduler : of a Dask cluster; executor : any of `concurrent.futures`
-
-    Raises
-    ------
-    DesignError
-        E302 nothing scatters, E307 and E308 for what is not understood.
-    """
-    from slopekit.studies.probability import probability
-    from slopekit.studies.running import checked_crew
-
-    return probability(
-        design, n, seed=seed, method=method, by=by, target=target, confirm_count=confirm, near=near,
-        confidence=confidence, accept=accept, crew=checked_crew(jobs, scheduler, executor),
-    )  # fmt: skip
 
 
 def solve(

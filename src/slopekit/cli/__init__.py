@@ -65,7 +65,7 @@ def _slopekit(
 
 
 for command in (
-    designs.wedge, designs.run, designs.check, designs.lint, studies.prob, joint_lists.combos,
+    designs.wedge, designs.run, designs.check, designs.lint, joint_lists.combos,
     joint_lists.kinematic, studies.solve, studies.support, outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)

@@ -2,14 +2,15 @@
 
 import inspect
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
 from slopekit.cli.common import JSON, SET, checked_image, draw_to, folder_of, json_text, load_design, write
 from slopekit.cli.progress import progress, watched
-from slopekit.errors import DesignError, Fault
+from slopekit.errors import DesignError, Fault, writing
 from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
 
 _QUIET = typer.Option("--quiet", help="One line.")
@@ -32,7 +33,7 @@ def command_of(name: str) -> Callable[..., None]:
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
     first = inspect.signature(main).parameters
     with_design = any(parameter.annotation == ADesign for parameter in first.values())
-    declared |= {own.name: own for own in _of_every_study(with_design, name)}
+    declared |= {own.name: own for own in _of_every_study(with_design, any(map(_draws, functions)))}
 
     def command(**given: Any) -> None:
         chosen = next((flag for flag in variants if given[flag]), "")
@@ -63,20 +64,27 @@ def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Par
         return [_parameter(_name(flag), bool, typer.Option(flag, help=text), False) for flag, (_, text) in flags]
     if isinstance(parameter.default, bool):
         return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
-    option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None)
+    option = typer.Option(_flag(key, how), *how.also, help=how.help, metavar=how.metavar or None)
     needed = parameter.default is inspect.Parameter.empty
     return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
 
 
-def _of_every_study(with_design: bool, name: str) -> list[inspect.Parameter]:
+def _of_every_study(with_design: bool, drawn: bool) -> list[inspect.Parameter]:
     sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
+    picture = [_parameter("picture", str | None, _PICTURE, None)] if drawn else []
     return [
         *sets,
-        _parameter("picture", str | None, _PICTURE, None),
+        *picture,
         _parameter("as_json", bool, JSON, False),
         _parameter("quiet", bool, _QUIET, False),
         _parameter("output", str | None, _FOLDER, None),
     ]
+
+
+def _draws(function: Callable[..., Outcome]) -> bool:
+    """Whether there are pictures of what a study comes to."""
+    outcome = get_type_hints(function)["return"]
+    return any(kind.charts is not Outcome.charts for kind in get_args(outcome) or (outcome,))
 
 
 def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
@@ -109,7 +117,7 @@ def _help_of(function: Callable[..., Any]) -> str:
 def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
     """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
     folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = checked_image(given["picture"])
+    image = checked_image(given.get("picture"))
     values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
@@ -122,8 +130,9 @@ def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: 
             option = "--" + name.replace("_", "-")
             raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
     with watched():
-        outcome = function(**values, desk=Desk(folder, progress, _option))
+        outcome = function(**values, desk=Desk(folder, progress, partial(_named, parameters)))
     _deliver(outcome, folder, image, given["as_json"], given["quiet"])
+    outcome.done()
     raise typer.Exit(outcome.exit_code)
 
 
@@ -156,7 +165,8 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
         write(folder / f"{outcome.name}.json", document + "\n")
         write(folder / f"{outcome.name}.txt", text + "\n")
         for name, table in outcome.sheet.tables.items():
-            write(folder / name, table.csv())
+            with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
+                table.write(file)
         for name, more in outcome.files().items():
             write(folder / name, more)
     typer.echo(document if as_json else outcome.line if quiet else text)
@@ -164,5 +174,7 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
 
 
-def _option(key: str) -> str:
-    return "--" + key.replace("_", "-")
+def _named(parameters: Mapping[str, inspect.Parameter], key: str) -> str:
+    """The flag of a parameter, for faults."""
+    how = given_by(parameters[key])
+    return _flag(key, how if isinstance(how, Option) else Option())

@@ -62,6 +62,10 @@ class Outcome(Shown):
         """Further files by name, beside its tables."""
         return {}
 
+    def done(self) -> None:
+        """Called when all of it is written: what was kept for an interruption goes."""
+        return
+
 
 # -- how a parameter is given -----------------------------------------------------------------------------------------
 
@@ -101,6 +105,7 @@ class Option:
     flag : its name on the command line where that is not the parameter's own
     metavar : what stands for the text
     choices : flags in place of one option: the value of each, and its help
+    also : older spellings of the flag, still understood
     """
 
     help: str = ""
@@ -108,6 +113,7 @@ class Option:
     flag: str = ""
     metavar: str = ""
     choices: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
+    also: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

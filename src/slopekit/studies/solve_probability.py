@@ -208,11 +208,13 @@ def solve_for_probability(
     ----------
     fos : what fails has a factor of safety below it [1]; n, seed : of the samples
     """
-    from slopekit.studies.probability import probability
+    from slopekit.studies.prob import prob
 
     def failure_probability(changed: Design) -> Estimate:
         target = 1.0 if fos is None else fos
-        found = probability(changed, n, seed=seed, target=target, confirm_count=0, near=0.0, crew=crew)
+        found = prob(
+            changed, n, seed=seed, target=target, confirm=0, near=0.0, jobs=crew.jobs, scheduler=crew.scheduler
+        )
         share = found.all_samples
         if share.share is None or found.forming.share is None:  # no block is no safety
             raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
