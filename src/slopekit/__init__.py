@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
-from slopekit.api import analyse, combos, kinematic, load, plot, report, run, solve, wedge
+from slopekit.api import analyse, combos, kinematic, load, plot, report, run, wedge
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from slopekit.studies.check import check
     from slopekit.studies.prob import Probability as Probability
     from slopekit.studies.prob import prob
+    from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
+    from slopekit.studies.solve import Solution as Solution
+    from slopekit.studies.solve import solve
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep

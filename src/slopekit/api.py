@@ -11,10 +11,7 @@ if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
     from slopekit.studies.combos import Combos
-    from slopekit.studies.keys import Within
     from slopekit.studies.kinematic import Kinematic
-    from slopekit.studies.solutions import Solution
-    from slopekit.studies.solve_probability import ProbabilitySolution
     from slopekit.views.notebook import Drawing
 
 
@@ -129,49 +126,6 @@ def run(
 
 
 # -- studies ----------------------------------------------------------------------------------------------------------
-
-
-def solve(
-    design: "Design",
-    key: str,
-    *,
-    fos: float | None = None,
-    pf: float | None = None,
-    within: "Within | None" = None,
-    n: int | None = None,
-    seed: int = 1,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-) -> "Solution | ProbabilitySolution":
-    """The value of one number of a loaded design that gives a factor of safety, or a probability of failure.
-
-    Parameters
-    ----------
-    key : dotted path
-    fos : the target; left out, the design's acceptance rule. With `pf`: what fails lies below it [1]
-    pf : a probability of failure as the target; n, seed : of its samples
-    within : (low, high) or "lo:hi", between which to look
-
-    Raises
-    ------
-    DesignError
-        With every fault of the input. Where no value gives the target, `answer` is None and `reason` says why.
-
-    >>> import slopekit as sk
-    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
-    >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)
-    0.6894
-    """
-    from slopekit.studies.running import checked_crew
-
-    crew = checked_crew(jobs, scheduler)
-    if pf is not None:
-        from slopekit.studies.solve_probability import solve_for_probability
-
-        return solve_for_probability(design, key, pf, fos=fos, n=n, seed=seed, within=within, crew=crew)
-    from slopekit.studies.solve import solve as solve_design
-
-    return solve_design(design, key, fos=fos, within=within, crew=crew)
 
 
 def combos(

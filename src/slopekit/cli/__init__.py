@@ -66,7 +66,7 @@ def _slopekit(
 
 for command in (
     designs.wedge, designs.run, designs.check, designs.lint, joint_lists.combos,
-    joint_lists.kinematic, studies.solve, studies.support, outputs.plot, outputs.export, outputs.report,
+    joint_lists.kinematic, studies.support, outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(tools.templates, name="templates")

@@ -102,9 +102,11 @@ def notices_of(
         yield Notice("W351", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
                      f"asked of ({codes}): they confirm nothing")  # fmt: skip
     if confirmation.governed:
-        some = f"{confirmation.governed} of {confirmation.at_random}"
-        yield Notice("W353", f"moments govern in {some} samples at random: there the closed form is too high; --by "
-                     "pre-ie asks PRE-IE of every sample")  # fmt: skip
+        yield Notice(
+            "W353",
+            f"moments govern in {confirmation.governed} of {confirmation.at_random} samples at random: there the "
+            "closed form is too high; --by pre-ie asks PRE-IE of every sample",
+        )
     if confirmation.unsafe:
         yield Notice("W354", f"{confirmation.unsafe} of {confirmation.samples} samples fail by PRE-IE and stand by "
                      "the closed form: judge by PRE-IE")  # fmt: skip

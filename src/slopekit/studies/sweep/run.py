@@ -22,7 +22,7 @@ from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.orientation import number
 from slopekit.studies.keys import MOST, Key, key_of, parse_values, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
+from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, factor_at, point_record, status_of, study_head
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -36,8 +36,6 @@ from slopekit.studies.protocol import (
     study,
 )
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.solutions import Method, point_record
-from slopekit.studies.solve import factor_at
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
@@ -131,10 +129,7 @@ class Sweep(Outcome):
 
     def status(self, point: Point) -> str:
         """The status of a point by the method that counts, or the code of why there is no block."""
-        factors = point.factors
-        if factors is None:
-            return point.code
-        return factors.status if self.methods != "closed-form" else factors.closed_status or ""
+        return status_of(point, self.asked[0])
 
     def lines(self) -> Iterator[tuple[float | None, list[tuple[float, Point]]]]:
         """For each value of the second key (None without one) the points by the first, in rising order."""

@@ -20,11 +20,9 @@ from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.studies.keys import Key, Within, key_of, keys_of, parse_within, values_of
-from slopekit.studies.points import Point, study_head
+from slopekit.studies.points import Method, Point, factor_at, point_record, status_of, study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.running import checked_crew
-from slopekit.studies.solutions import Method, point_record
-from slopekit.studies.solve import factor_at
 from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
 
 if TYPE_CHECKING:
@@ -234,13 +232,6 @@ def ends_of(key: Key) -> tuple[float, float, str] | None:
     step = FILL if key.path.endswith(".fill") else abs(value) * PART
     rule = f"±{FILL:g}" if key.path.endswith(".fill") else f"±{PART * 100:g} %"
     return max(value - step, key.low), min(value + step, key.high), rule
-
-
-def status_of(point: Point, method: Method) -> str:
-    """The status of a point by one method, or the code of why there is no block."""
-    if point.factors is None:
-        return point.code
-    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
 
 
 _SILENT = "-"  # left out without a word: it says what another key says

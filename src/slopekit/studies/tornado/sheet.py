@@ -4,10 +4,8 @@ import math
 from collections.abc import Callable
 
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, is_number
-from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method
-from slopekit.studies.solve import factor_at
-from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar, status_of
+from slopekit.studies.points import Method, Point, factor_at, status_of
+from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _MOST_LISTED = 12
