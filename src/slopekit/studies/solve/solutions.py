@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from slopekit.core.codec import json_of
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
+from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Method, Point, point_record, study_head
@@ -263,7 +264,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358."""
+    """What is to be known beside the value: W355 to W358, and means taken (W320)."""
     key, target, found = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -288,6 +289,8 @@ def notices(solution: Solution) -> Iterator[Notice]:
             what = "jumps across" if one.how == "jump" else "passes (where the input is refused)"
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
+
+    yield from means_taken(solution.design, [key.path])
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:

@@ -20,6 +20,7 @@ from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
+from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import MOST, Key, key_of, parse_values, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, factor_at, point_record, status_of, study_head
@@ -207,13 +208,14 @@ class Sweep(Outcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: points without a number."""
+        """What a reader must know: points without a number, means taken."""
+        at_means = means_taken(self.design, [key.path for key in self.keys])
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
         if not bare:
-            return ()
+            return tuple(at_means)
         named = Counter(self.status(point) for point in bare)
         text = ", ".join(f"{name} {count}" for name, count in named.most_common())
-        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),)
+        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"), *at_means)
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""

@@ -49,7 +49,7 @@ def line_of(swept: Sweep) -> str:
         parts.append(f"{METHODS[method]} {span}")
     if len(swept.asked) > 1:
         parts.append(f"{swept.disagree} disagree" if swept.disagree else "agree")
-    return "  ".join(parts + [notice.code for notice in swept.warnings])
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in swept.warnings)])
 
 
 def _every_point(swept: Sweep) -> Table[dict[str, Any]]:

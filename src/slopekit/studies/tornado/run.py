@@ -19,6 +19,7 @@ from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
+from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, Within, key_of, keys_of, parse_within, values_of
 from slopekit.studies.points import Method, Point, factor_at, point_record, status_of, study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
@@ -122,7 +123,8 @@ class Tornado(Outcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: ends without a number."""
+        """What a reader must know: ends without a number, means taken by all bars but its own."""
+        at_means = means_taken(self.design)
         method = self.asked[0]
         bare = [
             f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
@@ -131,9 +133,9 @@ class Tornado(Outcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         if not bare:
-            return ()
+            return tuple(at_means)
         ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"),)
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *at_means)
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""

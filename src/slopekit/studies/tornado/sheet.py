@@ -33,7 +33,7 @@ def line_of(study: Tornado) -> str:
     first = study.asked[0]
     most = [f"{bar.key.path} {_swing(bar.swings[first])}" for bar in study.bars[:3]]
     agree = [] if len(study.asked) < 2 else [f"{study.disagree} disagree" if study.disagree else "agree"]
-    return "  ".join([*most, *agree, *(notice.code for notice in study.warnings)])
+    return "  ".join([*most, *agree, *dict.fromkeys(notice.code for notice in study.warnings)])
 
 
 def _now(study: Tornado) -> str:
