@@ -14,7 +14,7 @@ import numpy as np
 from slopekit.design.common import Pair
 from slopekit.design.distributions import Angles, Distribution, Fisher, Name, Variable
 from slopekit.orientation import Plane
-from slopekit.studies.sampling import METHODS, chunks, planned
+from slopekit.studies.prob.sampling import METHODS, chunks, planned
 
 _REPEATS = 5
 

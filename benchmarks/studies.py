@@ -21,10 +21,10 @@ import numpy as np
 
 from slopekit.design.files import load
 from slopekit.studies.points import Evaluation
-from slopekit.studies.probability import probability
+from slopekit.studies.prob import prob
+from slopekit.studies.prob.sampling import METHODS, draw, planned, samples
+from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.running import Crew, checked_crew, run_all
-from slopekit.studies.sampling import METHODS, draw, planned, samples
-from slopekit.studies.vectorised import vectorised
 
 _DOCS = Path(__file__).resolve().parent.parent / "docs"
 _PRE_IE = 400  # samples by PRE-IE for each crew
@@ -148,9 +148,7 @@ def prob_rows() -> list[str]:
         for target in (1.0, 1.4, 1.5):
             exact = by_quadrature(target, rank)
             for method in METHODS:
-                study = probability(
-                    load(default_wedge(rank)), 100_000, method=method, target=target, confirm_count=0, near=0.0
-                )
+                study = prob(load(default_wedge(rank)), 100_000, method=method, target=target, confirm=0, near=0.0)
                 found = study.all_samples
                 within = found.low <= exact <= found.high
                 rows.append(

@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
-from slopekit.api import analyse, load, plot, prob, report, run, solve, wedge
+from slopekit.api import analyse, load, plot, report, run, wedge
 from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from slopekit.studies.combos import combos
     from slopekit.studies.kinematic import Kinematic as Kinematic
     from slopekit.studies.kinematic import kinematic
+    from slopekit.studies.prob import Probability as Probability
+    from slopekit.studies.prob import prob
+    from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
+    from slopekit.studies.solve import Solution as Solution
+    from slopekit.studies.solve import solve
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
@@ -37,9 +42,9 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "Check": "studies.check", "export": "exchange.export", "Combos": "studies.combos",
-    "Kinematic": "studies.kinematic", "Support": "studies.support", "Sweep": "studies.sweep",
-    "Tornado": "studies.tornado",
+    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
+    "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
+    "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
 }  # fmt: skip
 
 

@@ -10,10 +10,6 @@ from slopekit.errors import DesignError, Fault
 if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
-    from slopekit.studies.probability import Probability
-    from slopekit.studies.ranges import Within
-    from slopekit.studies.solutions import Solution
-    from slopekit.studies.solve_probability import ProbabilitySolution
     from slopekit.views.notebook import Drawing
 
 
@@ -125,93 +121,6 @@ def run(
             [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
         )
     return analyse(source)
-
-
-# -- studies ----------------------------------------------------------------------------------------------------------
-
-
-def prob(
-    design: "Design",
-    n: int | None = None,
-    *,
-    seed: int = 1,
-    method: str = "monte-carlo",
-    by: Any = None,
-    target: float = 1.0,
-    confirm: int = 200,
-    near: float | None = None,
-    confidence: float = 0.95,
-    accept: float | None = None,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-    executor: Any = None,
-) -> "Probability":
-    """The probability that the factor of safety of a design, with numbers that scatter, lies below a target.
-
-    Parameters
-    ----------
-    n : samples: 20,000 by the closed form, 1,000 where PRE-IE has to be asked
-    seed : the same seed gives the same numbers; method : monte-carlo, latin-hypercube or sobol
-    by : closed-form or pre-ie; left out, the closed form where the kind has one that knows all of the design
-    confirm : samples at random that PRE-IE looks at; near : besides all within this part of the target
-    confidence : of the limits; accept : largest probability accepted
-    jobs : processes; scheduler : of a Dask cluster; executor : any of `concurrent.futures`
-
-    Raises
-    ------
-    DesignError
-        E302 nothing scatters, E307 and E308 for what is not understood.
-    """
-    from slopekit.studies.probability import probability
-    from slopekit.studies.running import checked_crew
-
-    return probability(
-        design, n, seed=seed, method=method, by=by, target=target, confirm_count=confirm, near=near,
-        confidence=confidence, accept=accept, crew=checked_crew(jobs, scheduler, executor),
-    )  # fmt: skip
-
-
-def solve(
-    design: "Design",
-    key: str,
-    *,
-    fos: float | None = None,
-    pf: float | None = None,
-    within: "Within | None" = None,
-    n: int | None = None,
-    seed: int = 1,
-    jobs: Any = 1,
-    scheduler: str | None = None,
-) -> "Solution | ProbabilitySolution":
-    """The value of one number of a loaded design that gives a factor of safety, or a probability of failure.
-
-    Parameters
-    ----------
-    key : dotted path
-    fos : the target; left out, the design's acceptance rule. With `pf`: what fails lies below it [1]
-    pf : a probability of failure as the target; n, seed : of its samples
-    within : (low, high) or "lo:hi", between which to look
-
-    Raises
-    ------
-    DesignError
-        With every fault of the input. Where no value gives the target, `answer` is None and `reason` says why.
-
-    >>> import slopekit as sk
-    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
-    >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)
-    0.6894
-    """
-    from slopekit.studies.running import checked_crew
-
-    crew = checked_crew(jobs, scheduler)
-    if pf is not None:
-        from slopekit.studies.solve_probability import solve_for_probability
-
-        return solve_for_probability(design, key, pf, fos=fos, n=n, seed=seed, within=within, crew=crew)
-    from slopekit.studies.solve import solve as solve_design
-
-    return solve_design(design, key, fos=fos, within=within, crew=crew)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------

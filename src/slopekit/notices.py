@@ -17,6 +17,7 @@ from slopekit.preie.tolerances import MESH_CHANGE
 
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
+_SCATTER = (".sd", ".k")  # of distributions, beside their mean
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
 
 
@@ -68,10 +69,19 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
         yield Notice("W316", f"a cohesion of {strongest:.6g} kPa is that of intact rock: was it typed in Pa?")
 
 
+def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
+    """W320: what scatters and is taken at its mean, but for what a study gives other values, by their paths.
+
+    Of a distribution whose scatter alone is varied the mean is taken all the same.
+    """
+    for name, value in design.assumed:
+        if not any(path == name or (path.startswith(f"{name}.") and not path.endswith(_SCATTER)) for path in varied):
+            yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+
+
 def _read_notices(design: Design) -> Iterator[Notice]:
     """What reading the design already says."""
-    for name, value in design.assumed:
-        yield Notice("W320", f"{name} is a distribution: this run takes {value}")
+    yield from means_taken(design)
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:

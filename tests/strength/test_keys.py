@@ -19,7 +19,7 @@ from slopekit.strength.power import PowerCurve
 from slopekit.strength.registry import LAWS
 from slopekit.strength.waviness import Wavy
 from slopekit.studies.keys import key_of
-from slopekit.studies.vectorised import vectorised
+from slopekit.studies.prob.vectorised import vectorised
 
 ROUGH = {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}
 GIVEN = [

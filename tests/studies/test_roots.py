@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from slopekit.studies.roots import Sample, Search, near_by, places
+from slopekit.studies.solve.roots import Sample, Search, near_by, places
 
 
 def search(function, low, high, count=30, labels=None, **options):

@@ -17,10 +17,10 @@ from slopekit.design.files import with_values
 from slopekit.errors import DesignError
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Line, Plane, normals
-from slopekit.studies import sampling, sources
 from slopekit.studies.marginals import checked_limits, marginal, shares_beyond, tails
-from slopekit.studies.sampling import METHODS, chunks, draw, planned, samples
-from slopekit.studies.sources import fisher, folded_lines, folded_planes
+from slopekit.studies.prob import sampling, sources
+from slopekit.studies.prob.sampling import METHODS, chunks, draw, planned, samples
+from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
 
 
 def dist(name, **parameters):

@@ -12,15 +12,11 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds import factors_of
-from slopekit.studies.solutions import notices
-from slopekit.studies.solve import factor_at, level_of, solve
-from slopekit.studies.solve_probability import Estimate, solve_probability
-from slopekit.views.solve_sheet import (
-    probability_solution_line,
-    probability_solution_sheet,
-    solve_line,
-    solve_sheet,
-)
+from slopekit.studies.points import factor_at
+from slopekit.studies.solve import solve
+from slopekit.studies.solve.by_factor import level_of
+from slopekit.studies.solve.by_probability import Estimate, for_probability
+from slopekit.studies.solve.solutions import notices
 from tests.studies.wedge_oracle import wedge_factor
 
 WEDGE = {
@@ -173,7 +169,7 @@ def test_where_moments_govern_both_values_are_given() -> None:
     assert found.answer.value != pytest.approx(found.closed_form.roots[0].value, rel=1e-3)
     assert [notice.code for notice in found.warnings] == ["W355"]
     assert f"use {found.key.shown(found.answer.value)}" in found.warnings[0].message
-    assert "moments govern" in solve_sheet(found)
+    assert "moments govern" in str(found)
 
 
 def test_several_values_are_all_given_the_nearest_first() -> None:
@@ -227,8 +223,8 @@ def test_where_there_is_none_the_reason_is_given(code, given, key, target, says)
     assert found.exit_code == 1
     assert found.reason.code == code
     assert says in found.reason.message
-    assert says.split()[0] in solve_sheet(found)
-    assert solve_line(found).startswith(f"none  {code}")
+    assert says.split()[0] in str(found)
+    assert found.line.startswith(f"none  {code}")
     if code == "E315":
         least, most = found.pre_ie.least, found.pre_ie.most
         path = found.key.path
@@ -253,7 +249,7 @@ def test_a_jump_is_no_root() -> None:
             again = sk.run(design.source.root.plain(), set={"water.pressures.J1": value}).fos
             fos = again.closed_form if answers.method == "closed_form" else again.limit
             assert fos == pytest.approx(factor, rel=slack)
-    assert "jump" in solve_sheet(found)
+    assert "jump" in str(found)
 
 
 def test_a_jump_beside_a_root_is_told() -> None:
@@ -265,7 +261,7 @@ def test_a_jump_beside_a_root_is_told() -> None:
         (notice,) = notices(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))
         assert notice.code == "W358"
         assert says in notice.message
-        assert how in solve_sheet(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))
+        assert how in str(replace(found, pre_ie=replace(found.pre_ie, others=(other,))))
 
 
 def test_roots_at_the_edge_of_validity_are_found() -> None:
@@ -291,7 +287,7 @@ def test_a_sphere_by_pre_ie_alone() -> None:
     assert abs(found.answer.factor - 1.5) <= 1e-6
     assert found.answer.value == pytest.approx(20.0 * 1.5 / sk.run(path_of("sphere")).fos.limit, rel=1e-6)
     assert found.pre_ie.evaluations < 20
-    assert "PRE-IE" in solve_sheet(found)
+    assert "PRE-IE" in str(found)
 
 
 # -- the target, the key ----------------------------------------------------------------------------------------------
@@ -339,7 +335,7 @@ def test_json_is_strict_and_the_same_twice_but_for_times() -> None:
 
 def test_sheets_are_a_hundred_columns_wide() -> None:
     for key, target in (("support.bolts.0.force", 2.0), ("slope.face.dip", 1.5), ("water.fill", 1.2)):
-        assert max(map(len, solve_sheet(solved("wedge", key, target)).splitlines())) <= 100
+        assert max(map(len, str(solved("wedge", key, target)).splitlines())) <= 100
 
 
 # -- probabilities ----------------------------------------------------------------------------------------------------
@@ -352,7 +348,7 @@ def normal_share(design) -> float:
 
 def test_a_probability_that_is_known() -> None:
     """P = Φ((30 - c) / 10) is 5 % at c = 30 + 16.448536."""
-    found = solve_probability(sk.load(WEDGE), "strength.weak.c", 0.05, normal_share)
+    found = for_probability(sk.load(WEDGE), "strength.weak.c", 0.05, normal_share)
     assert found.answer.value == pytest.approx(30.0 + 10.0 * NormalDist().inv_cdf(0.95), rel=1e-8)
     assert not found.answer.rises
     assert found.answer.limits == (None, None)
@@ -367,19 +363,19 @@ def test_steps_end_on_the_safe_side_and_limits_bound_the_value() -> None:
         value = math.floor(100.0 * normal_share(design)) / 100.0
         return Estimate(value, max(value - 0.02, 0.0), value + 0.02)
 
-    found = solve_probability(sk.load(WEDGE), "strength.weak.c", 0.065, share)
+    found = for_probability(sk.load(WEDGE), "strength.weak.c", 0.065, share)
     (_, upper), (_, lower) = found.answer.bracket
     assert (upper.value, lower.value) == (0.07, 0.06)
     assert found.answer.estimate.value == 0.06
     low, high = found.answer.limits
     exact = [30.0 + 10.0 * NormalDist().inv_cdf(1.0 - p) for p in (0.09, 0.05)]
     assert (low, high) == pytest.approx(exact, rel=1e-4)
-    coarse = solve_probability(sk.load(WEDGE), "strength.weak.c", 0.005, share)
+    coarse = for_probability(sk.load(WEDGE), "strength.weak.c", 0.005, share)
     assert [notice.code for notice in coarse.warnings] == ["W357"]
-    sheet = probability_solution_sheet(found)
+    sheet = str(found)
     assert max(map(len, sheet.splitlines())) <= 100
     assert "confidence limits" in sheet
-    assert probability_solution_line(found).startswith(found.key.shown(found.answer.value))
+    assert found.line.startswith(found.key.shown(found.answer.value))
     json.dumps(found.to_dict(), allow_nan=False)
 
 
@@ -391,17 +387,17 @@ def test_probabilities_with_no_or_many_values() -> None:
 
     cases = [(lambda d: 0.25, "E316"), (lambda d: 0.2 + 1e-7 * d.height_m, "E315"), (refused, "E318")]
     for share, code in cases:
-        found = solve_probability(design, "slope.height", 0.5, share)
+        found = for_probability(design, "slope.height", 0.5, share)
         assert (found.reason.code, found.exit_code) == (code, 1)
-        assert probability_solution_sheet(found)
-        assert probability_solution_line(found).startswith("none")
+        assert str(found)
+        assert found.line.startswith("none")
 
     def partly_refused(changed):
         return refused(changed) if changed.height_m < 50.0 else 0.2 + 1e-7 * changed.height_m
 
-    found = solve_probability(design, "slope.height", 0.1, partly_refused)
+    found = for_probability(design, "slope.height", 0.1, partly_refused)
     assert "values tried give no probability (E281): it may lie among them" in found.reason.message
-    waves = solve_probability(
+    waves = for_probability(
         design, "slope.face.dip", 0.5, lambda d: 0.5 + 0.4 * math.sin(math.radians(8 * d.face.dip_deg))
     )
     assert len(waves.roots) >= 2

@@ -4,7 +4,6 @@ import pytest
 
 import slopekit as sk
 from benchmarks.blocks import multiplier
-from slopekit.views.solve_sheet import solve_sheet
 
 COLUMN = {
     "slopekit": 1, "kind": "blocks",
@@ -22,7 +21,7 @@ def test_a_column_tips_at_its_slenderness_and_nothing_is_said_to_be_put_back() -
     assert found.answer.value == pytest.approx(0.5, rel=1e-9)
     root = found.to_dict()["pre_ie"]["roots"][0]
     assert (root["fos"], root["misses_by"], root["put_back"]) == (None, None, None)
-    sheet = solve_sheet(found)
+    sheet = str(found)
     assert "not put back" in sheet
     for claim in ("misses by", "BRACKET", "REACH", "the methods at"):  # there was no search, and no second method
         assert claim not in sheet

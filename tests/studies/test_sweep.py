@@ -286,3 +286,36 @@ def test_the_command_writes_its_files(monkeypatch, capsys, tmp_path) -> None:
     rows = list(csv.DictReader(StringIO((tmp_path / "sweep.csv").read_text())))
     assert [row["code"] for row in rows] == ["E203", "", ""]
     assert math.isclose(float(rows[1]["closed_form"]), 1.5573963527, rel_tol=1e-9)
+
+
+# -- what scatters ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("varied", "named"),
+    [
+        ("slope.face.dip=70,80", ["strength.weak.c", "strength.weak.phi"]),
+        ("strength.weak.phi=18,22", ["strength.weak.c"]),
+        ("strength.weak.phi.mean=18,22", ["strength.weak.c"]),
+        ("strength.weak.phi.sd=1,2", ["strength.weak.c", "strength.weak.phi"]),  # its mean is taken all the same
+    ],
+)
+def test_means_that_are_taken_are_said_by_every_study(varied, named) -> None:
+    """W320, as a run says it; not of the number that the study changes."""
+    scatters = {"strength.weak.c": {"dist": "uniform", "min": 40, "max": 60},
+                "strength.weak.phi": {"dist": "normal", "mean": 20, "sd": 1}}  # fmt: skip
+    design, (key, _, values) = sk.load(WEDGE, scatters), varied.partition("=")
+    swept = sweep(design, {key: values}, methods="closed-form")
+    solved = sk.solve(design, key, fos=1.0 if "face" in key else 1.4, within=tuple(map(float, values.split(","))))
+    for found in (swept, solved):
+        said = [notice for notice in found.warnings if notice.code == "W320"]
+        assert [notice.message.split()[0] for notice in said] == named
+        assert f"W320 {named[0]} is a distribution" in str(found)
+        assert found.line.count("W320") == 1
+        assert found.to_dict()["warnings"][-1]["code"] == "W320"
+    if "face" in key:
+        told = [notice.message for notice in sk.run(design).warnings if notice.code == "W320"]
+        assert [notice.message for notice in swept.warnings] == told
+        tornado = sk.tornado(design, methods="closed-form")
+        assert [notice.message for notice in tornado.warnings if notice.code == "W320"] == told
+        assert tornado.line.endswith("W320")

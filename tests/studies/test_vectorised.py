@@ -9,8 +9,8 @@ import pytest
 from slopekit.design.files import load, with_values
 from slopekit.errors import DesignError
 from slopekit.kinds import kind_of
-from slopekit.studies.sampling import samples
-from slopekit.studies.vectorised import vectorised
+from slopekit.studies.prob.sampling import samples
+from slopekit.studies.prob.vectorised import vectorised
 
 
 def plane(dip: float, direction: float) -> dict:

@@ -8,7 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from slopekit._version import __version__
-from slopekit.cli import designs, outputs, studies, tools
+from slopekit.cli import designs, outputs, tools
 from slopekit.cli.common import print_faults
 from slopekit.errors import DesignError, Fault, SlopekitError
 
@@ -66,8 +66,7 @@ def _slopekit(
 
 
 for command in (
-    designs.wedge, designs.run, designs.lint, studies.prob, studies.solve,
-    outputs.plot, outputs.export, outputs.report,
+    designs.wedge, designs.run, designs.lint, outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(tools.templates, name="templates")

@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
@@ -9,7 +10,7 @@ import typer
 
 from slopekit.cli.common import JSON, SET, checked_image, draw_to, folder_of, json_text, load_design, write
 from slopekit.cli.progress import progress, watched
-from slopekit.errors import DesignError, Fault
+from slopekit.errors import DesignError, Fault, writing
 from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
 
 _QUIET = typer.Option("--quiet", help="One line.")
@@ -68,7 +69,9 @@ def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> li
         return [_parameter(_name(flag), bool, typer.Option(flag, help=text), False) for flag, (_, text) in flags]
     if isinstance(parameter.default, bool):
         return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
-    option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None, autocompletion=how.completes)
+    option = typer.Option(
+        _flag(key, how), *how.also, help=how.help, metavar=how.metavar or None, autocompletion=how.completes
+    )
     needed = parameter.default is inspect.Parameter.empty
     return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
 
@@ -138,8 +141,9 @@ def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: 
             option = "--" + name.replace("_", "-")
             raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
     with watched():
-        outcome = function(**values, desk=Desk(folder, progress, _option))
+        outcome = function(**values, desk=Desk(folder, progress, partial(_named, parameters)))
     _deliver(outcome, folder, image, given["as_json"], given["quiet"])
+    outcome.done()
     raise typer.Exit(outcome.exit_code)
 
 
@@ -187,7 +191,8 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
         write(folder / f"{outcome.name}.json", document + "\n")
         write(folder / f"{outcome.name}.txt", text + "\n")
         for name, table in outcome.sheet.tables.items():
-            write(folder / name, table.csv())
+            with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
+                table.write(file)
         for name, more in outcome.files().items():
             write(folder / name, more)
     typer.echo(document if as_json else outcome.line if quiet else text)
@@ -195,5 +200,7 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
 
 
-def _option(key: str) -> str:
-    return "--" + key.replace("_", "-")
+def _named(parameters: Mapping[str, inspect.Parameter], key: str) -> str:
+    """The flag of a parameter, for faults."""
+    how = given_by(parameters[key])
+    return _flag(key, how if isinstance(how, Option) else Option())

@@ -19,7 +19,8 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeAlias, TypeVar
+from io import StringIO
+from typing import Any, Generic, TextIO, TypeAlias, TypeVar
 
 from slopekit.core.codec import json_of
 
@@ -68,11 +69,13 @@ class Column(Generic[Row]):
 
     def written(self, row: Row) -> str:
         """The cell of a row in CSV."""
-        value = json_of(self.of(row))
-        if value is None:
+        value = self.of(row)
+        if not isinstance(value, float):  # most are
+            value = json_of(value)
+        if value is None or (isinstance(value, float) and not math.isfinite(value)):
             return ""
         if isinstance(value, float):
-            return format(value, self.exact) if self.exact else repr(value)
+            return format(value, self.exact) if self.exact else float.__repr__(value)
         return str(value)
 
     def padded(self, text: str) -> str:
@@ -106,15 +109,18 @@ class Table(Generic[Row]):
 
     def csv(self) -> str:
         """Every row, with every digit; a cell that does not apply is empty."""
+        text = StringIO()
+        self.write(text)
+        return text.getvalue()
+
+    def write(self, file: TextIO) -> None:
+        """The same to a file, row by row."""
         import csv
-        from io import StringIO
 
         columns = [column for column in self.columns if column.key]
-        text = StringIO()
-        writer = csv.writer(text, lineterminator="\n")
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.key for column in columns])
         writer.writerows([column.written(row) for column in columns] for row in self.rows)
-        return text.getvalue()
 
     def records(self) -> list[dict[str, Any]]:
         """Every row by the keys of its columns: what data frames are made of."""

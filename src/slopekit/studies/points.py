@@ -1,12 +1,14 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass
-from typing import Any
+from dataclasses import astuple, dataclass, fields
+from typing import Any, Literal
 
 import numpy as np
 
 from slopekit._version import __version__
+from slopekit.core.codec import record_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import SlopekitError
@@ -14,6 +16,7 @@ from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.running import Record
 
+Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
 #: The record of a task that kills every worker that takes it.
@@ -46,6 +49,42 @@ class Point:
     def from_record(cls, record: Record) -> "Point":
         """Back from JSON values."""
         return cls(None, *record) if len(record) == 2 else cls(Factors(*record))
+
+
+def factor_at(point: Point, method: Method) -> float | None:
+    """The factor by one method: infinite where nothing drives, 0 where nothing holds, None where there is no block."""
+    factors = point.factors
+    if factors is None:
+        return None
+    status, factor = factors.status, factors.limit
+    if method == "closed_form":
+        status, factor = factors.closed_status or "", factors.closed_form
+    if factor is not None:
+        return factor
+    return math.inf if status == "no_driving_force" else None if status in ("not_converged", "") else 0.0
+
+
+def status_of(point: Point, method: Method) -> str:
+    """The status of a point by one method, or the code of why there is no block."""
+    if point.factors is None:
+        return point.code
+    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
+
+
+_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
+
+
+def point_record(point: Point) -> dict[str, Any]:
+    """What both methods say at a value, as JSON values."""
+    found = _NO_FACTORS if point.factors is None else record_of(point.factors)
+    return found | {"code": point.code or None, "message": point.message or None}
+
+
+def point_from_record(record: Mapping[str, Any]) -> Point:
+    """The point of such JSON values."""
+    if record["status"] is None:
+        return Point(None, record["code"] or "", record["message"] or "")
+    return Point(Factors(**{name: record[name] for name in _NO_FACTORS}))
 
 
 @dataclass(frozen=True, slots=True)

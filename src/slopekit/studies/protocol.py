@@ -64,6 +64,10 @@ class Outcome(Shown):
         """Further files by name, beside its tables."""
         return {}
 
+    def done(self) -> None:
+        """Called when all of it is written: what was kept for an interruption goes."""
+        return
+
 
 # -- how a parameter is given -----------------------------------------------------------------------------------------
 
@@ -104,6 +108,7 @@ class Option:
     metavar : what stands for the text
     choices : flags in place of one option: the value of each, and its help
     completes : the words that begin as the shell has them
+    also : older spellings of the flag, still understood
     """
 
     help: str = ""
@@ -112,6 +117,7 @@ class Option:
     metavar: str = ""
     choices: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     completes: Callable[[str], list[str]] | None = None
+    also: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,10 @@ from slopekit.core.sheet import factor_text, is_number
 from slopekit.design.common import Design
 from slopekit.kinds import status_text
 from slopekit.result import STATUSES
-from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method
+from slopekit.studies.points import Method, Point
 
 METHODS: dict[Method, str] = {"pre_ie": "limit, PRE-IE", "closed_form": "closed form"}
+BRIEF: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
 
 
 def head(design: Design, study: str) -> str:

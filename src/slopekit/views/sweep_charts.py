@@ -8,9 +8,7 @@ from typing import Any
 
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
-from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method, point_from_record
-from slopekit.studies.solve import factor_at
+from slopekit.studies.points import Method, Point, factor_at, point_from_record
 from slopekit.studies.words import METHODS, cell
 from slopekit.views.drawing import (
     BLUE,

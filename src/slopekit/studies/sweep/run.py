@@ -20,9 +20,10 @@ from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
+from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, study_head
+from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, factor_at, point_record, status_of, study_head
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -37,8 +38,6 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.solutions import Method, point_record
-from slopekit.studies.solve import factor_at
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
@@ -132,10 +131,7 @@ class Sweep(Outcome):
 
     def status(self, point: Point) -> str:
         """The status of a point by the method that counts, or the code of why there is no block."""
-        factors = point.factors
-        if factors is None:
-            return point.code
-        return factors.status if self.methods != "closed-form" else factors.closed_status or ""
+        return status_of(point, self.asked[0])
 
     def lines(self) -> Iterator[tuple[float | None, list[tuple[float, Point]]]]:
         """For each value of the second key (None without one) the points by the first, in rising order."""
@@ -213,13 +209,14 @@ class Sweep(Outcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: points without a number."""
+        """What a reader must know: points without a number, means taken."""
+        at_means = means_taken(self.design, [key.path for key in self.keys])
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
         if not bare:
-            return ()
+            return tuple(at_means)
         named = Counter(self.status(point) for point in bare)
         text = ", ".join(f"{name} {count}" for name, count in named.most_common())
-        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"),)
+        return (Notice("W359", f"{len(bare)} of {len(self.points)} points have no factor of safety: {text}"), *at_means)
 
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""

@@ -10,16 +10,13 @@ from typing import Any, TypeAlias
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, in_words
-from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method, point_record
-from slopekit.studies.solve import factor_at
+from slopekit.studies.points import Method, Point, factor_at, point_record
 from slopekit.studies.sweep.run import Critical, Sweep
-from slopekit.studies.words import METHODS, cell, check_word, head, status_words
+from slopekit.studies.words import BRIEF, METHODS, cell, check_word, head, status_words
 
-_COLUMNS: dict[Method, str] = {"pre_ie": "PRE-IE", "closed_form": "closed form"}
 _MOST_ROWS = 100
 _CELL = 9
-_BRIEF = {"slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv"}
+_BRIEFLY = {"slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv"}
 _GOES = {"rises": "rises with it", "falls": "falls with it", "stays": "does not depend on it", "turns": "turns around"}
 
 
@@ -52,7 +49,7 @@ def line_of(swept: Sweep) -> str:
         parts.append(f"{METHODS[method]} {span}")
     if len(swept.asked) > 1:
         parts.append(f"{swept.disagree} disagree" if swept.disagree else "agree")
-    return "  ".join(parts + [notice.code for notice in swept.warnings])
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in swept.warnings)])
 
 
 def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
@@ -96,7 +93,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
         Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
         Column("status", _status, "status", width=-17),
-        *(Column(_COLUMNS[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
+        *(Column(BRIEF[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if len(swept.asked) > 1:
         columns.append(Column("   check", lambda row: "   " + check_word(row.point), "check", width=-1))
@@ -169,7 +166,7 @@ def _across(swept: Sweep, method: Method, k: int, value: float) -> Column[_Line]
 
     def cell_of(line: _Line) -> float | str:
         factor, status = factor_at(line[1][k][1], method), swept.status(line[1][k][1])
-        return factor if factor is not None and is_number(factor) else _BRIEF.get(status, status)[: _CELL - 2]
+        return factor if factor is not None and is_number(factor) else _BRIEFLY.get(status, status)[: _CELL - 2]
 
     def marked(line: _Line) -> str:
         found, point = cell_of(line), line[1][k][1]

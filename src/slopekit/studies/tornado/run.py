@@ -19,13 +19,12 @@ from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
+from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Point, study_head
+from slopekit.studies.points import Method, Point, factor_at, point_record, status_of, study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.solutions import Method, point_record
-from slopekit.studies.solve import factor_at
 from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
 
 if TYPE_CHECKING:
@@ -125,7 +124,8 @@ class Tornado(Outcome):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What a reader must know: ends without a number."""
+        """What a reader must know: ends without a number, means taken by all bars but its own."""
+        at_means = means_taken(self.design)
         method = self.asked[0]
         bare = [
             f"{bar.key.path} at {bar.key.shown(value, 6)} ({status_of(point, method)})"
@@ -134,9 +134,9 @@ class Tornado(Outcome):
             if not math.isfinite(factor_at(point, method) or math.inf)
         ]
         if not bare:
-            return ()
+            return tuple(at_means)
         ends = "end has" if len(bare) == 1 else "ends have"
-        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"),)
+        return (Notice("W359", f"{len(bare)} {ends} no factor of safety: {', '.join(bare)}"), *at_means)
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
@@ -235,13 +235,6 @@ def ends_of(key: Key) -> tuple[float, float, str] | None:
     step = FILL if key.path.endswith(".fill") else abs(value) * PART
     rule = f"±{FILL:g}" if key.path.endswith(".fill") else f"±{PART * 100:g} %"
     return max(value - step, key.low), min(value + step, key.high), rule
-
-
-def status_of(point: Point, method: Method) -> str:
-    """The status of a point by one method, or the code of why there is no block."""
-    if point.factors is None:
-        return point.code
-    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
 
 
 _SILENT = "-"  # left out without a word: it says what another key says

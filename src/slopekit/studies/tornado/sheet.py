@@ -4,10 +4,8 @@ import math
 from collections.abc import Callable
 
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, is_number
-from slopekit.studies.points import Point
-from slopekit.studies.solutions import Method
-from slopekit.studies.solve import factor_at
-from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar, status_of
+from slopekit.studies.points import Method, Point, factor_at, status_of
+from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
 
 _MOST_LISTED = 12
@@ -35,7 +33,7 @@ def line_of(study: Tornado) -> str:
     first = study.asked[0]
     most = [f"{bar.key.path} {_swing(bar.swings[first])}" for bar in study.bars[:3]]
     agree = [] if len(study.asked) < 2 else [f"{study.disagree} disagree" if study.disagree else "agree"]
-    return "  ".join([*most, *agree, *(notice.code for notice in study.warnings)])
+    return "  ".join([*most, *agree, *dict.fromkeys(notice.code for notice in study.warnings)])
 
 
 def _now(study: Tornado) -> str:

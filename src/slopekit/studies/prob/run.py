@@ -4,38 +4,53 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
+from slopekit.core.codec import json_of, record_of
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
 from slopekit.errors import DesignError, Fault, Notice
 from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
-from slopekit.studies.confirmation import Confirmation, chosen, confirmation_of
-from slopekit.studies.estimates import Share, Summary, share_of, summary_of
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
-from slopekit.studies.probability_records import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
-from slopekit.studies.running import ALONE, Advance, Crew, Journal, crew_in_words, run_all
-from slopekit.studies.sampling import METHODS, Samples
-from slopekit.studies.sampling import samples as drawn
-from slopekit.studies.vectorised import vectorised
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of, study_head
+from slopekit.studies.prob.confirmation import Confirmation, chosen, confirmation_of
+from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
+from slopekit.studies.prob.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
+from slopekit.studies.prob.sampling import METHODS, Samples
+from slopekit.studies.prob.sampling import samples as drawn
+from slopekit.studies.prob.vectorised import vectorised
+from slopekit.studies.protocol import (
+    DESK,
+    ADesign,
+    Desk,
+    Jobs,
+    Option,
+    Outcome,
+    Scheduler,
+    Seed,
+    number_of,
+    study,
+    whole_number,
+)
+from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words, run_all
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 By = Literal["closed-form", "pre-ie"]
-#: A progress bar: its label and how much there is to do.
-Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
 #: Samples where the closed form does the work, and where PRE-IE has to.
 MANY, FEW = 20_000, 1_000
 _MOST, _MOST_BY_PRE_IE = 5_000_000, 1_000_000
-_CONFIRMED = 200
+_MOST_AT_RANDOM = 500  # factors of PRE-IE that a histogram marks
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,13 +78,13 @@ class Asked:
     accept: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class Probability:
+@dataclass(frozen=True, slots=True, repr=False)
+class Probability(Outcome):
     """What came of it.
 
     Attributes
     ----------
-    samples : what was drawn
+    samples : what was drawn; variables : of each number, in short
     names, outcome : the outcomes there are, and the number of each sample's (n,)
     factor : (n,) by the method that counts, nan where there is none
     fails : (n,) whether the sample fails
@@ -83,9 +98,11 @@ class Probability:
     journals : of a run with a folder, kept until its results are written
     """
 
+    name: ClassVar[str] = "prob"
     design: Design
     asked: Asked
     samples: Samples
+    variables: tuple[Drawn, ...]
     names: tuple[str, ...]
     outcome: np.ndarray
     factor: Floats
@@ -102,9 +119,28 @@ class Probability:
     timing_s: Mapping[str, float]
     unjudged: int = 0
     disagree: int = 0
-    journals: tuple[Journal, ...] = field(default=(), compare=False, repr=False)
+    journals: tuple[Journal, ...] = field(default=(), compare=False)
 
-    def discard_journals(self) -> None:
+    @property
+    def sheet(self) -> "Sheet":
+        """The estimate, what it rests on, what PRE-IE says of it."""
+        from slopekit.studies.prob.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """The estimate on one line, with its limits."""
+        from slopekit.studies.prob.sheet import line_of
+
+        return line_of(self)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Its histogram."""
+        return ("histogram",)
+
+    def done(self) -> None:
         """Remove what was kept for an interruption: the results are written."""
         for journal in self.journals:
             journal.remove()
@@ -125,7 +161,7 @@ class Probability:
         if self.asked.accept is None:
             return None
         checked = self.confirmation
-        doubted = self.unjudged or (checked is not None and (checked.unsafe or checked.settled < len(checked.index)))
+        doubted = self.unjudged or (checked is not None and (checked.unsafe or checked.settled < checked.samples))
         return not doubted and self.all_samples.high <= self.asked.accept
 
     @property
@@ -139,72 +175,125 @@ class Probability:
 
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; the samples themselves are in the CSV."""
-        from slopekit.studies.probability_records import document
+        asked, summary = self.asked, self.summary
+        return {
+            **study_head("prob", self.design),
+            "n": len(self.samples.values), "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
+            "sampling": asked.method, "by": asked.by, "evaluator": self.evaluator, "target": asked.target,
+            "probability_of_failure": {
+                "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
+            },
+            "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
+            "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
+            "histogram": None if summary is None else {
+                "edges": list(summary.edges), "counts": list(summary.counts), "below": summary.below,
+                "above": summary.above, "failing_without_factor": int((self.fails & np.isnan(self.factor)).sum()),
+            } | self._at_random(),
+            "at_means": self._at_means(),
+            "lowest": self._lowest(),
+            "variables": json_of(self.variables),
+            "correlation": [{"between": [a, b], "rank": value} for a, b, value in self.design.correlation],
+            "sensitivity": [
+                {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
+            ],
+            "pre_ie": json_of(self.confirmation),
+            "inputs": self.design.inputs(), "defaults": list(self.design.defaults),
+            "warnings": json_of(self.warnings),
+            "timing_s": dict(self.timing_s),
+            **self.words(),
+        }  # fmt: skip
 
-        return document(self)
+    def _at_random(self) -> dict[str, Any]:
+        """PRE-IE's factors of samples taken at random, for the histogram: the first ones where they are many."""
+        checked = self.confirmation
+        points = [] if checked is None else [
+            point for point, random in zip(checked.points, checked.random.tolist(), strict=True) if random
+        ][:_MOST_AT_RANDOM]  # fmt: skip
+        judged = [point.factors for point in points if point.factors and point.factors.status != "not_converged"]
+        fails = [found for found in judged if found.limit is None and found.status != "no_driving_force"]
+        return {
+            "pre_ie_at_random": sorted(found.limit for found in judged if found.limit is not None),
+            "pre_ie_without_factor": len(fails), "pre_ie_samples": len(judged),
+        }  # fmt: skip
+
+    def _at_means(self) -> dict[str, Any] | None:
+        found = self.means.factors
+        if found is None:
+            return {"code": self.means.code, "message": self.means.message} if self.means.code else None
+        return {name: getattr(found, name) for name in ("status", "limit", "closed_form", "agree", "moments_govern")}
+
+    def _lowest(self) -> dict[str, Any] | None:
+        """The sample with the lowest factor, as values to put into the design."""
+        if self.summary is None:
+            return None
+        row = int(np.nanargmin(self.factor))
+        return {"sample": row, "fos": float(self.factor[row]), "values": dict(self.samples.settings(row))}
 
 
-def probability(
-    design: Design,
-    n: int | None = None,
+#: Largest probability accepted; the old word is still understood.
+Accept = Annotated[float | None, Option(
+    "Largest probability of failure accepted; exit code 1 where the upper limit lies above.", number_of,
+    "--accept-pf", also=("--accept",),
+)]  # fmt: skip
+
+
+@study
+def prob(
+    design: ADesign,
+    n: Annotated[int | None, Option("Samples [20000; 1000 where PRE-IE does them all].", whole_number, "-n")] = None,
     *,
-    seed: int = 1,
-    method: str = "monte-carlo",
-    by: By | None = None,
-    target: float = 1.0,
-    confirm_count: int = _CONFIRMED,
-    near: float | None = None,
-    confidence: float = 0.95,
-    accept: float | None = None,
-    crew: Crew = ALONE,
-    folder: Path | None = None,
-    bar: Bar = lambda _label, _total: nullcontext(_silent),
+    method: Annotated[str, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
+    by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
+    target: Annotated[float, Option("What fails has a factor of safety below this [1].", number_of, "--fos")] = 1.0,
+    confirm: Annotated[int, Option("Samples at random that PRE-IE looks at too [200].", whole_number)] = 200,
+    near: Annotated[float | None, Option("It looks at all within this of the target [1%].", number_of)] = None,
+    confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
+    accept: Accept = None,
+    seed: Seed = 1,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    executor: Executor | None = None,
+    desk: Desk = DESK,
 ) -> Probability:
-    """The probability that the factor of safety of a design lies below a target.
+    """Probability of failure: Monte Carlo, Latin hypercube or Sobol on the distributions of a design.
 
-    Parameters
-    ----------
-    n : samples: 20,000 by the closed form, 1,000 where PRE-IE has to be asked
-    seed : the same seed gives the same numbers, whoever does the work
-    method : monte-carlo, latin-hypercube or sobol
-    by : closed-form or pre-ie; None takes the closed form where the kind has one that knows all of the design
-    confirm_count : samples at random that PRE-IE looks at; near : besides all whose factor lies within this part of
-        the target (None: the design's agree_within)
-    crew : who does the work; folder : where its journal is kept; bar : how progress is shown
+    The closed form judges every sample; PRE-IE looks at some at random and at all near the target. Ctrl-C keeps what
+    is done: the same command goes on from there. Exit codes: 0 done, 1 not accepted, 4 the methods disagree.
 
     Raises
     ------
     DesignError
         E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, and those of
         `run_all`.
+
+    In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
-    asked = _asked(design, n, seed, method, by, target, confirm_count, near, confidence, accept)
+    crew = checked_crew(jobs, scheduler, executor)
+    asked = _asked(design, n, seed, method, by, target, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):
         samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)
-    journals = _Journals(design, asked, folder)
+    at_work = _AtWork(design, asked, crew, desk)
     with clock("factors"):
-        judged = _judge(design, asked, samples, crew, journals, bar)
+        judged = _judge(samples, at_work)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
-            confirmation = _confirmed(design, asked, samples, judged, crew, journals, bar)
+            confirmation = _confirmed(samples, judged, at_work)
     all_samples = share_of(judged.fails, judged.possible, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.possible & judged.forms, samples.replicate, confidence)
     means = point_of(design, {}) if design.source is not None else Point(None)
-    study = Probability(
-        design, asked, samples, judged.names, judged.outcome, judged.factor, judged.fails, all_samples, forming,
-        summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation, judged.evaluator,
-        crew_in_words(crew), tuple(notices_of(asked.target, judged, samples, all_samples, confirmation)), clock.done(),
-        int(judged.among(*UNJUDGED).sum()), judged.disagree, tuple(journals.kept),
+    variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
+    found = Probability(
+        design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
+        forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
+        judged.evaluator, crew_in_words(crew),
+        tuple(notices_of(asked.target, judged, samples, all_samples, confirmation)), clock.done(),
+        int(judged.among(*UNJUDGED).sum()), judged.disagree, tuple(at_work.journals),
     )  # fmt: skip
-    if folder is None:
-        study.discard_journals()
-    return study
-
-
-def _silent(_done: int) -> None:
-    """Progress that nobody looks at."""
+    if desk.folder is None:
+        found.done()
+    return found
 
 
 class _Settings(Sequence[Mapping[str, object]]):
@@ -220,19 +309,29 @@ class _Settings(Sequence[Mapping[str, object]]):
         return self.samples.settings(row)
 
 
-class _Journals:
-    """The journals of a run: one for each part of it that takes long."""
+@dataclass(frozen=True, slots=True)
+class _AtWork:
+    """What is asked of which design, who does it, and the journals of those parts that take long."""
 
-    def __init__(self, design: Design, asked: Asked, folder: Path | None) -> None:
+    design: Design
+    asked: Asked
+    crew: Crew
+    desk: Desk
+    journals: list[Journal] = field(default_factory=list)
+
+    def points(
+        self, label: str, tasks: Sequence[Mapping[str, object]], part: Sequence[object], pre_ie: bool = True
+    ) -> tuple[Point, ...]:
+        """The points of some samples, kept by the name of the part."""
+        design, asked, folder = self.design, self.asked, self.desk.folder
         plain = design.source.root.plain() if design.source is not None else None
         drawn_from = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
-        self.run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by]
-        self.folder, self.streamed = (Path.cwd(), False) if folder is None else (folder, True)
-        self.kept: list[Journal] = []
-
-    def of(self, *part: Any) -> Journal:
-        self.kept.append(Journal.of(self.folder, "prob", [*self.run, *part], self.streamed))
-        return self.kept[-1]
+        run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by, *part]
+        self.journals.append(Journal.of(folder or Path.cwd(), "prob", run, streamed=folder is not None))
+        with self.desk.bar(label, len(tasks)) as advance:
+            records = run_all(Evaluation(design, pre_ie), tasks, self.crew, journal=self.journals[-1], advance=advance,
+                              given_up=GIVEN_UP)  # fmt: skip
+        return tuple(Point.from_record(record) for record in records)
 
 
 def _asked(
@@ -277,10 +376,9 @@ def _dilates(design: Design) -> bool:
     return any(angles) or any(variable.path.endswith(".dilation") for variable in design.variables)
 
 
-def _judge(
-    design: Design, asked: Asked, samples: Samples, crew: Crew, journals: _Journals, bar: Bar
-) -> Judged:  # fmt: skip
+def _judge(samples: Samples, at_work: _AtWork) -> Judged:
     """Outcome and factor of every sample."""
+    design, asked = at_work.design, at_work.asked
     fast = vectorised(design, samples.values, samples.settings) if asked.by == "closed-form" else None
     if fast is not None:
         found = fast(samples.values)
@@ -291,16 +389,7 @@ def _judge(
         fails = failing(names, outcome, factor, asked.target)
         return Judged(names, outcome, factor, fails, "closed form, all at once")
     by_pre_ie = asked.by == "pre-ie"
-    with bar("samples", len(samples.values)) as advance:
-        records = run_all(
-            Evaluation(design, by_pre_ie),
-            _Settings(samples),
-            crew,
-            journal=journals.of("all"),
-            advance=advance,
-            given_up=GIVEN_UP,
-        )
-    points = tuple(Point.from_record(record) for record in records)
+    points = at_work.points("samples", _Settings(samples), ["all"], by_pre_ie)
     words = [point.code if point.factors is None else point.factors.status for point in points]
     names = tuple(dict.fromkeys(words))
     outcome = np.array([names.index(word) for word in words], dtype=np.int16)
@@ -321,18 +410,13 @@ def _impossible(design: Design, samples: Samples) -> Bools:
     return found
 
 
-def _confirmed(
-    design: Design, asked: Asked, samples: Samples, judged: Judged, crew: Crew, journals: _Journals, bar: Bar
-) -> Confirmation | None:
+def _confirmed(samples: Samples, judged: Judged, at_work: _AtWork) -> Confirmation | None:
+    asked = at_work.asked
     index = chosen(judged.forms, judged.factor, asked.target, asked.confirm, asked.near, asked.seed)
     if not len(index.all):
         return None
-    with bar("PRE-IE", len(index.all)) as advance:
-        records = run_all(
-            Evaluation(design), [samples.settings(int(row)) for row in index.all], crew,
-            journal=journals.of("confirm", asked.confirm, asked.near, asked.target), advance=advance, given_up=GIVEN_UP,
-        )  # fmt: skip
-    points = tuple(Point.from_record(record) for record in records)
+    tasks = [samples.settings(int(row)) for row in index.all]
+    points = at_work.points("PRE-IE", tasks, ["confirm", asked.confirm, asked.near, asked.target])
     return confirmation_of(
         index, points, judged.forms, judged.possible, judged.fails, asked.target, asked.near, asked.confidence
     )

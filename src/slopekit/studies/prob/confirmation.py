@@ -1,13 +1,13 @@
 """PRE-IE on some of the samples that a closed form has judged: a random part, and all near the target."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
-from slopekit.studies.estimates import clopper_pearson
 from slopekit.studies.points import Point, falls_short
+from slopekit.studies.prob.estimates import clopper_pearson
 
 _OWN_STREAM = 0x5E1EC7  # apart from the stream that draws the samples
 
@@ -18,7 +18,7 @@ class Confirmation:
 
     Attributes
     ----------
-    index : (m,) the samples looked at; at_random : (m,) those of the random part; points : what came of each
+    index : (m,) the samples looked at; random : (m,) those of the random part; points : what came of each
     near : how many lie within the part `within` of the target
     agree, disagree, not_compared : on the same assumptions, both with a factor or both with the same status
     largest : the largest relative difference among those that have two factors on the same assumptions
@@ -32,41 +32,41 @@ class Confirmation:
     change_low, change_high : confidence limits of what PRE-IE changes of the closed form's share
     """
 
-    index: np.ndarray
-    at_random: Bools
-    points: tuple[Point, ...]
-    near: int
+    index: np.ndarray = field(metadata={"json": None})
+    random: Bools = field(metadata={"json": None})
+    points: tuple[Point, ...] = field(metadata={"json": None})
+    near: int = field(metadata={"json": "near_target"})
     within: float
     agree: int
     disagree: int
     not_compared: int
-    largest: float | None
-    governed: int
-    unsafe: int
-    safe: int
+    largest: float | None = field(metadata={"json": "largest_difference"})
+    governed: int = field(metadata={"json": "moments_govern_at_random"})
+    unsafe: int = field(metadata={"json": "fails_by_pre_ie_only"})
+    safe: int = field(metadata={"json": "fails_by_closed_form_only"})
     settled: int
-    other_at_random: int
-    other_at_most: float
+    other_at_random: int = field(metadata={"json": "judged_otherwise_at_random"})
+    other_at_most: float = field(metadata={"json": "judged_otherwise_at_most"})
     probability: float | None
     change_low: float
     change_high: float
+
+    JSON_ALSO: ClassVar = ("samples", "at_random")
+
+    @property
+    def samples(self) -> int:
+        """How many were looked at."""
+        return len(self.index)
+
+    @property
+    def at_random(self) -> int:
+        """How many of them at random."""
+        return int(self.random.sum())
 
     @property
     def unsettled(self) -> tuple[Point, ...]:
         """What PRE-IE gave no answer for."""
         return tuple(point for point in self.points if not _settled(point))
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values."""
-        return {
-            "samples": len(self.index), "at_random": int(self.at_random.sum()), "near_target": self.near,
-            "within": self.within, "agree": self.agree, "disagree": self.disagree, "not_compared": self.not_compared,
-            "largest_difference": self.largest, "moments_govern_at_random": self.governed,
-            "fails_by_pre_ie_only": self.unsafe, "fails_by_closed_form_only": self.safe,
-            "judged_otherwise_at_random": self.other_at_random, "judged_otherwise_at_most": self.other_at_most,
-            "settled": self.settled, "probability": self.probability, "change_low": self.change_low,
-            "change_high": self.change_high,
-        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

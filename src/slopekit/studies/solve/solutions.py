@@ -3,23 +3,26 @@ is no value that gives the target.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
+from slopekit.core.codec import json_of
 from slopekit.design.common import Design
 from slopekit.errors import Fault, Notice
-from slopekit.kinds.protocol import Factors
+from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key
-from slopekit.studies.points import Point, study_head
+from slopekit.studies.points import Method, Point, point_record, study_head
+from slopekit.studies.protocol import Outcome
 
-Method = Literal["closed_form", "pre_ie"]
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
+
 #: What putting a value back may miss the target by.
 TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
 #: Factors this near to each other (relative) are the same.
 ALIKE = 1e-9
-_FACTORS = ("status", "limit", "closed_status", "closed_form", "difference", "agree", "moments_govern", "settled")
 _HUGE = 1e6
 _MOST_LISTED = 6
 End = tuple[float, float] | None
@@ -76,8 +79,8 @@ class Answers:
     reason: Fault | None
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+@dataclass(frozen=True, slots=True, repr=False)
+class Solution(Outcome):
     """The value that was asked for.
 
     Attributes
@@ -88,6 +91,7 @@ class Solution:
     rounded : the first root of PRE-IE in four digits on the safe side, with the factor there; None without a root
     """
 
+    name: ClassVar[str] = "solve"
     design: Design
     key: Key
     target: float
@@ -99,6 +103,20 @@ class Solution:
     rounded: tuple[float, float] | None
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """The value put back by both methods, its bracket, other values, or why there is none."""
+        from slopekit.studies.solve.sheet import sheet_of
+
+        return sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """Value, status, factor and check on one line."""
+        from slopekit.studies.solve.sheet import line_of
+
+        return line_of(self)
 
     @property
     def answer(self) -> Found | None:
@@ -141,14 +159,17 @@ class Solution:
             "within": list(self.within),
             "before": {"value": self.key.value} | point_record(self.before),
             "value": None if found is None else self.key.reduced(found.value),
-            "rounded": None if self.rounded is None else {"value": self.rounded[0], "fos": _finite(self.rounded[1])},
+            "rounded": None
+            if self.rounded is None
+            else dict(zip(("value", "fos"), json_of(self.rounded), strict=True)),
             "agree": self.agree,
             "moments_govern": self.moments_govern,
             "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
             "pre_ie": self._answers(self.pre_ie),
-            "reason": None if self.reason is None else self.reason.to_dict(),
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "reason": json_of(self.reason),
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
+            **self.words(),
         }
 
     def _answers(self, answers: Answers) -> dict[str, Any]:
@@ -157,45 +178,23 @@ class Solution:
             "roots": [self._found(found) for found in answers.roots],
             "jumps_and_gaps": [self._found(found) for found in answers.others],
             "reach": {
-                name: None if end is None else {"value": self.key.reduced(end[0]), "fos": _finite(end[1])}
+                name: None if end is None else {"value": self.key.reduced(end[0]), "fos": json_of(end[1])}
                 for name, end in ends.items()
             },
-            "refused": [
-                {"from": low, "to": high, "code": code, "message": message}
-                for low, high, code, message in answers.refused
-            ],
+            "refused": [dict(zip(("from", "to", "code", "message"), one, strict=True)) for one in answers.refused],
             "looked": list(answers.looked),
             "evaluations": answers.evaluations,
-            "reason": None if answers.reason is None else answers.reason.to_dict(),
+            "reason": json_of(answers.reason),
         }
 
     def _found(self, found: Found) -> dict[str, Any]:
-        miss = abs(found.factor - self.target) if found.put_back else math.inf
+        of_it = found.put_back  # else the path in a load has the factor for its own strength
         return {
-            "how": found.how, "value": self.key.reduced(found.value),
-            "fos": _finite(found.factor) if found.put_back else None,
-            "status": found.status, "misses_by": miss if math.isfinite(miss) else None, "rises": found.rises,
-            "bracket": [{"value": value, "fos": _finite(factor)} for value, factor in found.bracket],
-            "put_back": point_record(found.both) if found.put_back else None,
+            "how": found.how, "value": self.key.reduced(found.value), "fos": json_of(found.factor) if of_it else None,
+            "status": found.status, "misses_by": json_of(abs(found.factor - self.target)) if of_it else None,
+            "rises": found.rises, "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
+            "put_back": point_record(found.both) if of_it else None,
         }  # fmt: skip
-
-
-def _finite(factor: float) -> float | None:
-    return factor if math.isfinite(factor) else None
-
-
-def point_record(point: Point) -> dict[str, Any]:
-    """What both methods say at a value, as JSON values."""
-    factors = point.factors
-    found = {name: None if factors is None else getattr(factors, name) for name in _FACTORS}
-    return found | {"code": point.code or None, "message": point.message or None}
-
-
-def point_from_record(record: Mapping[str, Any]) -> Point:
-    """The point of such JSON values."""
-    if record["status"] is None:
-        return Point(None, record["code"] or "", record["message"] or "")
-    return Point(Factors(**{name: record[name] for name in _FACTORS}))
 
 
 def reason_of(
@@ -265,7 +264,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358."""
+    """What is to be known beside the value: W355 to W358, and means taken (W320)."""
     key, target, found = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -290,6 +289,8 @@ def notices(solution: Solution) -> Iterator[Notice]:
             what = "jumps across" if one.how == "jump" else "passes (where the input is refused)"
             yield Notice("W358", f"the factor also {what} {number(target)} at {key.shown(one.value)}: "
                                  f"{shown(one.bracket[0][1])} below, {shown(one.bracket[1][1])} above")  # fmt: skip
+
+    yield from means_taken(solution.design, [key.path])
 
 
 def _missed(answers: Answers, key: Key, target: float) -> Iterator[Notice]:

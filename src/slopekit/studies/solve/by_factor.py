@@ -1,12 +1,4 @@
-"""The value of one number of a design at which its factor of safety is a target, by both methods.
-
->>> import slopekit as sk
->>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
-...          "strength": {"weak": {"c": 50, "phi": 20}}}
->>> found = solve(sk.load(wedge), "strength.weak.c", fos=1.5).answer
->>> round(found.value, 3), round(found.factor, 9)
-(43.41, 1.5)
-"""
+"""The value of one number of a design at which its factor of safety is a target, by both methods."""
 
 import math
 import re
@@ -24,11 +16,12 @@ from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import Evaluation, Point
+from slopekit.studies.points import Evaluation, Method, Point, factor_at, status_of
+from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
-from slopekit.studies.running import ALONE, Advance, Crew, run_all
-from slopekit.studies.solutions import ALIKE, TOLERANCE, Answers, Found, Method, Solution, notices, reason_of
+from slopekit.studies.running import ALONE, Crew, run_all
+from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
+from slopekit.studies.solve.solutions import ALIKE, TOLERANCE, Answers, Found, Solution, notices, reason_of
 
 _EDGE = 1e-10  # of a value: how near edges of validity and changes of status are found
 _SECTIONS = 24
@@ -50,20 +43,13 @@ _UNIT_LOAD = 1.0
 _Samples: TypeAlias = list[Sample[Point]]
 
 
-def solve(
-    design: Design,
-    key: str,
-    *,
-    fos: float | None = None,
-    within: Within | None = None,
-    crew: Crew = ALONE,
-    advance: Advance = lambda _: None,
+def for_factor(
+    design: Design, key: str, fos: float | None, within: Within | None, crew: Crew, advance: Advance
 ) -> Solution:
     """The value of one number of a design at which its factor of safety is a target.
 
     Parameters
     ----------
-    key : dotted path, or `path=low:high`
     fos : the target; None takes that of the design's acceptance rule
     within : between which values to look (numbers, or texts with units); None: what such a number can be
     crew : who evaluates the grid; advance : told of every evaluation
@@ -122,19 +108,6 @@ def level_of(factor: float, target: float) -> float:
     return 1.0 if math.isinf(factor) else (factor - target) / (factor + target)
 
 
-def factor_at(point: Point, method: Method) -> float | None:
-    """The factor by one method: infinite where nothing drives, 0 where nothing holds, None where there is no block."""
-    factors = point.factors
-    if factors is None:
-        return None
-    status, factor = factors.status, factors.limit
-    if method == "closed_form":
-        status, factor = factors.closed_status or "", factors.closed_form
-    if factor is not None:
-        return factor
-    return math.inf if status == "no_driving_force" else None if status in ("not_converged", "") else 0.0
-
-
 # -- where the factor is looked at ------------------------------------------------------------------------------------
 
 
@@ -168,7 +141,7 @@ class _Asked:
                 self.points[value] = point
             factor = factor_at(point, method)
             level = None if factor is None else level_of(factor, self.target)
-            found.append(Sample(value, level, _status(point, method), point))
+            found.append(Sample(value, level, status_of(point, method), point))
         return found
 
     def both(self, value: float) -> Point:
@@ -185,12 +158,6 @@ class _Asked:
         far = self.key.role == "coordinate"
         return places(self.low, self.high, self.key.value, even=even, close=close, each_decade=each_decade,
                       around_zero=far)  # fmt: skip
-
-
-def _status(point: Point, method: Method) -> str:
-    if point.factors is None:
-        return point.code
-    return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
 
 
 def _look_closely(search: Search[Point], asked: _Asked) -> None:

@@ -1,95 +1,85 @@
 """The sheet of a value that was solved for: put back by both methods, bracket, other values, or why there is none."""
 
 import math
-import textwrap
-from collections.abc import Sequence
 
-from slopekit._version import __version__
-from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
-from slopekit.design.common import Design
-from slopekit.errors import Fault, Notice
-from slopekit.kinds import status_text
+from slopekit.core.sheet import Section, Sheet, factor_text
+from slopekit.errors import Fault
 from slopekit.orientation import number
-from slopekit.result import STATUSES
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
-from slopekit.studies.solutions import Answers, Found, Solution
-from slopekit.studies.solve_probability import Estimate, ProbabilitySolution, ProbableValue
+from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue
+from slopekit.studies.solve.solutions import Answers, Found, Solution
+from slopekit.studies.words import BRIEF, head, status_words
 
-_METHODS = {"closed_form": "closed form", "pre_ie": "PRE-IE"}
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
 
-def solve_sheet(solution: Solution) -> str:
-    """The sheet, lines joined, no trailing newline."""
+def sheet_of(solution: Solution) -> Sheet:
+    """The sheet of a value at which the factor of safety is a target."""
     key, found = solution.key, solution.answer
-    lines = _head(solution.design)
-    lines += block("KEY", [_asked(key, solution.within)])
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
-    lines += block("TARGET", [f"FoS {number(solution.target)}{from_rule}"])
-    lines += block("NOW", [_now(solution.design.kind, solution.before)])
-    lines += block("VALUE", _value(solution))
-    lines += block("PUT BACK", _put_back(solution), hang=13)
-    if found is not None:
-        lines += block("BRACKET", [f"{_METHODS[one.method]:<12} {_bracket(key, one.roots[0])}" for one in _all(solution)
-                                   if one.roots and one.roots[0].put_back], hang=13)  # fmt: skip
-    lines += block("OTHERS", _others(solution), hang=13)
-    direct = [one for one in _all(solution) if not all(root.put_back for root in one.roots)]  # no search, no reach
-    reached = [
-        one for one in _all(solution)
-        if one not in direct and (one.reason or one.method == "closed_form" or not solution.closed_form)
-    ]  # fmt: skip
-    lines += block("REACH", [f"{_METHODS[one.method]:<12} {_reach(key, one)}" for one in reached], hang=13)
-    lines += block("REFUSED", _refused(solution))
-    lines += block("ASKED", [_evaluations(solution)])
-    return "\n".join(lines + _notes(solution.warnings))
+    put_back = [one for one in _all(solution) if one.roots and one.roots[0].put_back and found is not None]
+    searched = [one for one in _all(solution) if all(root.put_back for root in one.roots)]  # else there is no reach
+    reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
+    return Sheet(head(solution.design, "solve"), (
+        Section("KEY", [_asked(key, solution.within)]),
+        Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
+        Section("NOW", [_now(solution.design.kind, solution.before)]),
+        Section("VALUE", _value(solution)),
+        Section("PUT BACK", _put_back(solution), hang=13),
+        Section("BRACKET", [f"{_name(one)} {_bracket(key, one.roots[0])}" for one in put_back], hang=13),
+        Section("OTHERS", _others(solution), hang=13),
+        Section("REACH", [f"{_name(one)} {_reach(key, one)}" for one in reached], hang=13),
+        Section("REFUSED", _refused(solution)),
+        Section("ASKED", [", ".join(f"{BRIEF[one.method]} {one.evaluations} times" for one in _all(solution))]),
+        Section("TIME", [f"{solution.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in solution.warnings]),
+    ))  # fmt: skip
 
 
-def solve_line(solution: Solution) -> str:
+def line_of(solution: Solution) -> str:
     """Value, status, factor and check on one line."""
-    found, codes = solution.answer, [notice.code for notice in solution.warnings]
+    found = solution.answer
     if found is None:
-        return "  ".join(["none", str(solution.pre_ie.reason).splitlines()[0], *dict.fromkeys(codes)])
-    agree = {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
-    parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
-    return "  ".join(parts + (["moments_govern"] if solution.moments_govern else []) + list(dict.fromkeys(codes)))
+        parts = ["none", str(solution.pre_ie.reason).splitlines()[0]]
+    else:
+        agree = {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
+        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
+        parts += ["moments_govern"] if solution.moments_govern else []
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
 
 
-def probability_solution_sheet(solution: ProbabilitySolution) -> str:
+def probability_sheet_of(solution: ProbabilitySolution) -> Sheet:
     """The sheet of a value at which the probability of failure is a target."""
     key, found = solution.key, solution.answer
-    lines = _head(solution.design)
-    lines += block("KEY", [_asked(key, solution.within)])
-    lines += block("TARGET", [f"probability of failure {number(solution.target)}"])
     now = "not known" if solution.before is None else _estimate(solution.before)
-    lines += block("NOW", [f"probability of failure {now}"])
-    lines += block("VALUE", _no_value(solution.reason) if found is None else _probable(key, found))
-    if found is not None:
-        ends = [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
-        lines += block("BRACKET", ends)
-    lines += block("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]])
-    if solution.least is not None and solution.most is not None:
-        ends = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most)]
-        lines += block("REACH", [f"from {ends[0]} to {ends[1]}"])
-    lines += block("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"])
-    return "\n".join(lines + _notes(solution.warnings))
+    bracket = [] if found is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
+    reach = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most) if end is not None]
+    return Sheet(head(solution.design, "solve"), (
+        Section("KEY", [_asked(key, solution.within)]),
+        Section("TARGET", [f"probability of failure {number(solution.target)}"]),
+        Section("NOW", [f"probability of failure {now}"]),
+        Section("VALUE", _no_value(solution.reason) if found is None else _probable(key, found)),
+        Section("BRACKET", bracket),
+        Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
+        Section("REACH", [f"from {' to '.join(reach)}"] if reach else []),
+        Section("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"]),
+        Section("TIME", [f"{solution.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in solution.warnings]),
+    ))  # fmt: skip
 
 
-def probability_solution_line(solution: ProbabilitySolution) -> str:
+def probability_line_of(solution: ProbabilitySolution) -> str:
     """Value, probability and its limits on one line."""
-    found, codes = solution.answer, [notice.code for notice in solution.warnings]
+    found = solution.answer
     if found is None:
-        return "  ".join(["none", str(solution.reason).splitlines()[0], *dict.fromkeys(codes)])
-    return "  ".join([solution.key.shown(found.value), _estimate(found.estimate), *dict.fromkeys(codes)])
+        parts = ["none", str(solution.reason).splitlines()[0]]
+    else:
+        parts = [solution.key.shown(found.value), _estimate(found.estimate)]
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
 
 
-# -- entries ----------------------------------------------------------------------------------------------------------
-
-
-def _head(design: Design) -> list[str]:
-    title = f"   {design.title}" if design.title else ""
-    head = f"slopekit {__version__}   solve   {design.kind}   sha {design.input_hash()[:6]}{title}"
-    return textwrap.wrap(head, WIDTH, subsequent_indent=" " * LABEL)
+# -- entries -----------------------------------------------------------------------------------------------------------
 
 
 def _asked(key: Key, within: tuple[float, float]) -> str:
@@ -104,7 +94,7 @@ def _now(kind: str, point: Point) -> str:
         return f"no block: {point.code} {point.message}"
     closed = "" if factors.closed_form is None else f"   {factor_text(factors.closed_form)} closed form"
     govern = "   moments govern" if factors.moments_govern else ""
-    return f"{_status(kind, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
+    return f"{status_words(kind, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
 
 
 def _value(solution: Solution) -> list[str]:
@@ -113,7 +103,7 @@ def _value(solution: Solution) -> list[str]:
         return _no_value(solution.pre_ie.reason)
     way = "rises" if found.rises else "falls"
     was = "" if key.value is None else f", {_change(key, found.value)}"
-    entries = [f"{key.shown(found.value)}{was}; {_status(solution.design.kind, found.status)}; FoS {way} with it"]
+    entries = [f"{key.shown(found.value)}{was}; {status_words(solution.design.kind, found.status)}; FoS {way} with it"]
     if solution.rounded is not None:
         value, factor = solution.rounded
         entries.append(f"in four digits on the safe side {key.shown(value)}: FoS {factor_text(factor)}")
@@ -140,7 +130,7 @@ def _put_back(solution: Solution) -> list[str]:
     for answers in _all(solution):
         for root in answers.roots[:1]:
             if not root.put_back:
-                shown = f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}"
+                shown = f"{_name(answers)} {solution.key.shown(root.value)}"
                 entries.append(f"{shown}: not put back; the limit state of the path in this load, {root.status}")
                 continue
             miss = abs(root.factor - solution.target)
@@ -152,7 +142,7 @@ def _put_back(solution: Solution) -> list[str]:
             name = "PRE-IE" if answers.method == "closed_form" else "closed form"
             said = "" if other is None else f"; {name} there {other:.6f}"
             entries.append(
-                f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
+                f"{_name(answers)} {solution.key.shown(root.value)}: FoS {root.factor:.10f}, "
                 f"misses by {missed}, {root.status}{said}"
             )
     if solution.answer is not None and solution.answer.put_back:
@@ -173,12 +163,11 @@ def _others(solution: Solution) -> list[str]:
     for answers in _all(solution):
         for root in answers.roots[1:]:
             way = "rises" if root.rises else "falls"
-            entries.append(f"{_METHODS[answers.method]:<12} {solution.key.shown(root.value)}: {root.status}, FoS {way}")
+            entries.append(f"{_name(answers)} {solution.key.shown(root.value)}: {root.status}, FoS {way}")
         for one in answers.others:
             (_, below), (_, above) = one.bracket
             entries.append(
-                f"{_METHODS[answers.method]:<12} {solution.key.shown(one.value)}: {one.how} from {_factor(below)} to "
-                f"{_factor(above)}"
+                f"{_name(answers)} {solution.key.shown(one.value)}: {one.how} from {_factor(below)} to {_factor(above)}"
             )
     more = [f"… {len(entries) - _MOST_OTHERS} more, see the JSON"] if len(entries) > _MOST_OTHERS else []
     return entries[:_MOST_OTHERS] + more
@@ -204,11 +193,6 @@ def _refused(solution: Solution) -> list[str]:
     return entries
 
 
-def _evaluations(solution: Solution) -> str:
-    counts = [f"{_METHODS[one.method]} {one.evaluations} times" for one in _all(solution)]
-    return f"{', '.join(counts)}; {solution.seconds:.2f} s"
-
-
 def _probable(key: Key, found: ProbableValue) -> list[str]:
     way = "rises" if found.rises else "falls"
     entries = [f"{key.shown(found.value)}: probability of failure {_estimate(found.estimate)}; it {way} with the value"]
@@ -229,13 +213,9 @@ def _factor(factor: float, digits: int = 6) -> str:
     return "none (nothing holds)" if factor == 0.0 else f"{factor:.{digits}g}"
 
 
-def _status(kind: str, status: str) -> str:
-    return status_text(kind, status) if status in STATUSES else status
-
-
 def _all(solution: Solution) -> list[Answers]:
     return [answers for answers in (solution.pre_ie, solution.closed_form) if answers is not None]
 
 
-def _notes(warnings: Sequence[Notice]) -> list[str]:
-    return block("NOTE", [str(notice) for notice in warnings])
+def _name(answers: Answers) -> str:
+    return f"{BRIEF[answers.method]:<12}"

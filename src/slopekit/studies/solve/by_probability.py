@@ -9,18 +9,22 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
+from slopekit.core.codec import json_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.points import study_head
+from slopekit.studies.protocol import Advance, Outcome
 from slopekit.studies.ranges import Within, parse_within
-from slopekit.studies.roots import Crossing, Sample, Search, near_by, places
-from slopekit.studies.running import ALONE, Advance, Crew
-from slopekit.studies.solutions import end_advice
+from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
+from slopekit.studies.solve.solutions import end_advice
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
@@ -59,8 +63,8 @@ class ProbableValue:
     limits: tuple[float | None, float | None]
 
 
-@dataclass(frozen=True, slots=True)
-class ProbabilitySolution:
+@dataclass(frozen=True, slots=True, repr=False)
+class ProbabilitySolution(Outcome):
     """The value that was asked for.
 
     Attributes
@@ -71,6 +75,7 @@ class ProbabilitySolution:
     reason : why there is no root
     """
 
+    name: ClassVar[str] = "solve"
     design: Design
     key: Key
     target: float
@@ -83,6 +88,20 @@ class ProbabilitySolution:
     reason: Fault | None
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """The value, the probability there, its bracket, or why there is none."""
+        from slopekit.studies.solve.sheet import probability_sheet_of
+
+        return probability_sheet_of(self)
+
+    @property
+    def line(self) -> str:
+        """Value, probability and its limits on one line."""
+        from slopekit.studies.solve.sheet import probability_line_of
+
+        return probability_line_of(self)
 
     @property
     def answer(self) -> ProbableValue | None:
@@ -103,13 +122,13 @@ class ProbabilitySolution:
             "unit": self.key.unit,
             "target": {"probability_of_failure": self.target},
             "within": list(self.within),
-            "before": {"value": self.key.value, "probability": _estimate(self.before)},
+            "before": {"value": self.key.value, "probability": json_of(self.before)},
             "value": None if found is None else self.key.reduced(found.value),
             "roots": [
                 {
-                    "value": self.key.reduced(root.value), "probability": _estimate(root.estimate),
+                    "value": self.key.reduced(root.value), "probability": json_of(root.estimate),
                     "rises": root.rises, "limits": list(root.limits),
-                    "bracket": [{"value": at, "probability": _estimate(of)} for at, of in root.bracket],
+                    "bracket": [{"value": at, "probability": json_of(of)} for at, of in root.bracket],
                 }
                 for root in self.roots
             ],
@@ -118,17 +137,14 @@ class ProbabilitySolution:
                 for name, end in (("least", self.least), ("most", self.most))
             },
             "evaluations": self.evaluations,
-            "reason": None if self.reason is None else self.reason.to_dict(),
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "reason": json_of(self.reason),
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
+            **self.words(),
         }  # fmt: skip
 
 
-def _estimate(estimate: Estimate | None) -> dict[str, float | None] | None:
-    return None if estimate is None else {"value": estimate.value, "low": estimate.low, "high": estimate.high}
-
-
-def solve_probability(
+def for_probability(
     design: Design,
     key: str,
     pf: float,
@@ -189,37 +205,6 @@ def solve_probability(
         len(asked.known), reason,
     )  # fmt: skip
     return replace(solution, warnings=tuple(_notices(solution)), seconds=time.perf_counter() - began)
-
-
-def solve_for_probability(
-    design: Design,
-    key: str,
-    pf: float,
-    *,
-    fos: float | None = None,
-    n: int | None = None,
-    seed: int = 1,
-    within: Within | None = None,
-    crew: Crew = ALONE,
-    advance: Advance = lambda _: None,
-) -> ProbabilitySolution:
-    """`solve_probability` with the probability of `slopekit.studies.probability`, without PRE-IE's confirmation.
-
-    Parameters
-    ----------
-    fos : what fails has a factor of safety below it [1]; n, seed : of the samples
-    """
-    from slopekit.studies.probability import probability
-
-    def failure_probability(changed: Design) -> Estimate:
-        target = 1.0 if fos is None else fos
-        found = probability(changed, n, seed=seed, target=target, confirm_count=0, near=0.0, crew=crew)
-        share = found.all_samples
-        if share.share is None or found.forming.share is None:  # no block is no safety
-            raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
-        return Estimate(share.share, share.low, share.high)
-
-    return solve_probability(design, key, pf, failure_probability, within=within, advance=advance)
 
 
 @dataclass(slots=True)

@@ -20,9 +20,9 @@ from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.nodes import as_text
 from slopekit.errors import DesignError, Fault
 from slopekit.orientation import Line, Plane
-from slopekit.studies import sources
 from slopekit.studies.marginals import Marginal, marginal, standard_normal
-from slopekit.studies.sources import fisher, folded_lines, folded_planes
+from slopekit.studies.prob import sources
+from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
 
 Method: TypeAlias = Literal["monte-carlo", "latin-hypercube", "sobol"]
 METHODS: tuple[Method, ...] = ("monte-carlo", "latin-hypercube", "sobol")

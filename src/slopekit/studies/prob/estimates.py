@@ -1,8 +1,8 @@
 """Shares counted in samples, with their confidence limits; what is said of a sample of numbers."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from slopekit.arrays import Bools, Floats
 
 _LEAST_IN_REPLICATES = 5  # cases of the rarer kind that each replicate needs for their scatter to mean something
 _MOST_BINS = 60
-QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+_QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,18 +27,11 @@ class Share:
 
     count: int
     of: int
-    share: float | None
+    share: float | None = field(metadata={"json": "probability"})
     low: float
     high: float
     confidence: float
     limits_by: str
-
-    def to_dict(self) -> dict[str, float | int | str | None]:
-        """As JSON values."""
-        return {
-            "count": self.count, "of": self.of, "probability": self.share, "low": self.low, "high": self.high,
-            "confidence": self.confidence, "limits_by": self.limits_by,
-        }  # fmt: skip
 
 
 def clopper_pearson(count: int, of: int, confidence: float = 0.95) -> tuple[float, float]:
@@ -101,20 +94,20 @@ class Summary:
     Attributes
     ----------
     count : samples with a factor; mean, sd, least, most : of them
-    quantiles : at `QUANTILES`
+    quantiles : by the share of samples that lie below
     edges, counts : (b + 1,), (b,) histogram between the 0.1 % and 99.9 % quantiles; below, above : samples beyond it
     """
 
-    count: int
+    count: int = field(metadata={"json": "samples"})
     mean: float
     sd: float
-    least: float
-    most: float
-    quantiles: tuple[float, ...]
-    edges: tuple[float, ...]
-    counts: tuple[int, ...]
-    below: int
-    above: int
+    least: float = field(metadata={"json": "min"})
+    most: float = field(metadata={"json": "max"})
+    quantiles: Mapping[float, float]
+    edges: tuple[float, ...] = field(metadata={"json": None})
+    counts: tuple[int, ...] = field(metadata={"json": None})
+    below: int = field(metadata={"json": None})
+    above: int = field(metadata={"json": None})
 
     def beta(self, target: float = 1.0) -> float | None:
         """(mean - target) / sd: how many standard deviations the mean lies above the target."""
@@ -138,7 +131,8 @@ def summary_of(factors: Sequence[float] | Floats) -> Summary | None:
     counts, edges = np.histogram(found, bins, (low, high))
     return Summary(
         found.size, float(found.mean()), float(found.std(ddof=1)) if found.size > 1 else 0.0, float(found.min()),
-        float(found.max()), tuple(np.quantile(found, QUANTILES).tolist()), tuple(edges.tolist()),
+        float(found.max()), dict(zip(_QUANTILES, np.quantile(found, _QUANTILES).tolist(), strict=True)),
+        tuple(edges.tolist()),
         tuple(counts.tolist()), int((found < edges[0]).sum()), int((found > edges[-1]).sum()),
     )  # fmt: skip
 
@@ -154,3 +148,20 @@ def rank_correlation(a: Floats, b: Floats) -> float | None:
     first, second = (rankdata(values) - (len(values) + 1) / 2.0 for values in (a, b))
     size = math.sqrt(float(first @ first) * float(second @ second))
     return float(first @ second) / size if size > 0.0 else None
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What was drawn of one number, by its path."""
+
+    path: str
+    mean: float
+    sd: float
+    least: float = field(metadata={"json": "min"})
+    most: float = field(metadata={"json": "max"})
+
+
+def drawn_of(path: str, values: Floats) -> Drawn:
+    """What was drawn of a number: (n,) values."""
+    sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
+    return Drawn(path, float(values.mean()), sd, float(values.min()), float(values.max()))

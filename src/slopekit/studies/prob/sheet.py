@@ -1,0 +1,247 @@
+"""The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from operator import attrgetter, itemgetter
+from typing import Any
+
+from slopekit.arrays import Floats
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
+from slopekit.kinds import status_text
+from slopekit.orientation import number
+from slopekit.result import STATUSES
+from slopekit.studies.points import Point
+from slopekit.studies.prob.confirmation import Confirmation
+from slopekit.studies.prob.estimates import Drawn, Share, Summary
+from slopekit.studies.prob.run import Probability
+from slopekit.studies.words import head
+
+_ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
+#: Why planes form no block, in a few words; the whole is in `slopekit explain CODE`.
+NO_BLOCK = {
+    "E201": "joints parallel", "E203": "steeper than the face: does not daylight",
+    "E204": "plunges into the slope or not at all: does not daylight", "E205": "flatter than the upper slope",
+    "E206": "a joint parallel to the face", "E207": "crack outside the block", "E208": "no volume",
+    "E209": "face and upper slope make no crest", "E211": "a bolt misses the block", "E212": "a bolt is too short",
+    "E213": "strikes across the slope", "impossible": "a value that no design can have",
+}  # fmt: skip
+_SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube", "sobol": "Sobol"}
+
+
+def sheet_of(study: Probability) -> Sheet:
+    """The sheet of a study of probability."""
+    asked, summary = study.asked, study.summary
+    samples = f"{len(study.samples.values)} by {_SAMPLING[asked.method]}, seed {asked.seed}; {study.evaluator}"
+    times = "  ".join(f"{name} {value:.3g} s" for name, value in study.timing_s.items())
+    return Sheet(head(study.design, "prob"), (
+        Section("SCATTERS", _inputs(study)),
+        Section("SAMPLES", [samples]),
+        Section("OUTCOMES", [_outcomes(study)]),
+        Section(f"P(F < {asked.target:g})", [_probabilities(study)]),
+        Section("AT MEANS", [_at_means(study)]),
+        *(() if summary is None else (
+            Section("FoS", _factors(summary, asked.target)),
+            Section("HISTOGRAM", [_histogram(summary, asked.target)]),
+        )),
+        Section("MATTERS", [_matters(study)]),
+        Section("PRE-IE", _pre_ie(study)),
+        Section("ACCEPT", _accept(study)),
+        Section("TIME", [f"{times}  ({study.crew})"]),
+        Section("NOTE", [str(notice) for notice in study.warnings]),
+    ), {"samples.csv": _every_sample(study)})  # fmt: skip
+
+
+def line_of(study: Probability) -> str:
+    """The estimate on one line, with its limits."""
+    parts = [f"P(F < {study.asked.target:g})", _percent(study.all_samples.share), _limits(study.all_samples)]
+    parts += [] if study.accepted is None else ["met" if study.accepted else "not met"]
+    checked = study.confirmation
+    if checked is not None:
+        parts.append("disagree" if checked.disagree else "agree" if checked.agree else "not compared")
+    parts += list(dict.fromkeys(notice.code for notice in study.warnings))
+    return "  ".join(parts)
+
+
+def _every_sample(study: Probability) -> Table[int]:
+    """Every sample on a line of its own, by its number: values, outcome, factor, and what PRE-IE says of it."""
+    values, checked = study.samples.values, study.confirmation
+    columns: list[Column[int]] = [Column("sample", int, "sample")]
+    columns += [Column(path, _cell_of(values, column), path) for column, path in enumerate(study.samples.names)]
+    columns += [
+        Column("outcome", lambda row: study.names[study.outcome[row]], "outcome"),
+        Column("FoS", study.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
+        Column("fails", lambda row: int(study.fails[row]), "fails"),
+    ]
+    if checked is not None:
+        also = dict(zip(checked.index.tolist(), checked.points, strict=True))
+        columns += [
+            Column("PRE-IE", _of(also, lambda point: point.factors.status if point.factors else point.code),
+                   "pre_ie_outcome"),
+            Column("FoS by PRE-IE", _of(also, lambda point: point.factors and point.factors.limit), "fos_limit"),
+            Column("moments govern", _of(also, lambda point: point.factors and int(point.factors.moments_govern)),
+                   "moments_govern"),
+        ]  # fmt: skip
+    return Table(columns, range(len(values)))
+
+
+def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
+    return lambda row: values.item(row, column)
+
+
+def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[int], Any]:
+    """What is said of the samples that PRE-IE looked at, nothing of the others."""
+    return lambda row: say(points[row]) if row in points else None
+
+
+def _inputs(study: Probability) -> list[Entry]:
+    columns: list[Column[Drawn]] = [Column("as drawn", attrgetter("path"), "path", width=-38)]
+    for title, name, key in (("mean", "mean", "mean"), ("sd", "sd", "sd"), ("from", "least", "min"),
+                             ("to", "most", "max")):  # fmt: skip
+        columns.append(Column(title, attrgetter(name), key, show=".5g", width=12))
+    left = len(study.variables) - _MOST_INPUTS
+    rest = f"and {left} more: see the JSON" if left > 0 else ""
+    ranks = [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
+    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *ranks]
+
+
+def _outcomes(study: Probability) -> Table[tuple[str, int]]:
+    def words(outcome: tuple[str, int]) -> str:
+        name = outcome[0]
+        said = status_text(study.design.kind, name) if name in STATUSES else NO_BLOCK.get(name, "")
+        return f"  {f'{name}: ' if name.startswith('E') else ''}{said or name}"
+
+    of = len(study.samples.values)
+    columns: list[Column[tuple[str, int]]] = [
+        Column("samples", itemgetter(1), "samples", width=9),
+        Column("share", lambda outcome: outcome[1] / of * 100, "share", "%", lambda share: f"{share:.2f} %", 10),
+        Column("outcome", itemgetter(0), "outcome", text=words, width=-1),
+    ]
+    return Table(columns, list(study.counts.items()), headless=True)
+
+
+def _probabilities(study: Probability) -> Table[tuple[Share, str]]:
+    def words(row: tuple[Share, str]) -> str:
+        share, among = row
+        return f"  {among}: {share.count} of {share.of}; {_limits(share)}"
+
+    columns: list[Column[tuple[Share, str]]] = [
+        Column("probability", lambda row: row[0].share, "probability", show=_percent, width=11),
+        Column("among", itemgetter(1), "among", text=words, width=-1),
+    ]
+    rows = [(study.all_samples, "of all samples"), (study.forming, "of those that form a block")]
+    return Table(columns, rows, headless=True)
+
+
+def _percent(share: float | None) -> str:
+    if share is None:
+        return "none"
+    return f"{share * 100:.4g} %"
+
+
+def _limits(share: Share) -> str:
+    if share.share is None:
+        return "no sample to judge by"
+    low, high = _percent(share.low), _percent(share.high)
+    return f"{share.confidence * 100:g} % limits {low} to {high} ({share.limits_by})"
+
+
+def _at_means(study: Probability) -> str:
+    found = study.means.factors
+    if found is None:
+        return f"{study.means.code} {study.means.message}".strip() or "not asked"
+    named = ((found.limit, "PRE-IE"), (found.closed_form, "closed form"))
+    factors = [f"{value:.4f} {name}" for value, name in named if value is not None]
+    words = status_text(study.design.kind, found.status)
+    return f"{words}: F {', '.join(factors)}" if factors else words
+
+
+def _factors(summary: Summary, target: float) -> list[str]:
+    beta = summary.beta(target)
+    return [
+        f"mean {summary.mean:.4f}  sd {summary.sd:.4f}  from {summary.least:.4f} to {summary.most:.4f}"
+        + ("" if beta is None else f"  beta {beta:.3g} (mean above the target, in sd)"),
+        "  ".join(f"{share * 100:g} %: {value:.4f}" for share, value in summary.quantiles.items()),
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Bin:
+    """Samples with a factor from one value to another; without an end all those beyond the other."""
+
+    low: float | None
+    high: float | None
+    count: int
+
+
+def _histogram(summary: Summary, target: float) -> Table[_Bin]:
+    """Bars of neighbouring bins together, so that a sheet holds them."""
+    together = -(-len(summary.counts) // _ROWS)
+    edges = [*summary.edges[:-1:together], summary.edges[-1]]
+    counts = [sum(summary.counts[start : start + together]) for start in range(0, len(summary.counts), together)]
+    longest = max(*counts, 1)
+
+    def bar(one: _Bin) -> str:
+        if one.low is None or one.high is None:
+            return f"   {one.count} {'lower' if one.low is None else 'higher'}"
+        return f" {'|' if one.low <= target < one.high else ' '} {'#' * round(_BAR * one.count / longest)} {one.count}"
+
+    bins = [_Bin(None, edges[0], summary.below)] if summary.below else []
+    bins += [_Bin(*each) for each in zip(edges, edges[1:], counts, strict=False)]
+    bins += [_Bin(edges[-1], None, summary.above)] if summary.above else []
+    columns: list[Column[_Bin]] = [
+        Column("FoS from", lambda one: None if one.high is None else one.low, "from", show=".4f", width=9),
+        Column("samples", attrgetter("count"), "samples", text=bar, width=-1),
+    ]
+    return Table(columns, bins, headless=True)
+
+
+def _matters(study: Probability) -> str:
+    found = [f"{name} {value:+.2f}" for name, value in study.sensitivities[:8]]
+    return " | ".join(found) + " (rank correlation with F)" if found else "fewer than three samples have a factor"
+
+
+def _pre_ie(study: Probability) -> list[str]:
+    checked = study.confirmation
+    if study.asked.by == "pre-ie":
+        return ["every sample is PRE-IE's own"]
+    if checked is None:
+        return ["not asked: no sample forms a block, or --confirm 0 and none near the target"]
+    return [_asked(checked, study.asked.target), _agreement(checked), *_judgement(checked, study)]
+
+
+def _asked(checked: Confirmation, target: float) -> str:
+    return (
+        f"{checked.samples} samples: {checked.at_random} at random, all {checked.near} within "
+        f"{checked.within * 100:g} % of F = {target:g}"
+    )
+
+
+def _agreement(checked: Confirmation) -> str:
+    words = [f"{checked.agree} agree", f"{checked.disagree} DISAGREE" if checked.disagree else "0 disagree"]
+    words += [f"{checked.not_compared} not compared"] if checked.not_compared else []
+    words += [f"{checked.samples - checked.settled} WITHOUT ANSWER"] if checked.unsettled else []
+    largest = "" if checked.largest is None else f"; largest difference {checked.largest * 100:.2g} %"
+    governed = f"moments govern in {checked.governed} of {checked.at_random} at random"
+    return f"{', '.join(words)}{largest}; {governed}"
+
+
+def _judgement(checked: Confirmation, study: Probability) -> list[str]:
+    told = (
+        f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
+        f"samples at most {checked.other_at_most * 100:.2g} % ({study.asked.confidence * 100:g} % confidence, from "
+        "those at random)"
+    )
+    if checked.probability is None:
+        return [told]
+    share, own = _percent(checked.probability), study.all_samples
+    low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
+    return [told, f"P(F < {study.asked.target:g}) with PRE-IE's judgement: {share} of all samples; limits "
+                  f"{_percent(low)} to {_percent(high)}, which more --confirm narrows"]  # fmt: skip
+
+
+def _accept(study: Probability) -> list[str]:
+    if study.asked.accept is None:
+        return []
+    met = "met" if study.accepted else "NOT MET"
+    high = _percent(study.all_samples.high)
+    return [f"upper limit {high} <= {_percent(study.asked.accept)}: {met}"]

@@ -1,0 +1,89 @@
+"""The value of one number of a design that gives a factor of safety, or a probability of failure.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+...          "strength": {"weak": {"c": 50, "phi": 20}}}
+>>> found = solve(sk.load(wedge), "strength.weak.c", fos=1.5).answer
+>>> round(found.value, 3), round(found.factor, 9)
+(43.41, 1.5)
+"""
+
+from typing import Annotated
+
+from slopekit.design.common import Design
+from slopekit.errors import DesignError, Fault
+from slopekit.studies.prob import prob
+from slopekit.studies.protocol import (
+    DESK,
+    ADesign,
+    Argument,
+    Desk,
+    Jobs,
+    Option,
+    Scheduler,
+    number_of,
+    study,
+    whole_number,
+)
+from slopekit.studies.ranges import Within
+from slopekit.studies.running import checked_crew
+from slopekit.studies.solve.by_factor import for_factor
+from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, for_probability
+from slopekit.studies.solve.solutions import Solution
+
+_ABOUT = 60  # evaluations: for the bar
+
+
+@study
+def solve(
+    design: ADesign,
+    key: Annotated[str, Argument("strength.weak.phi, or with a range: slope.height=10m:40m", "KEY")],
+    *,
+    fos: Annotated[float | None, Option("Factor of safety wanted [the acceptance rule's].", number_of)] = None,
+    pf: Annotated[float | None, Option("Probability of failure wanted instead, 5% or 0.05.", number_of)] = None,
+    within: Within | None = None,
+    n: Annotated[int | None, Option("With --pf: samples [20000].", whole_number, "-n")] = None,
+    seed: Annotated[int | None, Option("With --pf: seed of the random numbers [1].", whole_number)] = None,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Desk = DESK,
+) -> Solution | ProbabilitySolution:
+    """The value of any one number of a design that gives a target, by both methods.
+
+    With --pf, --fos is what fails lies below [1]. Exit codes: 0 found, 1 there is no such value (the sheet says why),
+    4 the methods disagree at it.
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E310 and E311 for the key, E312 for the range, E313 for what does not go
+        together, E314 for the target. Where no value gives the target, `answer` is None and `reason` says why.
+
+    In Python `within` may be the range, (low, high) or "lo:hi".
+
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)
+    0.6894
+    """
+    crew = checked_crew(jobs, scheduler)
+    if pf is None:
+        for name, given in (("n", n), ("seed", seed)):
+            if given is not None:
+                option = desk.named(name)
+                message = f"{option} belongs to {desk.named('pf')}: a factor of safety needs no samples"
+                raise DesignError([Fault("E313", message, option)])
+        with desk.bar("evaluations", _ABOUT) as advance:
+            return for_factor(design, key, fos, within, crew, advance)
+
+    def failure_probability(changed: Design) -> Estimate:
+        """By the samples of `prob`, without PRE-IE's confirmation."""
+        found = prob(changed, n, seed=1 if seed is None else seed, target=1.0 if fos is None else fos, confirm=0,
+                     near=0.0, jobs=jobs, scheduler=scheduler)  # fmt: skip
+        share = found.all_samples
+        if share.share is None or found.forming.share is None:  # no block is no safety
+            raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
+        return Estimate(share.share, share.low, share.high)
+
+    with desk.bar("probabilities", _ABOUT) as advance:
+        return for_probability(design, key, pf, failure_probability, within=within, advance=advance)
