@@ -14,6 +14,7 @@ from slopekit.onlooker import onlooker
 
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
+_BAR = threading.Event()  # while a bar is shown, which the line would write over
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
 
 
@@ -24,7 +25,11 @@ def progress(label: str, total: int) -> Iterator[Advance]:
         yield lambda _: None
         return
     with typer.progressbar(length=total, label=label, file=sys.stderr) as bar:
-        yield bar.update
+        _BAR.set()
+        try:
+            yield bar.update
+        finally:
+            _BAR.clear()
 
 
 @contextmanager
@@ -75,8 +80,9 @@ class _Line:
         length = 0
         while True:
             text = self.text()[: self._columns() - 1]
-            self._write("\r" + text.ljust(length))
-            length = len(text)
+            if not _BAR.is_set():
+                self._write("\r" + text.ljust(length))
+            length = 0 if _BAR.is_set() else len(text)
             if self.over.wait(_EVERY_S):
                 self._write("\r" + " " * length + "\r")
                 return
