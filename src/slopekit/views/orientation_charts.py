@@ -37,6 +37,7 @@ from slopekit.views.stereonet import (
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
+_MOST_DOTS = 100  # lines beyond which they are small
 _MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
 _LETTERS = 80  # of a line over the net
 _PARALLEL = 1e-6
@@ -212,7 +213,8 @@ def _lines(axes: Any, document: Document, found: Oriented, net: Net) -> None:
                label=f"line {name}: {_direction(line)}")  # fmt: skip
     left = lines[_MOST_LINES:]
     if left:
-        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED, markersize=4.5, zorder=4.4,
+        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED,
+               markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
                label=f"{len(left)} more lines of intersection")  # fmt: skip
 
 
