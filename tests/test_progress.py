@@ -52,19 +52,6 @@ def test_an_analysis_of_many_blocks_names_its_stages_in_their_order() -> None:
     assert heard[-1][0] != "nobody hears"
 
 
-def test_the_line_does_not_write_over_a_bar(terminal) -> None:
-    with redirect_stderr(terminal), watched():
-        with progress("points", 4) as advance:
-            advance(2)
-            time.sleep(0.2)
-            advance(2)
-        written = terminal.getvalue()
-        time.sleep(0.2)
-    assert "points" in written
-    assert " 0 s" not in written
-    assert " 0 s" in terminal.getvalue()[len(written) :]  # what comes after it has its time again
-
-
 def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
     with redirect_stderr(terminal), watched():
         say("solve", head=True)
@@ -75,6 +62,20 @@ def test_the_line_has_time_and_stage_and_is_wiped(terminal) -> None:
     assert frames[-1] == ""
     assert frames[-2].strip() == ""
     assert len(frames[-2]) == len(frames[1])  # nothing is left of it
+
+
+def test_a_bar_has_the_line_for_itself(terminal) -> None:
+    with redirect_stderr(terminal), watched():
+        with progress("cases", 10) as advance:
+            for _ in range(10):
+                advance(1)
+                time.sleep(0.02)
+        shown = terminal.getvalue()
+        time.sleep(0.1)
+    assert "cases" in shown
+    assert "100%" in shown
+    assert " s  " not in shown
+    assert " s  " in terminal.getvalue().removeprefix(shown)
 
 
 def test_what_is_quick_shows_nothing(terminal) -> None:

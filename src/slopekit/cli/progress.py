@@ -14,8 +14,8 @@ from slopekit.onlooker import onlooker
 
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")
-_BAR = threading.Event()  # while a bar is shown, which the line would write over
 _FIRST_S, _EVERY_S = 1.0, 0.2  # what is shorter shows nothing; how often the time is written anew
+_BAR = threading.Event()  # a bar has the line of the terminal
 
 
 @contextmanager
@@ -24,17 +24,20 @@ def progress(label: str, total: int) -> Iterator[Advance]:
     if not _shown() or total < 2:
         yield lambda _: None
         return
-    with typer.progressbar(length=total, label=label, file=sys.stderr) as bar:
-        _BAR.set()
-        try:
+    _BAR.set()
+    try:
+        with typer.progressbar(length=total, label=label, file=sys.stderr) as bar:
             yield bar.update
-        finally:
-            _BAR.clear()
+    finally:
+        _BAR.clear()
 
 
 @contextmanager
 def watched() -> Iterator[None]:
-    """A line with the time and the stage of what runs within, from its second second on; it is wiped at the end."""
+    """A line with the time and the stage of what runs within, from its second second on; it is wiped at the end.
+
+    While a bar is shown it is silent.
+    """
     if not _shown():
         yield
         return
@@ -79,10 +82,10 @@ class _Line:
             return
         length = 0
         while True:
-            text = self.text()[: self._columns() - 1]
             if not _BAR.is_set():
+                text = self.text()[: self._columns() - 1]
                 self._write("\r" + text.ljust(length))
-            length = 0 if _BAR.is_set() else len(text)
+                length = len(text)
             if self.over.wait(_EVERY_S):
                 self._write("\r" + " " * length + "\r")
                 return
