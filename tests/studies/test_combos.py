@@ -482,6 +482,12 @@ def test_the_command(tmp_path) -> None:
     again = " ".join(run.stdout.split()).partition("AGAIN slopekit ")[2].partition(" JOINTS")[0]
     worst = json.loads((folder / "combos.json").read_text())["worst"][0]
     assert slopekit(*again.split(), "--quiet").stdout.split()[:2] == [worst["status"], f"{worst['fos']['limit']:.4f}"]
+    picture = folder / "x.png"
+    undrawn = slopekit(
+        "combos", LIST, "--face", "65/180", "--c", "5", "--phi", "30", "--top", "0", "--picture", str(picture)
+    )  # fmt: skip
+    assert (undrawn.returncode, picture.exists()) == (0, False)
+    assert undrawn.stderr.startswith("E343 this combos has nothing to draw")
     wrong = slopekit("combos", LIST, "--c", "5", "--persistence", "-3", "--json")
     assert wrong.returncode == 2
     assert [fault["code"] for fault in json.loads(wrong.stdout)["errors"]] == ["E143", "E334", "E332"]

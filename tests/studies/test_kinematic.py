@@ -269,6 +269,8 @@ def test_counts_by_set_add_up(tmp_path) -> None:
         assert sum(times for _, times in found.partners(kind)) == 2 * found.counts[kind]
     assert sum(counts["lines"] for counts in found.by_set_pair().values()) == 435
     assert "A x single" in str(found)
+    rows = {name: len(table.rows) for name, table in found.tables().items()}
+    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair())}
     assert sk.kinematic(survey(6), face="70/180").by_set() == {}
 
 

@@ -15,6 +15,7 @@ from slopekit.orientation import Line
 from slopekit.views.stereonet import project
 
 pytest.importorskip("matplotlib")
+from slopekit.studies.kinematic.criteria import planes_of_poles
 from slopekit.views.charts import draw_normals, draw_reduction, draw_speed_errors
 from slopekit.views.drawing import misfit, new_figure
 from slopekit.views.kinematic_charts import draw_kinematic
@@ -258,6 +259,23 @@ def test_friction_circles_in_the_colour_of_their_joint() -> None:
 
 def test_the_crack_of_a_plane_is_upright() -> None:
     assert str(orientations_of(plain(sk.run(path_of("plane")))).slope["crack"]) == "90/180"
+
+
+def test_a_plane_has_the_zone_of_poles() -> None:
+    """Shaded cells against the planar test of joints with these poles (φ 37°, ±20°); no zone of lines, no circle."""
+    figure = figure_of(draw_orientations, plain(sk.run(path_of("plane"))))
+    said, (wide, narrow) = legend(figure), [image.get_array()[..., 3] > 0 for image in figure.axes[0].images]
+    assert "poles here daylight, steeper than φ 37°" in said
+    assert "lines here" not in said
+    assert "friction circle" not in said
+    vectors, inside = cells("area")
+    some = np.linspace(0, len(vectors) - 1, 2000).astype(int)
+    planes = planes_of_poles(vectors[some])
+    asked = list(zip(planes.dips_deg, planes.dip_directions_deg, strict=True))
+    modes = sk.kinematic(asked, face="60/180", phi=37).modes
+    assert narrow[inside][some].tolist() == modes.planar.tolist()
+    assert wide[inside][some].tolist() == modes.planar_without_limits.tolist()
+    assert 0 < modes.planar.sum() < modes.planar_without_limits.sum()
 
 
 def test_zones_say_which_friction_angle() -> None:

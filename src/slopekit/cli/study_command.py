@@ -8,7 +8,17 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
-from slopekit.cli.common import JSON, SET, checked_image, draw_to, folder_of, json_text, load_design, write
+from slopekit.cli.common import (
+    JSON,
+    SET,
+    checked_image,
+    draw_to,
+    folder_of,
+    json_text,
+    load_design,
+    print_faults,
+    write,
+)
 from slopekit.cli.progress import progress, watched
 from slopekit.errors import DesignError, Fault, writing
 from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
@@ -196,6 +206,9 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
         for name, more in outcome.files().items():
             write(folder / name, more)
     typer.echo(document if as_json else outcome.line if quiet else text)
+    if image is not None and not outcome.charts:
+        message = f"this {outcome.name} has nothing to draw: {image} is not written"
+        print_faults(DesignError([Fault("E343", message, "--picture")]), plainly=True)
     for k, what in enumerate(outcome.charts):
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
 

@@ -12,10 +12,12 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.orientation import Line, Plane, downward, line_of, number, parse_plane
-from slopekit.studies.kinematic.criteria import zones_of_lines
+from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
+from slopekit.studies.kinematic.run import LATERAL_DEG
 from slopekit.views.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of
 from slopekit.views.stereonet import (
     FACE,
+    LIGHT,
     MARKERS,
     NETS,
     SETS,
@@ -27,6 +29,7 @@ from slopekit.views.stereonet import (
     plane_circle,
     points,
     shade,
+    spokes,
     start,
     steeper_than,
 )
@@ -34,6 +37,7 @@ from slopekit.views.stereonet import (
 Document = Mapping[str, Any]
 _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
+_MOST_DOTS = 100  # lines beyond which they are small
 _MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
 _LETTERS = 80  # of a line over the net
 _PARALLEL = 1e-6
@@ -46,6 +50,11 @@ class Oriented:
     joints: Mapping[str, Plane]
     slope: Mapping[str, Plane]
     friction_deg: Mapping[str, float]
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether one joint alone can slide: no lines of intersection, its pole says all."""
+        return len(self.joints) == 1
 
     @property
     def frictions(self) -> list[float]:
@@ -102,23 +111,37 @@ def draw_orientations(figure: Any, document: Document, net: Net = "area") -> Non
         nothing("the document has no joint with dip and dip direction")
     axes = figure.subplots()
     start(axes, "")
-    face, frictions = found.slope.get("face"), found.frictions
-    if face is not None and frictions:
-        zone = zones_of_lines(cells(net)[0], face, frictions[0], 90.0, 90.0)["wedge_primary"]
-        which = ", the least" if len(frictions) > 1 else ""
-        shade(axes, zone, net, SHADE, f"lines here daylight, steeper than φ {number(frictions[0])}°{which}")
+    face = found.slope.get("face")
+    if face is not None and found.frictions:
+        _zone(axes, found, face, net)
     styles = {"face": (FACE, "-", 2.2, "face"), "upper": (GREY, "-", 1.4, "upper slope"),
               "crack": (DARK, "--", 1.6, "tension crack")}  # fmt: skip
     for name, plane in found.slope.items():
         colour, style, width, said = styles[name]
         plane_circle(axes, plane, net, color=colour, linestyle=style, linewidth=width, label=f"{said} {plane}")
     if face is not None:
-        envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle="--", label="daylight envelope of poles")
+        style = "-" if found.is_planar else "--"
+        envelope(axes, face, net, color=FACE, linewidth=1.0, linestyle=style, label="daylight envelope of poles")
     _joints(axes, found, net)
     _cones(axes, found, net)
     _lines(axes, document, found, net)
     lines = [title_of(document), *_answer(document), f"lower hemisphere, {NETS[net]}"]
     arrange(figure, [axes], 1, "\n".join(lines))
+
+
+def _zone(axes: Any, found: Oriented, face: Plane, net: Net) -> None:
+    """Where lines of intersection slide out; of a joint alone, where its pole means that."""
+    least = found.frictions[0]
+    steeper = f"daylight, steeper than φ {number(least)}°{', the least' if len(found.frictions) > 1 else ''}"
+    if not found.is_planar:
+        zone = zones_of_lines(cells(net)[0], face, least, 90.0, 90.0)["wedge_primary"]
+        shade(axes, zone, net, SHADE, f"lines here {steeper}")
+        return
+    zones = zones_of_poles(cells(net)[0], face, least, LATERAL_DEG, 90.0)
+    shade(axes, zones["planar_without_limits"], net, LIGHT, f"poles here {steeper}")
+    shade(axes, zones["planar"], net, SHADE, "the same within the lateral limits")
+    spokes(axes, face.dip_direction_deg + 180.0, LATERAL_DEG, color=GREY, linestyle="--", linewidth=1.0,
+           label=f"lateral limits ±{number(LATERAL_DEG)}°")  # fmt: skip
 
 
 def _answer(document: Document) -> list[str]:
@@ -146,8 +169,9 @@ def _cones(axes: Any, found: Oriented, net: Net) -> None:
         alone = len(found.frictions) > 1 and bool(own) and own[0] in joints
         colour = SETS[joints.index(own[0])] if alone else BLUE
         of = f" ({', '.join(short(name, 10) for name in own[:3])}{', ...' if len(own) > 3 else ''})" if alone else ""
-        steeper_than(axes, friction, net, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
-                     label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
+        if not found.is_planar:
+            steeper_than(axes, friction, net, color=colour, linewidth=1.2, linestyle="-" if not alone else "--",
+                         label=f"friction circle, φ {number(friction)}°{of}: steeper within")  # fmt: skip
         steeper_than(axes, 90.0 - friction, net, color=colour, linewidth=0.9, linestyle="--" if not alone else ":",
                      label=f"friction cone of poles, φ {number(friction)}°{of}: steeper outside")  # fmt: skip
 
@@ -189,7 +213,8 @@ def _lines(axes: Any, document: Document, found: Oriented, net: Net) -> None:
                label=f"line {name}: {_direction(line)}")  # fmt: skip
     left = lines[_MOST_LINES:]
     if left:
-        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED, markersize=4.5, zorder=4.4,
+        points(axes, np.array([line for _, line in left]), net, marker="o", color=RED,
+               markersize=4.5 if len(left) <= _MOST_DOTS else 2.2, zorder=4.4,
                label=f"{len(left)} more lines of intersection")  # fmt: skip
 
 

@@ -306,6 +306,11 @@ def combos(
         E335 top, E336 fos, E339 two values where pairs have no order.
     GeometryError
         E209 the slope has no crest.
+
+    Notes
+    -----
+    In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
+    direction, or {name: plane}; what the slope takes is written as for `slopekit.wedge`.
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)

@@ -225,6 +225,11 @@ def kinematic(
         With every fault: of the list, E113, E115 for phi, E143 without a face, E312 and E333 for the faces, E337 for
         the lateral limits.
 
+    Notes
+    -----
+    In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
+    direction, or {name: plane}; `faces` may be a list.
+
     >>> import slopekit as sk
     >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
     ('J1',)
