@@ -7,6 +7,7 @@ tried one by one with the closed form, heads and lengths are measured against pl
 import json
 import math
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -400,6 +401,15 @@ def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos,
     for bolt in case.bolts:  # five digits, rounded up
         assert each <= bolt.force_kn <= each * 1.0003
         assert float(f"{bolt.force_kn:.5g}") == bolt.force_kn
+
+
+def test_what_is_to_be_pasted_is_the_same_everywhere() -> None:
+    found = sk.support(loaded(PLANE), 1.9, acts="active")
+    (text,) = found.files().values()
+    assert text in f"{found}\n"
+    assert found.to_dict()["bolts"][0]["yaml"] == text
+    assert {"verbatim": text} in found.to_dict()["sheet"]["PASTE"]
+    assert f"<pre>{escape(text)}</pre>" in found.sheet._repr_html_()
 
 
 @pytest.mark.parametrize("acts", ["active", "passive"])
