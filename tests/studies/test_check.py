@@ -192,6 +192,21 @@ def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
     assert found.consistent
 
 
+def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_blocks_rest(monkeypatch) -> None:
+    """The bench's limit is that of five blocks, its forces are those of all just before it: admissible there only."""
+    for name, nothing in (("_rungs", ()), ("_others", ()), ("_untied_search", None)):
+        monkeypatch.setattr(many_blocks, name, lambda *_, nothing=nothing: nothing)
+    found = checked("bench")
+    beyond = found.result.balance.friction_excess
+    assert beyond > 1e-4  # against the strength at the limit itself
+    assert finding(found, "admissible").value < 1e-9
+    holds = finding(found, "holds at limit")
+    assert 1e-4 < holds.value < 1e-3
+    assert holds.met
+    assert f"F = {found.result.fos.limit * (1.0 - holds.value):.6g}" in holds.words
+    assert found.consistent
+
+
 def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> None:
     """And what the other ratio says counts still."""
     lost = {"factor": 1.0}

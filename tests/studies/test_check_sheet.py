@@ -34,6 +34,18 @@ def test_the_sheet(name, monkeypatch) -> None:
     assert checked.line.startswith(checked.result.status)
 
 
+def test_what_is_measured_in_time_stands_in_the_text_alone() -> None:
+    """The same design gives the same JSON but for `timing_s`; data frames have the seconds."""
+    checked = check(sk.load(path_of("plane")))
+    assert {"ms", "times"} <= set(str(checked).split())
+    shown = checked.to_dict()["sheet"]
+    assert shown.keys().isdisjoint({"CHEAPEST", "TIME"})
+    (ladder,) = (entry for entry in shown["LADDER"] if not isinstance(entry, str))
+    assert [column["title"] for column in ladder["columns"]] == ["method", "setting", "pairs", "F", "error"]
+    rows = checked.tables()["ladder"].records()
+    assert [(row["fos"], row["seconds"]) for row in rows] == [(rung.factor, rung.seconds) for rung in checked.ladder]
+
+
 def test_without_a_factor_the_sheet_says_why() -> None:
     lifted = check(sk.load(path_of("wedge"), set={"water": {"pressures": {"J1": 2000, "J2": 2000}}}))
     sheet = str(lifted)

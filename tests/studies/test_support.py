@@ -6,6 +6,8 @@ tried one by one with the closed form, heads and lengths are measured against pl
 
 import json
 import math
+from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,7 @@ from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import check_bolt
 from slopekit.orientation import Line
+from slopekit.studies.support import run as module
 from slopekit.studies.support.directions import BoltDirections, around, sphere
 from slopekit.studies.support.forces import BoltedBlock, least_along, nearest, slides
 from slopekit.studies.support.search import Answer, least_force, site_of
@@ -383,17 +386,77 @@ def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning)
 
 
 @pytest.mark.parametrize("acts", ["active", "passive"])
+@pytest.mark.parametrize("fos", [1.7, 2.345])
+@pytest.mark.parametrize("capacity", [20.0, 97.3, 400.0])
 @pytest.mark.parametrize("design", [PLANE, WEDGE], ids=["plane", "wedge"])
-def test_the_yaml_pasted_into_the_design_gives_the_target(design, acts, tmp_path) -> None:
-    """Every digit comes from the text alone: design file + snippet -> `run`."""
-    found = sk.support(loaded(design), 1.9, acts=acts, bolt_capacity={"plane": 400.0, "wedge": 300.0}[design["kind"]])
+def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos, acts, tmp_path) -> None:
+    """Every digit comes from the text alone: design file + snippet -> `run`; never below, and hardly above."""
+    found = sk.support(loaded(design), fos, acts=acts, bolt_capacity=capacity)
     assert found.reached
-    assert _pasted(design, found, acts, tmp_path).fos.limit == pytest.approx(1.9, abs=1e-6)
+    pasted = _pasted(design, found, acts, tmp_path).fos
+    assert fos <= pasted.limit <= fos * 1.0003
+    assert pasted.closed_form >= fos
+    (case,) = [case for case in found.cases if case.pattern]
+    each = case.pattern.force / len(case.bolts)
+    for bolt in case.bolts:  # five digits, rounded up
+        assert each <= bolt.force_kn <= each * 1.0003
+        assert float(f"{bolt.force_kn:.5g}") == bolt.force_kn
+
+
+def test_what_is_to_be_pasted_is_the_same_everywhere() -> None:
+    found = sk.support(loaded(PLANE), 1.9, acts="active")
+    (text,) = found.files().values()
+    assert text in f"{found}\n"
+    assert found.to_dict()["bolts"][0]["yaml"] == text
+    assert {"verbatim": text} in found.to_dict()["sheet"]["PASTE"]
+    assert f"<pre>{escape(text)}</pre>" in found.sheet._repr_html_()
 
 
 @pytest.mark.parametrize("acts", ["active", "passive"])
-def test_the_yaml_of_bolts_whose_moments_govern_gives_the_target(turning, acts, tmp_path) -> None:
-    assert _pasted(ONE_PLANE, turning, acts, tmp_path).fos.limit == pytest.approx(1.8, abs=1e-6)
+def test_the_yaml_of_bolts_whose_moments_govern_meets_the_target(turning, acts, tmp_path) -> None:
+    assert 1.8 <= _pasted(ONE_PLANE, turning, acts, tmp_path).fos.limit <= 1.8 * 1.0003
+
+
+def test_bolts_that_fall_short_when_they_are_put_back_get_more_force(monkeypatch) -> None:
+    """A search that stops a thousandth below the target: what is written meets it all the same."""
+    honest = module.least_force
+
+    def short(*args, **options):
+        found = honest(*args, **options)
+        return replace(found, force=None if found.force is None else 0.995 * found.force)
+
+    monkeypatch.setattr(module, "least_force", short)
+    monkeypatch.setattr(module, "_LAYOUTS", 1)
+    design = loaded(ONE_PLANE)
+    (case,) = sk.support(design, 1.8, acts="active", bolt_capacity=150.0).cases
+    assert case.bolts[0].force_kn > case.pattern.each * 1.001
+    assert put_back(design, *case.support["bolts"])[1] >= 1.8
+
+
+def test_where_the_target_is_not_reached_the_first_line_of_the_file_says_so(monkeypatch) -> None:
+    short = sk.support(loaded(PLANE), 2, acts="active", length="5 m")
+    (text,) = short.files().values()
+    assert not short.reached
+    bare = short.pre_ie.factor
+    assert text.startswith(f"# NOT REACHED, FoS 2: no bolts on the face give it (E327), without them FoS {bare:.4f};")
+    assert max(map(len, text.splitlines())) <= 100
+    assert text in str(short)
+    reached = sk.support(loaded(PLANE), 2, acts="active")
+    assert [one[:8] for one in reached.files().values()] == ["support:"]
+    monkeypatch.setattr(module._Search, "_with_heads", lambda self, *_: lambda _force: self.site.design)
+    (text,) = sk.support(loaded(PLANE), 2, acts="active").files().values()  # bolts that hold nothing
+    assert text.startswith(f"# NOT REACHED, FoS 2: bolts on the face give FoS {bare:.4f} at best (E329); what")
+
+
+def test_bolts_closer_than_a_metre_are_noted() -> None:
+    for design in (PLANE, WEDGE):
+        close = sk.support(loaded(design), 1.9, acts="active", bolt_capacity=3.0)
+        assert close.reached
+        assert "W378" in notices_of(close)
+        assert "W378" in close.line
+        assert "closer than 1 m" in " ".join(str(close).split())
+        wide = sk.support(loaded(design), 1.9, acts="active", bolt_capacity=400.0)
+        assert "W378" not in notices_of(wide)
 
 
 def _pasted(design: dict, found, acts: str, folder: Path):
@@ -491,7 +554,7 @@ def test_a_slab_that_turns_over_is_held_by_heads_on_the_face() -> None:
     assert case.reached
     document = found.to_dict()["bolts"][0]
     limit = sk.run(SLAB | {"support": document["support"]}).fos.limit
-    assert limit == pytest.approx(2.5, abs=1e-6)
+    assert 2.5 <= limit <= 2.5 * 1.0003
 
 
 def test_a_factor_that_jumps_over_the_target_is_said_to_jump() -> None:

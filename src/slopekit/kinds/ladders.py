@@ -15,6 +15,7 @@ from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, D
 from slopekit.onlooker import say
+from slopekit.preie.balance import Balance
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages
 from slopekit.preie.model import Model
@@ -94,6 +95,8 @@ class Ladder:
         None where the weaker or stronger block has no factor
     unrefined : why there are no finer node pairs, empty where there are
     normals : of a curved slip surface
+    rest : the forces of all blocks held against the strength at which they last rest, where the limit is that of a
+        group of them; None where all blocks are at theirs
     """
 
     result: Result
@@ -101,6 +104,7 @@ class Ladder:
     others: tuple[float | None, ...] = ()
     unrefined: str = ""
     normals: tuple[NormalsRung, ...] = ()
+    rest: Balance | None = None
 
 
 def timed(work: Callable[[], Any]) -> tuple[Any, float]:

@@ -293,10 +293,17 @@ def _checks(scene: AssemblyScene, ravelling: Ravelling) -> dict[str, float]:
     return checks
 
 
-def _balance(parts: Sequence[Part]) -> Balance | None:
-    """How well the forces of the parts that have a factor balance the loads."""
+def _balance(parts: Sequence[Part], at_rest: bool = False) -> Balance | None:
+    """How well the forces of the parts that have a factor balance the loads.
+
+    Where the limit is that of a group of blocks, the forces are those of all blocks at their last rest, just before it:
+    `at_rest` holds them against the strength there.
+    """
     return balance([
-        of_blocks(part.model, part.limit.factor, part.limit.normal_force, part.limit.friction, part.limit.bond)
+        of_blocks(
+            part.model, part.limit.factor * (1.0 - part.limit.width * at_rest), part.limit.normal_force,
+            part.limit.friction, part.limit.bond,
+        )
         for part in parts
         if part.limit.factor and part.limit.outcome is Outcome.SLIDES and len(part.model.control_area)
     ])  # fmt: skip
@@ -476,7 +483,9 @@ def _ladder(own: Blocks[A], design: A) -> "Ladder":
     unrefined = "" if _refines(solution) else "a flat contact of a section slips as one, and its ends turn it"
     with threadpool_limits(1):  # as the analysis: bands are narrow
         rungs = tuple(_rungs(solution))
-    return Ladder(result, rungs, _others(solution), unrefined)
+    parts = solution.ravelling.parts
+    rest = _balance(parts, at_rest=True) if any(part.limit.width for part in parts) else None
+    return Ladder(result, rungs, _others(solution), unrefined, rest=rest)
 
 
 def _others(solution: SolvedAssembly) -> tuple[float | None, ...]:

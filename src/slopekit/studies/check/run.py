@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.ladders import NormalsRung, Rung
+from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
+from slopekit.preie.balance import Balance
 from slopekit.result import Result
 from slopekit.studies.points import study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Outcome, study
@@ -162,7 +163,7 @@ def check(design: ADesign, *, desk: Desk = DESK) -> Check:
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = tuple(_findings(result, ladder, orders, found.others, found.unrefined))
+    findings = tuple(_findings(result, ladder, orders, found))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
@@ -213,23 +214,20 @@ def _cheapest(
     return min(fit, key=lambda k: ladder[k].seconds, default=None)
 
 
-def _findings(
-    result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], others: tuple[float | None, ...],
-    unrefined: str,
-) -> Iterator[Finding]:  # fmt: skip
-    design, fos = result.design, result.fos
+def _findings(result: Result, ladder: tuple[Rung, ...], orders: tuple[float, ...], found: Ladder) -> Iterator[Finding]:
+    design, fos, others = result.design, result.fos, found.others
     yield _agreement(result)
     if fos.limit is None:
         met = False if result.status == "not_converged" else None
         yield Finding("factor of safety", None, None, met, f"none, by its status: {result.status_text}")
         return
-    yield _convergence(result, ladder, orders, unrefined)
+    yield _convergence(result, ladder, orders, found.unrefined)
     settled = result.model.residual <= design.stop_when
     last = "what it changed of the factor (0: solved exactly)"
     if result.findings is not None:
         last = "how far above the last state at rest the blocks run (0: a limit, no peak)"
     yield Finding("last pass", result.model.residual, design.stop_when, settled, last)
-    yield from _balance(result, fos.limit)
+    yield from _balance(result, found.rest, fos.limit)
     if others:
         off = max((abs(other / fos.limit - 1.0) for other in others if other), default=0.0)
         words = "the same F where strength is doubled, and where it is divided by F" if all(others) else (
@@ -322,8 +320,9 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
         yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
 
 
-def _balance(result: Result, limit: float) -> Iterator[Finding]:
-    balance = result.balance
+def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:
+    """The forces held against loads and strength: at the limit, or where all blocks last rest before it."""
+    balance = rest or result.balance
     if balance is None:
         yield Finding("forces", None, None, None, "none were kept of this limit: nothing to hold it against")
         return
@@ -335,6 +334,11 @@ def _balance(result: Result, limit: float) -> Iterator[Finding]:
                   f"of {balance.node_pairs} node pairs none pulls, none beyond its strength")  # fmt: skip
     # admissible forces that balance at a factor prove that the blocks can be held at every lower one, not at a higher
     short = max(1.0 - balance.factor / limit, 0.0)
+    if rest is not None:
+        within = result.design.agree_within
+        words = f"these forces hold at F = {balance.factor:.6g}, where all blocks last rest: so far below that limit"
+        yield Finding("holds at limit", short, within, short <= within, words)
+        return
     above = balance.factor > limit * (1.0 + _ALIKE)
     words = f"these forces hold at F = {balance.factor:.6g}" + (", above the limit: turning would add" if above else "")
     yield Finding("holds at limit", short, _ALIKE, short <= _ALIKE, words)

@@ -1,8 +1,10 @@
 """What support is asked for, and what it came to: needs by method, patterns, cases, their JSON (a contract)."""
 
 import re
+import textwrap
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from decimal import ROUND_CEILING, Context
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -23,6 +25,7 @@ from slopekit.units import quantity
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
 
+_UP = Context(prec=5, rounding=ROUND_CEILING)
 Which = Literal["best", "given", "practical"]
 Acts = Literal["active", "passive"]
 
@@ -207,6 +210,7 @@ class Case:
     pattern : heads on the face, of the direction that is built; None for others
     bolts : what goes into the design beside the bolts that are there, empty where the target is out of reach
     existing : the bolts that are there
+    lacks : what is reached with `bolts`, where that is not the target
     dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
     """
 
@@ -222,6 +226,7 @@ class Case:
     bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
     dilates: bool = field(default=False, metadata={"json": None})
+    lacks: str = field(default="", metadata={"json": None})
 
     @property
     def reached(self) -> bool:
@@ -256,8 +261,12 @@ class Case:
 
     @property
     def yaml(self) -> str | None:
-        """The same as the text of a design file."""
-        return snippet((*self.existing, *self.bolts)) if self.bolts else None
+        """The same as the text of a design file, whose first lines say so where the bolts do not give the target."""
+        if not self.bolts:
+            return None
+        alone = "" if self.reached else "; what follows is one force through the centroid, no bolts that can be built"
+        said = textwrap.wrap(f"{self.lacks}{alone}", 97) if self.lacks else []
+        return "".join(f"# {line}\n" for line in said) + snippet((*self.existing, *self.bolts))
 
 
 @dataclass(frozen=True, slots=True)
@@ -413,6 +422,18 @@ def bolt_words(bolt: Bolt) -> dict[str, Any]:
     if bolt.length_m is not None:
         words["length"] = bolt.length_m
     return words
+
+
+def written(bolt: Bolt) -> Bolt:
+    """A bolt with the digits that it is written with; its force has five, rounded up: a little more than is needed.
+
+    >>> written(Bolt(118.9495989254, Line(0.0, 10.0), "active")).force_kn
+    118.95
+    """
+    toward = Line(float(f"{bolt.toward.trend_deg:.10g}"), float(f"{bolt.toward.plunge_deg:.10g}"))
+    east, north, up = (round(part, 6) + 0.0 for part in bolt.head_m or (0.0, 0.0, 0.0))
+    force = float(_UP.create_decimal(repr(float(bolt.force_kn))))
+    return replace(bolt, force_kn=force, toward=toward, head_m=None if bolt.head_m is None else (east, north, up))
 
 
 def snippet(bolts: Sequence[Bolt]) -> str:

@@ -38,6 +38,7 @@ from slopekit.studies.support.records import (
     built_way,
     enough,
     read_options,
+    written,
 )
 from slopekit.studies.support.search import (
     Answer,
@@ -53,6 +54,9 @@ _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
 _ROUGH = 1e-3  # on coarse node pairs
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
+_MOST_PUT_BACK = 50  # bolts that are put back as they are written; more of them get a unit more of the last digit
+_RAISED, _MORE, _MOST_MORE = 8, 1.0001, 1.1  # times that their forces are raised; by so much at least, at most
+_CLOSE_M = 1.0  # bolts that stand closer share the rock they hold
 _LAYOUTS = 5  # more force takes more bolts, which stand elsewhere: so many rounds
 
 
@@ -178,12 +182,49 @@ class _Search:
             least = 0.0 if self.dilates else closed.force or 0.0
             case = replace(case, pattern=self._pattern(ways, line, force, least, found.slope))
         if case.pattern is not None and case.pattern.reached:
-            return replace(case, existing=self.site.design.bolts, bolts=self._bolts(ways, line, case.pattern))
-        return (
-            case
-            if case.force is None
-            else replace(case, existing=self.site.design.bolts, bolts=(ways.bolt(line, case.force),))
-        )
+            bolts = self._bolts(ways, line, case.pattern)
+        elif case.force is not None:
+            bolts = (ways.bolt(line, case.force),)
+        else:
+            return case
+        bolts, level = self._put_back(bolts)
+        short = self._short_of_it(case) if not case.reached else ""
+        if level < self.target:
+            short = f"put back they give FoS {level:.4f}"
+        said = f"NOT REACHED, FoS {self.target:g}: {short}" if short else ""
+        return replace(case, existing=self.site.design.bolts, bolts=bolts, lacks=said)
+
+    def _put_back(self, bolts: tuple[Bolt, ...]) -> tuple[tuple[Bolt, ...], float]:
+        """Bolts as they are written, with so much force that their design meets the target when it is read again.
+
+        Returns
+        -------
+        the bolts, and the lower of the levels that the methods give with them
+        """
+        level = math.inf
+        for _ in range(_RAISED):
+            bolts = tuple(written(bolt) for bolt in bolts)
+            if len(bolts) > _MOST_PUT_BACK:
+                return tuple(written(replace(bolt, force_kn=bolt.force_kn * _MORE)) for bolt in bolts), level
+            design = self.site.with_bolts(*bolts)
+            level = pre_ie(design).level
+            level = level if self.dilates else min(level, self.site.closed_form(design).level)
+            if level >= self.target:
+                break
+            rise = level - self.bare_limit.level  # not a number without convergence
+            more = 1.0 + 1.1 * (self.target - level) / rise if rise > 0.0 else _MOST_MORE
+            more = min(max(more, _MORE), _MOST_MORE)
+            bolts = tuple(replace(bolt, force_kn=bolt.force_kn * more) for bolt in bolts)
+        return bolts, level
+
+    def _short_of_it(self, case: Case) -> str:
+        """What is reached where bolts on the face do not give the target, and the codes that say why."""
+        need = case.pattern.need if case.pattern is not None else None
+        codes = ", ".join(dict.fromkeys(notice.code for notice in case.pattern.notices)) if case.pattern else ""
+        if need is not None and need.force is None and need.fos is not None:
+            return f"bolts on the face give FoS {need.fos:.4f} at best ({codes})"
+        bare = self.bare_limit.factor
+        return f"no bolts on the face give it ({codes}), without them {'no FoS' if bare is None else f'FoS {bare:.4f}'}"
 
     def _nowhere(self, ways: BoltDirections, which: Which) -> Notice:
         if not ways.held.has_strength:
@@ -261,6 +302,10 @@ class _Search:
         need = self._need(found, "with the heads on the face")
         lengths = laid.leaves_m + options.bond
         notices = [need.notice] if need.notice is not None else []
+        apart = min([laid.across_m] + [laid.up_m] * (laid.rows > 1))
+        if apart < _CLOSE_M and (len(laid) > 1 or site.in_section):
+            message = f"bolts stand {apart:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
+            notices.append(Notice("W378", f"{message}; stronger bolts (--bolt-capacity) stand farther apart"))
         taken = np.ceil(lengths * 100.0 - 1e-9) / 100.0
         if options.length is not None:
             taken = np.full(len(laid), options.length)
