@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.design.reading import wedge_design
 from slopekit.explanations import explanations
+from slopekit.kinds.wedge.design import wedge_design
 
 DIPS = ("45/115", "45/245")
 HEAD = (0.0, 20.0, 34.0)

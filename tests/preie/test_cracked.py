@@ -10,7 +10,7 @@ import slopekit as sk
 from slopekit.geometry.interfaces import BEDROCK, NodePairs, node_pairs
 from slopekit.geometry.rockmass import J1, J2
 from slopekit.kinds import cut, moments, wedge
-from slopekit.kinds.moments import judge, opens_cohesive
+from slopekit.kinds.moments import limit_by_rules, opens_cohesive
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie.cracked import cracked_base, cracked_limit
@@ -296,7 +296,7 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
     """Neither the plain wedge nor one that has lost all contact on one joint."""
-    monkeypatch.setattr("slopekit.kinds.one_block.judge", judge_never)
+    monkeypatch.setattr("slopekit.kinds.one_block.limit_by_rules", judge_never)
     for water in ((0, 0), (290, 0)):
         result = sk.wedge(dips=("45/105", "70/235"), face="65/185", upper="12/195", water=water)
         assert result.cohesion_under_moments is None
@@ -304,4 +304,4 @@ def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
 
 
 def judge_never(*_: object) -> None:
-    raise AssertionError(judge)
+    raise AssertionError(limit_by_rules)

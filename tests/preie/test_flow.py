@@ -77,6 +77,6 @@ def test_blocks_run_by_the_work_that_they_do_from_where_they_are(monkeypatch) ->
     """From far down the slope they are at rest, when enough strength holds them there."""
     model = model_of_bench(monkeypatch, 1.6)
     bed = Bed(model, Drive(model.load.ravel()))
-    gone = relaxed(bed, bed.elastic_displacement, 1.0 / 0.72, 1.0, far=30.0)
+    gone = relaxed(bed, bed.elastic_displacement, 1.0 / 0.72, 1.0, runs_at=30.0)
     assert gone.ended == "runs"
-    assert relaxed(bed, gone.at, 1.0 / 0.4, 1e-2, far=30.0).ended == "rest"
+    assert relaxed(bed, gone.at, 1.0 / 0.4, 1e-2, runs_at=30.0).ended == "rest"

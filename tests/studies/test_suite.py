@@ -323,7 +323,7 @@ def test_json_is_strict_and_complete(verification) -> None:
     assert document["counts"] == verification.counts
     assert document["exit_code"] == 0
     assert set(document) == {
-        "slopekit", "counts", "judged_by", "exit_code", "sources", "rows", "versions", "timing_s", "sheet",
+        "slopekit", "counts", "judged_by", "exit_code", "sources", "rows", "versions", "timing_s",
     }  # fmt: skip
     for row in document["rows"]:
         assert row["case"] in row["id"]

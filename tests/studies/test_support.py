@@ -621,7 +621,7 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert document.keys() == {
         "slopekit", "study", "kind", "title", "input_sha256", "target_fos", "unit", "reached", "needed", "without",
         "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure", "warnings",
-        "timing_s", "sheet",
+        "timing_s", "line", "sheet",
     }  # fmt: skip
     assert document["bolts"][0].keys() == {
         "acts", "direction", "toward", "reached", "use_kn", "closed_form", "pre_ie", "most_kn", "optimum", "pattern",

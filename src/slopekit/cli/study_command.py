@@ -215,5 +215,5 @@ def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json:
 
 def _named(parameters: Mapping[str, inspect.Parameter], key: str) -> str:
     """The flag of a parameter, for faults."""
-    how = given_by(parameters[key])
+    how = given_by(parameters[key]) if key in parameters else None
     return _flag(key, how if isinstance(how, Option) else Option())

@@ -166,7 +166,6 @@ class Verification(Outcome):
             "rows": [row.to_dict() for row in self.rows],
             "versions": dict(self.versions),
             "timing_s": {"total": self.seconds},
-            **self.words(),
         }
 
 
