@@ -18,6 +18,7 @@ from slopekit.studies import running
 from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob
 from slopekit.studies.prob.estimates import clopper_pearson, share_of, summary_of
+from slopekit.studies.protocol import Desk
 from slopekit.studies.running import Interrupted
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
@@ -347,8 +348,8 @@ def test_the_command(tmp_path) -> None:
     file = tmp_path / "wedge.json.yaml"
     file.write_text(json.dumps(default_wedge(0.8)))
     run = slopekit(
-        "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5", "--near", "0.1%", "--accept", "10%", "--json",
-        "-o", str(tmp_path / "out"),
+        "prob", str(file), "-n", "500", "--fos", "1.5", "--confirm", "5", "--near", "0.1%", "--accept-pf", "10%",
+        "--json", "-o", str(tmp_path / "out"),
     )  # fmt: skip
     assert run.returncode == 1, run.stderr
     found = json.loads(run.stdout)
@@ -367,3 +368,48 @@ def test_the_command(tmp_path) -> None:
     wrong = slopekit("prob", str(file), "-n", "many")
     assert wrong.returncode == 2
     assert wrong.stderr.startswith("E106")
+
+
+def test_what_is_accepted_is_a_probability_and_the_old_word_is_understood(tmp_path) -> None:
+    """`--accept` of `wedge` is a factor of safety, that of `prob` was not: each has a word of its own."""
+    file = tmp_path / "wedge.json.yaml"
+    file.write_text(json.dumps(default_wedge()))
+    few = ("prob", str(file), "-n", "50", "--confirm", "0", "--near", "0", "--quiet")
+    said = [slopekit(*few, word, level) for word in ("--accept-pf", "--accept") for level in ("50%", "0.1%")]
+    assert [run.returncode for run in said] == [0, 1, 0, 1]
+    assert said[0].stdout == said[2].stdout
+    assert "  met" in said[0].stdout
+    factor = slopekit(*few, "--accept", "1.3")
+    assert factor.returncode == 2
+    assert "E307 accept is 1.3" in factor.stderr
+    assert "probability of failure" in factor.stderr
+    assert slopekit(*few, "--accept", "5%", "--accept-pf", "50%").stderr.startswith("E133")
+
+
+def test_samples_csv_has_every_digit_of_every_sample(tmp_path) -> None:
+    """The table of the sheet, its file and its records are the same; the journal goes when all is written."""
+    file = tmp_path / "wedge.json.yaml"
+    file.write_text(json.dumps(WILD))
+    run = slopekit("prob", str(file), "-n", "40", "--confirm", "6", "--near", "0", "-o", str(tmp_path / "out"))
+    assert run.returncode == 0, run.stderr
+    assert {path.name for path in (tmp_path / "out").iterdir()} - {"histogram.png"} == {
+        "prob.json", "prob.txt", "samples.csv"}  # fmt: skip
+    study = prob(load(WILD), 40, confirm=6, near=0.0)
+    table = study.sheet.tables["samples.csv"]
+    assert (tmp_path / "out/samples.csv").read_text(encoding="utf-8") == table.csv()
+    rows = list(csv.DictReader(table.csv().splitlines()))
+    for k, (row, record) in enumerate(zip(rows, table.records(), strict=True)):
+        drawn = [float(row[name]) for name in study.samples.names]
+        assert drawn == study.samples.values[k].tolist() == [record[name] for name in study.samples.names]
+        assert row["outcome"] == study.names[study.outcome[k]]
+        assert (float(row["fos_closed_form"]) if row["fos_closed_form"] else None) == record["fos_closed_form"]
+        assert np.isnan(study.factor[k]) == (row["fos_closed_form"] == "")
+        assert (row["pre_ie_outcome"] != "") == (k in study.confirmation.index)
+
+
+def test_a_journal_is_kept_until_all_is_written(tmp_path) -> None:
+    """With a folder the study leaves it to whoever writes its results; `done` removes it."""
+    study = prob(load(default_wedge()), 6, by="pre-ie", desk=Desk(tmp_path))
+    assert [path.suffix for path in tmp_path.iterdir()] == [".journal"]
+    study.done()
+    assert not list(tmp_path.iterdir())

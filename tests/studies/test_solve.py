@@ -2,9 +2,11 @@
 
 import json
 import math
+import sys
 from dataclasses import replace
 from functools import cache
 from statistics import NormalDist
+from types import ModuleType
 
 import pytest
 
@@ -304,6 +306,7 @@ def test_the_target_may_be_the_acceptance_rule() -> None:
         ("strength.weak.c", {}, "E314"), ("strength.weak.c", {"fos": 0.0}, "E314"),
         ("strength.weak.c", {"fos": math.nan}, "E314"), ("strength.weak.c", {"fos": math.inf}, "E314"),
         ("analysis.refine", {"fos": 1.2}, "E311"), ("strength.weak", {"fos": 1.2}, "E311"), ("c", {"fos": 1.2}, "E310"),
+        ("slope.height", {"fos": 1.2, "n": 30}, "E313"), ("slope.height", {"fos": 1.2, "seed": 1}, "E313"),
         ("slope.height=1:2", {"fos": 1.2, "within": (1, 2)}, "E312"), ("slope.height=2:1", {"fos": 1.2}, "E312"),
     ],
 )  # fmt: skip
@@ -336,6 +339,17 @@ def test_json_is_strict_and_the_same_twice_but_for_times() -> None:
 def test_sheets_are_a_hundred_columns_wide() -> None:
     for key, target in (("support.bolts.0.force", 2.0), ("slope.face.dip", 1.5), ("water.fill", 1.2)):
         assert max(map(len, str(solved("wedge", key, target)).splitlines())) <= 100
+
+
+def test_data_frames_need_pandas_and_a_table(monkeypatch) -> None:
+    """A single answer has no table; without pandas that is said first."""
+    found = solved("wedge", "strength.weak.c", 1.3)
+    for module, code in ((None, "E374"), (ModuleType("pandas"), "E375")):
+        monkeypatch.setitem(sys.modules, "pandas", module)
+        with pytest.raises(DesignError) as caught:
+            found.to_frame()
+        assert caught.value.codes == (code,)
+    assert repr(found) == f"<Solution: {found.line}>"
 
 
 # -- probabilities ----------------------------------------------------------------------------------------------------
@@ -461,6 +475,7 @@ WEDGE_FILE = str(path_of("wedge"))
         (("slope.face", "--fos", "1.2"), 2, "E311 slope.face is an orientation"),
         (("slope.height=10:20ft", "--fos", "1.2"), 2, "E312 slope.height: some values carry a unit"),
         (("slope.height", "--fos", "1.2", "--seed", "3"), 2, "E313 --seed belongs to --pf"),
+        (("slope.height", "--fos", "1.2", "-n", "30"), 2, "E313 -n belongs to --pf"),
         (("slope.height", "--fos", "none"), 2, "E106 --fos is 'none'"),
         (("slope.height", "--pf", "5"), 2, "E314 the target is a probability of failure of 5"),
         (("slope.height", "--pf", "5%"), 2, "E302 nothing in this design scatters"),

@@ -75,9 +75,10 @@ def test_a_curve_from_its_json() -> None:
 
 
 def test_a_contour_and_a_tornado_from_their_json() -> None:
-    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]},
+    grid = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70, 80], "water.fill": [0, 0.5, 1]},
                           methods="closed-form"))  # fmt: skip
     axes = figure_of(draw_contour, grid).axes[0]
+    assert labelled(axes, "computed").tolist() == [point["values"] for point in grid["points"]]
     assert (axes.get_xlim(), axes.get_ylim()) == ((60.0, 80.0), (0.0, 1.0))
     assert axes.get_title().endswith("factor of safety over dip of the face and part of full water")
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("dip of the face (°)", "part of full water")
@@ -91,6 +92,31 @@ def test_a_contour_and_a_tornado_from_their_json() -> None:
     assert widths == pytest.approx([first[end]["closed_form"] - base for end in ("at_low", "at_high")], rel=1e-12)
     assert [text.get_text() for text in axes.texts[:2]] == first["shown"]
     assert (first["key"], axes.get_yticklabels()[0].get_text()) == ("strength.joints.phi", "friction angle of joints")
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_two_values_carry_no_bands(turned) -> None:
+    """A curve for each of them over the other key, whichever is first; every point is marked."""
+    keys = {"slope.face.dip": [60, 70, 80], "water.fill": [0, 1]}
+    grid = plain(sk.sweep(sk.load(WEDGE), dict(reversed(keys.items())) if turned else keys, methods="closed-form"))
+    axes = figure_of(draw_contour, grid).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("dip of the face (°)", "factor of safety (closed form)")
+    assert axes.get_title().endswith("2 values of part of full water carry no contours: drawn as lines")
+    assert not axes.collections
+    drawn = [line for line in axes.lines if line.get_marker() == "o" and len(line.get_xydata()) == 3]
+    for line, fill in zip(drawn, (0.0, 1.0), strict=True):
+        expected = [
+            (dict(zip(([*keys][::-1] if turned else keys), point["values"], strict=True)), point["closed_form"])
+            for point in grid["points"]
+        ]
+        of_it = [[at["slope.face.dip"], fos] for at, fos in expected if at["water.fill"] == fill]
+        assert line.get_xydata().tolist() == of_it
+        assert labelled(axes, f"part of full water {fill:g}") is not None
+    assert labelled(axes, "the design as it is").tolist() == [drawn[0].get_xydata()[0].tolist()]
+    nothing = plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [15, 20], "water.fill": [0, 1]}, methods="closed-form"))
+    with pytest.raises(DesignError) as caught:
+        draw_contour(new_figure("x"), nothing)
+    assert caught.value.codes == ("E273",)
 
 
 def test_many_pictures_of_odd_studies_are_refused_or_drawn() -> None:

@@ -51,7 +51,8 @@ def wedge(
     shear_stiffness: Annotated[str | None, typer.Option(help="kN/m3, or clough-duncan [clough-duncan].")] = None,
     criterion: Annotated[str | None, typer.Option(help="limit, or all-pairs to add the paper's criterion.")] = None,
     accept: Annotated[
-        str | None, typer.Option(help="Smallest factor of safety accepted; exit code 1 below it.")
+        str | None,
+        typer.Option("--accept-fos", "--accept", help="Smallest factor of safety accepted; exit code 1 below it."),
     ] = None,
     agree_within: Annotated[str | None, typer.Option(help="Largest difference of the two methods [1%].")] = None,
     gravity: Annotated[str | None, typer.Option(help="[9.81 m/s2]")] = None,

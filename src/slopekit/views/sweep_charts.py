@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of
 from slopekit.studies.points import Method, Point, factor_at, point_from_record
@@ -31,6 +32,8 @@ _LOW, _HIGH = "#8fb8de", "#1f5a94"
 _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
+_MOST_DOTS = 900  # points of a grid that are marked
+_FEWEST = 3  # values of each key that bands can be drawn between
 _TOO_FEW = "too few points have a factor of safety"
 _NOW: dict[str, Any] = {
     "marker": "*", "markersize": 13, "color": DARK, "markerfacecolor": "white", "linestyle": "none", "clip_on": False,
@@ -138,19 +141,25 @@ def draw_curve(figure: Any, document: Document) -> None:
 
 
 def draw_contour(figure: Any, document: Document) -> None:
-    """The factor over two keys: contours, the levels as thick lines, points without a number as crosses."""
+    """The factor over two keys: contours, the levels as thick lines, points without a number as crosses.
+
+    With less than three values of a key there is nothing to draw bands from: a curve for each of them is drawn instead.
+    """
     import numpy as np
 
     swept = _Swept(document)
     first, second = swept.keys
     method = swept.asked[0]
+    if min(len(key["values"]) for key in swept.keys) < _FEWEST:
+        _draw_lines(figure, swept)
+        return
     lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
     across, down = [value for value, _ in lines[0][1]], [line or 0.0 for line, _ in lines]
     factors = np.array(
         [[np.nan if (f := factor_at(point, method)) is None else f for _, point in points] for _, points in lines]
     )
     finite = factors[np.isfinite(factors) & (factors > 0.0)]
-    if finite.size < 3 or len(across) < 2 or len(down) < 2:
+    if finite.size < _FEWEST:
         nothing(_TOO_FEW)
     axes = figure.subplots()
     from matplotlib.colors import Normalize, TwoSlopeNorm
@@ -191,6 +200,44 @@ def draw_contour(figure: Any, document: Document) -> None:
     what = f"factor of safety over {_words(document, first, 40)} and {_words(document, second, 40)}"
     _finish(figure, axes, swept.document, what, margins=False)
     hide_cut(figure, axes, labels)
+
+
+def _draw_lines(figure: Any, swept: _Swept) -> None:
+    """The factor over the key with more values, a curve for each value of the other."""
+    document, method = swept.document, swept.asked[0]
+    (over, other), lines = swept.keys, sorted(swept.lines(), key=lambda line: line[0] or 0.0)
+    if len(over["values"]) < len(other["values"]):
+        over, other = other, over
+        by_first = zip(*(points for _, points in lines), strict=True)
+        lines = [(column[0][0], [(line or 0.0, point) for (line, _), (_, point) in zip(lines, column, strict=True)])
+                 for column in by_first]  # fmt: skip
+    every = [(value, factor_at(point, method), point) for _, points in lines for value, point in points]
+    numbers = [factor for _, factor, _ in every if factor is not None and 0.0 < factor < math.inf]
+    if not numbers:
+        nothing(_TOO_FEW)
+    axes = figure.subplots()
+    if max(numbers) > _WIDE * min(numbers):
+        logarithmic(axes)
+    own: float | None = None
+    for (value, points), colour in zip(lines, (BLUE, RED), strict=False):
+        drawn = [(at, factor_at(point, method)) for at, point in points]
+        style = {"color": colour, "linewidth": 1.4, "marker": "o", "markersize": 5.0}
+        for stretch in stretches(drawn):
+            axes.plot(*zip(*stretch, strict=True), **style)
+        said = _with_unit(value or 0.0, other["unit"], 6)
+        axes.plot([], [], **style, label=f"{_words(document, other, 40)} {said}")
+        own = _at(over["now"], drawn) if value == other["now"] else own
+    if own is not None:
+        axes.plot([over["now"]], [own], **_NOW)
+    _moments(axes, [(value, point) for value, _, point in every])
+    _levels(axes, swept)
+    _bare(axes, every)
+    axes.set_xlabel(_name(document, over))
+    axes.set_ylabel(f"factor of safety ({METHODS[method]})")
+    few = f"{counted(len(lines), 'value')} of {_words(document, other, 40)} {'carry' if len(lines) > 1 else 'carries'}"
+    _finish(
+        figure, axes, document, f"factor of safety over {_words(document, over, 40)}\n{few} no contours: drawn as lines"
+    )
 
 
 @dataclass(frozen=True)
@@ -355,8 +402,9 @@ def _statuses(axes: Any, swept: _Swept, values: Sequence[float]) -> None:
 def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequence[float], lines: Any) -> None:
     method = swept.asked[0]
     every = [(x, y, point) for y, (_, points) in zip(down, lines, strict=True) for x, point in points]
-    if len(every) <= 900:
-        axes.plot([x for x, _, _ in every], [y for _, y, _ in every], ".", color="#333333", markersize=2.0)
+    if len(every) <= _MOST_DOTS:
+        axes.plot([x for x, _, _ in every], [y for _, y, _ in every], "o", color="white", markersize=3.4, zorder=3,
+                  markeredgecolor=DARK, markeredgewidth=0.8, clip_on=False, label="computed")  # fmt: skip
     bare = [(x, y) for x, y, point in every if (f := factor_at(point, method)) is None or f == 0.0 or math.isinf(f)]
     if bare:
         axes.plot(*zip(*bare, strict=True), "x", color=DARK, markersize=5.0, clip_on=False,

@@ -361,7 +361,8 @@ def _asked(
     ):  # fmt: skip
         if not low <= value <= high:
             message = f"{name} is {number(value)}, it lies between {number(low)} and {number(high)}"
-            advice = "A part of all is written 0.95 or 95%." if name in ("confidence", "accept", "near") else ""
+            advice = "A part of all is written 0.95 or 95%." if name in ("confidence", "near") else ""
+            advice = "It is a probability of failure, 0.05 or 5%, no factor of safety." if name == "accept" else advice
             faults.append(Fault("E307", message, "", advice))
     if faults:
         raise DesignError(faults)
