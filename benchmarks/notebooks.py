@@ -1,0 +1,70 @@
+"""The notebooks of examples/, run from start to end: ``python -m benchmarks.notebooks`` stores what they show.
+
+A test runs them too (`tests/test_examples.py`), with `run`, and compares nothing but that no cell fails.
+"""
+
+import os
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+_SECONDS = 300
+
+
+def notebooks() -> list[Path]:
+    """The notebooks, in order."""
+    return sorted(EXAMPLES.glob("*.ipynb"))
+
+
+def run(path: Path) -> Any:
+    """A notebook with what its cells give, run in a folder of its own beside the data of the examples.
+
+    Raises
+    ------
+    nbclient.exceptions.CellExecutionError
+        A cell fails.
+    """
+    import nbformat
+    from nbclient import NotebookClient
+
+    with TemporaryDirectory() as folder, _found_here():
+        for data in EXAMPLES.glob("*.csv"):
+            shutil.copy(data, folder)
+        notebook = nbformat.read(path, as_version=4)
+        client = NotebookClient(notebook, timeout=_SECONDS, resources={"metadata": {"path": folder}})
+        return client.execute()
+
+
+@contextmanager
+def _found_here() -> Iterator[None]:
+    """The kernel is another process: it looks for packages where this one does."""
+    before = os.environ.get("PYTHONPATH")
+    os.environ["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if path)
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["PYTHONPATH"]
+        else:
+            os.environ["PYTHONPATH"] = before
+
+
+def main() -> None:
+    """Run and store all of them."""
+    import nbformat
+
+    for path in notebooks():
+        made = run(path)
+        for cell in made.cells:
+            cell["metadata"].pop("execution", None)  # when it ran
+        nbformat.write(made, path)
+        print(f"{path.name}: {len(made.cells)} cells, {path.stat().st_size / 1e3:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()
