@@ -36,9 +36,11 @@ EXAMPLES = ROOT / "examples"
 #: Cases that take more than five seconds of processor time.
 HEAVY = ("checks/bench", "checks/paper-ellipsoid", "suite/rows")
 RESULTS = "run {} --quiet --no-pictures -o out"
+#: The functions whose results are kept where an example calls them.
+RECORDED = ("run", "wedge", "prob", "combos", "kinematic", "check", "solve", "support", "sweep", "tornado")
 #: Where a sheet of a study is made, by the function of slopekit that gave it.
 SHEETS = {
-    "run": "sheet.sheet", "wedge": "sheet.sheet", "prob": "probability_sheet.probability_sheet",
+    "prob": "probability_sheet.probability_sheet",
     "combos": "combos_sheet.combos_sheet", "kinematic": "kinematic_sheet.kinematic_sheet",
     "check": "check_sheet.check_sheet", "solve": "solve_sheet.solve_sheet", "support": "support_sheet.support_sheet",
 }  # fmt: skip
@@ -158,12 +160,19 @@ def _content(path: Path) -> Section:
 
 
 def _document(text: str) -> Any:
-    return _without_sheet(json.loads(text))
+    """A document, of a study without its sheet, of a result with the tables of its sheet as they are shown."""
+    document = json.loads(text)
+    if "study" in document:
+        return _without_sheet(document)
+    if isinstance(sheet := document.get("sheet"), dict):
+        document["sheet"] = {label: [entry if isinstance(entry, str) else entry["shown"] for entry in entries]
+                             for label, entries in sheet.items()}  # fmt: skip
+    return document
 
 
 def _without_sheet(document: dict[str, Any]) -> dict[str, Any]:
-    """The JSON of a study without its sheet, which is compared as text."""
-    return {key: value for key, value in document.items() if key not in ("sheet", "line") or "study" not in document}
+    """A document without its sheet, which is compared as text."""
+    return {key: value for key, value in document.items() if key not in ("sheet", "line")}
 
 
 @contextmanager
@@ -215,7 +224,7 @@ _TIMES = re.compile(r"(?<=^slopekit, limit, closed form and bound ).*|(?<=^slope
 @contextmanager
 def _recorded() -> Iterator[list[tuple[str, Any]]]:
     calls: list[tuple[str, Any]] = []
-    before = {name: getattr(sk, name) for name in SHEETS}
+    before = {name: getattr(sk, name) for name in RECORDED}
 
     def recording(name: str) -> Callable[..., Any]:
         def call(*args: Any, **options: Any) -> Any:

@@ -15,6 +15,7 @@ from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, So
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
+    from slopekit.result import Result as Result
     from slopekit.studies.check import check
     from slopekit.studies.support import support
     from slopekit.studies.sweep import Sweep as Sweep
@@ -30,7 +31,7 @@ __all__ = [
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
-_LATER = {"export": "exchange.export", "Sweep": "studies.sweep", "Tornado": "studies.tornado"}
+_LATER = {"Result": "result", "export": "exchange.export", "Sweep": "studies.sweep", "Tornado": "studies.tornado"}
 
 
 def __getattr__(name: str) -> Any:

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
+from slopekit.core.sheet import Section
 from slopekit.design.common import Bolt, Design, Force, Strength
 from slopekit.orientation import Line
 from slopekit.result import Result
@@ -24,15 +24,6 @@ _NUMBERS = re.compile(r"([0-9]+)")
 _FEW_BOLTS = 6
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, slots=True)
-class SheetPart:
-    """A label of the sheet, its entries, and how far folded lines hang in."""
-
-    label: str
-    entries: list[str]
-    hang: int = 3
 
 
 # -- many names ---------------------------------------------------------------------------------------------------
@@ -93,13 +84,13 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
-def size_part(result: Result, heights: str, per: str = "") -> SheetPart:
+def size_part(result: Result, heights: str, per: str = "") -> Section:
     """Height, volume and weight of one block; `per` stands behind the volume."""
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    return SheetPart("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
+    return Section("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
 
 
-def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> SheetPart:
+def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:
     """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts.
 
     Parameters
@@ -114,7 +105,7 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
         few = _FEW_BOLTS if what == "bolt" else len(texts)
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
-    return SheetPart("LOADS", entries or [WEIGHT_ONLY])
+    return Section("LOADS", entries or [WEIGHT_ONLY])
 
 
 def water_in_words(design: Design) -> list[str]:

@@ -3,10 +3,10 @@
 import textwrap
 
 from slopekit._version import __version__
-from slopekit.core.sheet import LABEL, WIDTH, block, factor_text
+from slopekit.core.sheet import LABEL, WIDTH, Section, block, factor_text
+from slopekit.kinds.sheets.many_blocks import limit_in_words
+from slopekit.kinds.sheets.shared import accept, methods
 from slopekit.studies.check import Check, Finding
-from slopekit.views.assembly_sheet import limit_in_words
-from slopekit.views.entries import accept, methods
 
 _MARKS = {True: "ok", False: "NO", None: "--"}
 
@@ -21,7 +21,7 @@ def check_sheet(checked: Check) -> str:
     lines += block("STATUS", [result.status_text])
     lines += block("FoS", _factors(checked))
     lines += block("LOOKED AT", [_finding(finding) for finding in checked.findings], hang=42)
-    lines += block("COLUMNS", methods(result))
+    lines += Section("COLUMNS", methods(result)).lines()
     lines += block("LADDER", _ladder(checked))
     lines += block("CHEAPEST", _cheapest(checked))
     lines += block("ACCEPT", accept(result))

@@ -1,16 +1,31 @@
 """The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
-from slopekit.core.sheet import counted, factor_text
-from slopekit.findings import MOTIONS, AssemblyGeometry, Column, Findings, GoverningInterface, Mechanism
+from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
+from slopekit.findings import MOTIONS, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.findings import Column as GoodmanBray
 from slopekit.kinds import dilates
-from slopekit.kinds.words import SheetPart, first_and_last, in_order, line_in_words, names_in_runs, size_number
+from slopekit.kinds.sheets.shared import (
+    Factor,
+    accept,
+    all_pairs,
+    curved_strength,
+    factors_table,
+    forces,
+    governs,
+    locked_in,
+    methods,
+    series,
+    verdict,
+)
+from slopekit.kinds.words import first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import accept, all_pairs, curved_strength, forces, governs, methods, series, verdict
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -18,6 +33,7 @@ _WAYS = {
     "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
 }  # fmt: skip
 _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
+_FALLS, _UNSETTLED, _STAYS = "none: held by no strength that was tried", "not settled", "none"
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
@@ -36,28 +52,28 @@ _UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "
 _MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
 
 
-def assembly_parts(result: Result, findings: Findings) -> Iterator[SheetPart]:
-    """The parts of the sheet below what was analysed, in order; those without entries print nothing."""
+def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
+    """The sections below what was analysed, in order; those without entries print nothing."""
     order = _order(result)
     first = findings.mechanisms[0] if findings.mechanisms else None
-    yield SheetPart("FORCES", forces(result))
-    yield SheetPart("STATUS", [_status(result, findings, order)])
-    yield SheetPart("FoS", _factors(result))
-    yield SheetPart("STRENGTH", curved_strength(result))
-    yield SheetPart("ALL PAIRS", all_pairs(result))
-    yield SheetPart("ACCEPT", accept(result))
-    yield SheetPart("MOVES", _moves(result, first))
-    yield SheetPart("NEXT", _next(result, findings, order), hang=32)
-    yield SheetPart("BY BLOCK", _by_block(findings, order))
-    yield SheetPart("TABLE", toppling_rows(result, findings.table))
-    yield SheetPart("METHODS", methods(result))
-    yield SheetPart("SERIES", series(result))
-    yield SheetPart("CHECKS", _checks(result, findings, first))
-    yield SheetPart("MODEL", _model(result))
-    yield SheetPart("TIME", [_time(result.timing_s)] if result.timing_s else [])
-    yield SheetPart("GOVERNS", governs(result))
-    yield SheetPart("DEFAULTS", _defaults(result))
-    yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
+    yield Section("FORCES", forces(result))
+    yield Section("STATUS", [_status(result, findings, order)])
+    yield Section("FoS", [factors_table(_factors(result))])
+    yield Section("STRENGTH", curved_strength(result))
+    yield Section("ALL PAIRS", all_pairs(result))
+    yield Section("ACCEPT", accept(result))
+    yield Section("MOVES", _moves(result, first))
+    yield Section("NEXT", _next(result, findings, order), hang=32)
+    yield Section("BY BLOCK", _by_block(findings, order))
+    yield Section("TABLE", toppling_rows(result, findings.table))
+    yield Section("METHODS", methods(result))
+    yield Section("SERIES", series(result))
+    yield Section("CHECKS", _checks(result, findings, first))
+    yield Section("MODEL", _model(result))
+    yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
+    yield Section("GOVERNS", governs(result))
+    yield Section("DEFAULTS", _defaults(result))
+    yield Section("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _order(result: Result) -> dict[str, int]:
@@ -96,44 +112,35 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
     return ", ".join(words)
 
 
-def _factors(result: Result) -> list[str]:
+def _factors(result: Result) -> list[Factor]:
     fos, dilating = result.fos, dilates(result.design)
-    compared = fos.closed_form is not None or result.agree is not None
-    limit = f"{factor_text(fos.limit)}  {limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
-    if fos.limit is None:
-        limit += f": {result.status_text}"
-    entries = [limit]
-    if compared:
-        zero = ", zero dilation" if dilating else ""
-        closed = f"{factor_text(fos.closed_form)}  {result.words.closed_form}{zero}"
-        entries.append(f"{closed}       {verdict(result)}")
+    limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
+    rows = [Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
+    if fos.closed_form is not None or result.agree is not None:
+        closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
+        rows.append(Factor(fos.closed_form, closed, verdict(result)))
     else:
         instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
-        entries.append(f"  none  closed form: {result.words.no_closed_form}{instead}")
+        rows.append(Factor(None, f"closed form: {result.words.no_closed_form}{instead}"))
     if fos.lowest is not None or fos.highest is not None:
-        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
-        entries.append(f"{ends}  same mechanism, whatever forces are locked in")
+        rows.append(locked_in(result))
     elif fos.limit is not None:
-        entries.append("  none  same mechanism, whatever forces are locked in: no range was found")
+        rows.append(Factor(None, "same mechanism, whatever forces are locked in: no range was found"))
     if fos.static_bound is not None:
         above = ""
         if fos.limit:
             more = (fos.static_bound / fos.limit - 1.0) * 100
             above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
         proved = "" if result.static_bound_proved else ", not proved"
-        entries.append(
-            f"{factor_text(fos.static_bound)}  static bound (joints free to dilate; upper bound{proved}){above}"
-        )
+        rows.append(Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}"))
     elif fos.limit is not None:
-        entries.append("  none  static bound: not found")
+        rows.append(Factor(None, "static bound: not found"))
     if fos.all_pairs_failed is not None:
-        entries.append(
-            f"{factor_text(fos.all_pairs_failed)}  all pairs failed (no block is tied to bedrock by sticking pairs; "
-            "depends on the stiffness)"
-        )
+        said = "all pairs failed (no block is tied to bedrock by sticking pairs; depends on the stiffness)"
+        rows.append(Factor(fos.all_pairs_failed, said))
     elif result.design.criterion == "all-pairs":
-        entries.append("  none  all pairs failed: asked for, and not found")
-    return entries
+        rows.append(Factor(None, "all pairs failed: asked for, and not found"))
+    return rows
 
 
 def limit_in_words(result: Result) -> str:
@@ -148,21 +155,23 @@ def limit_in_words(result: Result) -> str:
     return path_in_words(first.basis, ratio, first.fos, first.change)
 
 
-def _moves(result: Result, first: Mechanism | None) -> list[str]:
+def _moves(result: Result, first: Mechanism | None) -> list[Entry]:
     """The first mechanism: the fastest block, the interfaces that govern, the node pairs."""
     if first is None or not first.blocks:
-        return _settles(result)
-    fastest = first.blocks[0]
-    goes = ""
-    if float(np.abs(fastest.displacement).max()) > 0.0:
-        geometry = result.geometry
-        in_section = isinstance(geometry, AssemblyGeometry) and geometry.thickness_m is not None
-        axis = " (x is 090)" if in_section else ""
-        goes = f" toward {line_in_words(line_of(fastest.displacement))}{axis}"
-    entries = [f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}"]
-    entries += _governing(first.interfaces)
-    entries += _pairs(first.pairs_by_mode)
-    return entries + _settles(result)
+        return [*_settles(result)]
+    fastest, toward, geometry = first.blocks[0], _toward(first), result.geometry
+    in_section = isinstance(geometry, AssemblyGeometry) and geometry.thickness_m is not None
+    goes = toward and f" toward {toward}{' (x is 090)' if in_section else ''}"
+    return [
+        f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}", *governing(first.interfaces),
+        *_pairs(first.pairs_by_mode), *_settles(result),
+    ]  # fmt: skip
+
+
+def _toward(one: Mechanism) -> str:
+    """The way that the fastest block of a mechanism goes; "" where it turns alone."""
+    moved = one.blocks[0].displacement if one.blocks else np.zeros(3)
+    return line_in_words(line_of(moved)) if float(np.abs(moved).max()) > 0.0 else ""
 
 
 def _settles(result: Result) -> list[str]:
@@ -175,34 +184,40 @@ def _settles(result: Result) -> list[str]:
     return [f"at full strength {one.block} settles most, by {1e3 * size:.3g} mm (elastic bed: {bed})"]
 
 
-def _governing(interfaces: Sequence[GoverningInterface]) -> list[str]:
+def governing(interfaces: Sequence[GoverningInterface]) -> list[Entry]:
     """The interfaces that govern with their shares; those left out by the rest of the work."""
     if not interfaces:
         return []
     shown = [one for one in interfaces[:_MOST_INTERFACES] if one.share >= _SHARE] or interfaces[:1]
-    wide, joints, modes = (
-        max(map(len, words))
-        for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
-    )
     bolts = any(one.mode == "pull" for one in interfaces)
     lost, by = (
         ("friction, cohesion and bolts", "interface and bolt") if bolts else ("friction and cohesion", "interface")
     )
-    entries = [f"share of the work lost in {lost}, by {by}:"]
-    for one in shown:
-        pressure = f" ({one.normal_kn / one.area_m2:.4g} kPa)" if one.area_m2 else ""
-        sign = "T" if one.mode == "pull" else "N'"
-        entries.append(
-            f"{one.share * 100:5.1f} %  {one.name:<{wide}}  {one.joint:<{joints}}  "
-            f"{_MODES.get(one.mode, one.mode):<{modes}}  {sign} {size_number(one.normal_kn)} kN{pressure}"
-        )
-    rest = 1.0 - sum(one.share for one in shown)
-    if rest > _WHOLE:
+    wide, joints, modes = (
+        2 + max(map(len, words))
+        for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
+    )
+    columns: list[Column[GoverningInterface]] = [
+        Column("share", attrgetter("share"), "share", show=lambda share: f"{share * 100:.1f} %", width=7),
+        Column(by, attrgetter("name"), "name", width=-wide, about="  {}"),
+        Column("joint", attrgetter("joint"), "joint", width=-joints, about="  {}"),
+        Column("mode", attrgetter("mode"), "mode", "", lambda mode: _MODES.get(mode, mode), -modes, about="  {}"),
+        Column("of", lambda one: "T" if one.mode == "pull" else "N'", width=1, about="  {}"),
+        Column("force", attrgetter("normal_kn"), "normal_kn", "kN", size_number, 1, about=" {} kN"),
+        Column("mean stress", lambda one: one.normal_kn / one.area_m2 if one.area_m2 else None, "stress_kpa", "kPa",
+               ".4g", 1, about=" ({} kPa)"),
+    ]  # fmt: skip
+    rest = ""
+    left = 1.0 - sum(one.share for one in shown)
+    if left > _WHOLE:
         are_all = sum(one.share for one in interfaces) > 1.0 - _WHOLE
         which = f"and {len(interfaces) - len(shown)} more" if are_all else "the others"
-        share = f"{rest * 100:5.1f}" if rest >= _SHARE else f"{'< 0.1':>5}"
-        entries.append(f"{share} %  ... {which} together")
-    return entries
+        share = f"{left * 100:5.1f}" if left >= _SHARE else f"{'< 0.1':>5}"
+        rest = f"{share} %  ... {which} together"
+    return [
+        f"share of the work lost in {lost}, by {by}:",
+        Table(columns, interfaces, shown, rest, headless=True),
+    ]
 
 
 def _pairs(by_mode: Mapping[str, int]) -> list[str]:
@@ -217,32 +232,46 @@ def _pairs(by_mode: Mapping[str, int]) -> list[str]:
 # -- what comes after -----------------------------------------------------------------------------------------------
 
 
-def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A mechanism of a sequence and its number."""
+
+    number: int
+    mechanism: Mechanism
+    what: str
+
+
+def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The mechanisms in the order in which they happen, and what is left."""
     mechanisms = findings.mechanisms
     left = [findings.standing] if findings.standing else []
     if len(mechanisms) < 2:
-        return left
+        return [*left]
     highest: float | None = None
     rows = []
     for k, one in enumerate(mechanisms, 1):
         at_once = k > 1 and _follows_at_once(one, highest)
-        bound = "none" if one.static_bound is None else factor_text(one.static_bound)
         text = _motions(one, order)
         if one.fos is None or not text:
             text = _joined(result.words.status(one.status), text)
-        way = _WAYS.get(one.status, one.status)
-        rows.append(f"{k:>3}{factor_text(one.fos):>9}{bound:>9}  {way:<8} " + ("at once: " if at_once else "") + text)
+        rows.append(_Step(k, one, ("at once: " if at_once else "") + text))
         highest = one.fos if highest is None else max(highest, one.fos or highest)
-    shown, between, last = first_and_last(rows, _FIRST_MECHANISMS, _LAST_MECHANISMS)
-    entries = ["  n      FoS    bound  mode     what fails, once all that failed before is taken away", *shown]
-    if between:
-        hidden = mechanisms[len(shown) : len(shown) + between]
-        blocks = sum(len(one.blocks) for one in hidden)
-        factors = [one.fos for one in hidden if one.fos is not None]
-        within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
-        entries.append(f"... {between} more: {counted(blocks, 'block')}{within} ...")
-    return [*entries, *last, *left]
+    columns: list[Column[_Step]] = [
+        Column("n", attrgetter("number"), "n", width=3),
+        Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
+        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=9,
+               show=lambda bound: "none" if bound is None else factor_text(bound)),
+        Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
+               about="  {}"),
+        Column("what fails, once all that failed before is taken away", attrgetter("what"), "what", width=1),
+        Column("the fastest toward", lambda row: _toward(row.mechanism), "toward"),
+    ]  # fmt: skip
+    table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
+    hidden = [row.mechanism for row in table.left_out]
+    factors = [one.fos for one in hidden if one.fos is not None]
+    within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
+    blocks = counted(sum(len(one.blocks) for one in hidden), "block")
+    return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ..."), *left]
 
 
 def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
@@ -252,8 +281,48 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     return highest is not None and one.fos <= highest * (1.0 + _SAME)
 
 
-def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """Blocks that fail at one factor, or have none for the same reason."""
+
+    shown: str
+    factor: float | None
+    names: list[str]
+
+
+def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The lowest factors with the blocks that fail at them; without a number last."""
+    groups = _together(findings, order)
+    columns: list[Column[_Together]] = [
+        Column("factor", attrgetter("factor"), "factor", text=attrgetter("shown")),
+        Column("blocks", lambda row: len(row.names), "blocks"),
+        Column("which", attrgetter("names"), show=lambda names: names_in_runs(names, 6)),
+    ]
+    rest = "none: stays, or its mechanism was not asked for." if any(row.shown == _STAYS for row in groups) else ""
+    return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
+
+
+def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
+    """Blocks by their factors, the lowest first, then those without a number and why."""
+    found: dict[str, tuple[str, float | None]] = {}
+    for name, factor in findings.factor_by_block.items():
+        found[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
+    for one in findings.mechanisms:
+        told = (_UNSETTLED, None) if one.status == "not_converged" else (
+            (_FALLS, None) if one.fos is None else (factor_text(one.fos).strip(), one.fos))  # fmt: skip
+        for block in one.blocks:
+            if told[0] == _UNSETTLED or found.get(block.name, (_STAYS,))[0] == _STAYS:
+                found[block.name] = told
+    groups: dict[str, _Together] = {}
+    for name in in_order(found, order):
+        shown, factor = found[name]
+        groups.setdefault(shown, _Together(shown, factor, [])).names.append(name)
+    without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
+    return sorted(groups.values(), key=lambda row: (row.factor is None, row.factor or 0.0,
+                                                    row.factor is None and without.index(row.shown)))  # fmt: skip
+
+
+def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
     groups: dict[str, list[str]] = {}
     numbers: dict[str, float] = {}
     for name, factor in findings.factor_by_block.items():
@@ -262,7 +331,7 @@ def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
         if factor is not None:
             numbers[shown] = factor
     if len(groups) < 2:
-        return []  # STATUS has said it
+        return ""  # STATUS has said it
     lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
     parts = [f"{shown} {names_in_runs(in_order(groups.pop(shown), order), 2)}" for shown in lowest]
     without = groups.pop("none", [])
@@ -271,7 +340,7 @@ def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
         parts.append(f"... and {counted(blocks, 'block')} up to {factor_text(max(numbers.values()))}")
     if without:
         parts.append(f"without a number {names_in_runs(in_order(without, order), 2)}")
-    return [" | ".join(parts)]
+    return " | ".join(parts)
 
 
 # -- the evidence ---------------------------------------------------------------------------------------------------
@@ -351,41 +420,42 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
     return f"peak of {path}: last state at rest{runs}"
 
 
-def toppling_rows(result: Result, table: Sequence[Column]) -> list[str]:
+def toppling_rows(result: Result, table: Sequence[GoodmanBray]) -> list[Entry]:
     """Goodman & Bray's rows from the highest column down to the toe, with PRE-IE's mode beside theirs."""
     if not table:
         return []
     factor = result.fos.limit or result.fos.closed_form
     at = f"strength divided by {factor_text(factor)}" if factor else "strength as given"
     by_number = sorted(table, key=lambda column: column.n)
-    rows = [_row(column) for column in reversed(by_number)]
-    shown, between, last = (rows, 0, ()) if len(rows) <= _MOST_ROWS else first_and_last(rows, _FIRST_ROWS, _LAST_ROWS)
-    entries = [
-        f"Goodman & Bray's columns, {at}; y, M, L in m, P in kN (R and S on the bases: --json)",
-        f"{'n':>4}{'y':>8}{'M':>8}{'L':>8}{'P_topple':>12}{'P_slide':>12}{'P':>12}  {'mode':<7} | PRE-IE",
-        *shown,
-    ]
-    if between:
-        entries.append(f" ... {between} columns left out here (--json has them) ...")
+    columns: list[Column[GoodmanBray]] = [
+        Column("n", attrgetter("n"), "n", width=4),
+        *(Column(title, attrgetter(own), f"{title}_m", "m", _cell, 8)
+          for title, own in (("y", "y"), ("M", "m"), ("L", "l"))),
+        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell, 12)
+          for title, own in (("P_topple", "p_topple"), ("P_slide", "p_slide"), ("P", "p"))),
+        Column("mode", attrgetter("mode"), "mode", width=-9, about="  {}"),
+        Column("PRE-IE", attrgetter("mode_preie"), "mode_preie", width=1, about=" | {}"),
+        Column("", lambda row: row.mode != row.mode_preie, show=lambda differs: "<" if differs else "", width=1,
+               about="  {}"),
+        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell) for title, own in (("R", "r"), ("S", "s"))),
+    ]  # fmt: skip
+    whole = Table(columns, by_number[::-1], ends=(_FIRST_ROWS, _LAST_ROWS) if len(table) > _MOST_ROWS else None)
     alike = sum(column.mode == column.mode_preie for column in table)
     different = [f"C{column.n}" for column in by_number if column.mode != column.mode_preie]
     where = f"; not in {names_in_runs(different)}" if different else ""
-    words = f"the modes are the same in {alike} of {len(table)} columns{where}"
     unbounded = any(abs(value) == np.inf for column in table for value in (column.p_topple, column.p_slide) if value)
-    note = ["∞: with sides that rough no force between two columns makes a difference"] if unbounded else []
-    return [*entries, *last, words, *note]
+    return [
+        f"Goodman & Bray's columns, {at}; y, M, L in m, P in kN (R and S on the bases: --json)",
+        replace(whole, rest=f" ... {len(whole.left_out)} columns left out here (--json has them) ..."
+                if whole.left_out else ""),
+        f"the modes are the same in {alike} of {len(table)} columns{where}",
+        *(["∞: with sides that rough no force between two columns makes a difference"] if unbounded else []),
+    ]  # fmt: skip
 
 
-def _row(column: Column) -> str:
-    lengths = "".join(f"{_cell(value, 2):>8}" for value in (column.y, column.m, column.l))
-    forces = "".join(f"{_cell(value, 2):>12}" for value in (column.p_topple, column.p_slide, column.p))
-    differs = "" if column.mode == column.mode_preie else "  <"
-    return f"{column.n:>4}{lengths}{forces}  {column.mode:<7} | {column.mode_preie}{differs}"
-
-
-def _cell(value: float | None, digits: int) -> str:
+def _cell(value: float | None) -> str:
     if value is None or np.isnan(value):
         return "-"
     if np.isinf(value):
         return "∞" if value > 0.0 else "-∞"
-    return f"{value:.{digits}f}" if abs(value) < 1e8 else f"{value:.5g}"
+    return f"{value:.2f}" if abs(value) < 1e8 else f"{value:.5g}"
