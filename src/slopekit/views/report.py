@@ -31,12 +31,13 @@ _SECTIONS = {
     "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
 }  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
-#: Tables of a section by its label, as the page calls them.
+#: The tables of a section by its label, as the page calls them one after the other.
 _CAPTIONS = {
-    "FoS": "Factors of safety", "BOLTS": "Schedule", "FORCES": "On the joints", "MOVES": "What governs",
-    "NEXT": "Mechanisms in order", "BY BLOCK": "Factor by block", "TABLE": "Goodman & Bray's columns",
-    "ALL PAIRS": "All-pairs search", "SERIES": "By strength reduction factor", "COLUMNS": "Methods of columns",
-    "METHODS": "Methods of columns", "GOVERNS": "What changes the factor most",
+    "FoS": ("Factors of safety",), "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
+    "MOVES": ("What governs",), "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
+    "TABLE": ("Goodman & Bray's columns",),
+    "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
+    "METHODS": ("Methods of columns",), "GOVERNS": ("What changes the factor most",),
 }  # fmt: skip
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
@@ -203,7 +204,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     title, inputs = words_named(str(document["kind"])).title, document["inputs"]
     has_methods = bool(document["methods"])  # the methods of columns, not the columns of a topple, are called so
     sections = {
-        part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, "")))) for label in labels
+        part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, ())))) for label in labels
                if _entries(sheet, label) and (label != "COLUMNS" or has_methods)]
         for part, labels in _SECTIONS.items()
     }  # fmt: skip
@@ -215,7 +216,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "notices": [(one["code"], one["message"]) for one in document["warnings"]],
         "slope": [(label.lower(), _entries(sheet, label)) for label in _SLOPE if _entries(sheet, label)
                   and (label != "COLUMNS" or not has_methods)],
-        "inputs": list(input_tables(inputs)), "force_notes": force_notes(document),
+        "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
         "movement": [one for one in (tables.motion_table(document),) if one is not None],
         "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),

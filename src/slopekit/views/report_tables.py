@@ -1,6 +1,6 @@
 """Tables of a result's page: those of the sheet as they are, and of the document what the sheet has no room for."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,9 @@ Document = Mapping[str, Any]
 _MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
-def parts(entries: Iterable[Any], caption: str = "") -> Iterator[Table | str]:
+def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Table | str]:
     """The entries of a section of a sheet: texts, and tables without the columns that have nothing in them."""
+    left = iter(captions)
     for entry in entries:
         if isinstance(entry, str):
             yield entry
@@ -28,8 +29,7 @@ def parts(entries: Iterable[Any], caption: str = "") -> Iterator[Table | str]:
             heads = tuple(_head(entry["columns"][k]) for k in kept)
             cells = tuple(tuple(str(row[k]) for k in kept) for row in rows)
             texts = [all(isinstance(row[k], str) for row in entry["rows"]) for k in kept]
-            yield Table(caption, heads, cells, entry["rest"], left=[*texts, False].index(False))
-            caption = ""
+            yield Table(next(left, ""), heads, cells, entry["rest"], left=[*texts, False].index(False))
 
 
 def _head(column: Mapping[str, Any]) -> str:
@@ -62,7 +62,7 @@ def later_mechanisms(document: Document) -> Iterator[Table | str]:
     for k, one in enumerate((document["assembly"] or {"mechanisms": ()})["mechanisms"][:_MOST_MECHANISMS], 1):
         if k > 1:
             found = Section("", governing([from_json(GoverningInterface, own) for own in one["interfaces"]]))
-            yield from parts(found.to_list(), f"Interfaces that govern mechanism {k}")
+            yield from parts(found.to_list(), [f"Interfaces that govern mechanism {k}"])
 
 
 def check_tables(document: Document) -> Iterator[Table]:

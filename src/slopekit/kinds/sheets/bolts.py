@@ -52,21 +52,21 @@ def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
 def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
     """The schedule: metres to the millimetre; CSV has degrees to a hundredth, kN to a thousandth; empty: not given."""
     columns: list[Column[ScheduledBolt]] = [
-        Column("no.", attrgetter("number"), "number"),
+        Column("no.", attrgetter("number"), "number", width=1),
         *(_place(k, *named) for k, named in enumerate((("E", "east_m"), ("N", "north_m"), ("Z", "z_m")))),
-        Column("length / m", lambda one: _rounded(one.length_m, 3), "length_m", "m", _millimetre_or_dash, exact=".3f"),
+        Column("length / m", lambda one: _rounded(one.length_m, 3), "length_m", "m", _millimetre_or_dash, 1, ".3f"),
         Column("", lambda one: _rounded(one.trend_deg % 360.0, 2), "trend_deg", "°", exact=".2f"),
         Column("", lambda one: _rounded(one.plunge_deg, 2), "plunge_deg", "°", exact=".2f"),
-        Column("trend/plunge", attrgetter("toward")),
-        Column("kN", lambda one: _rounded(one.force_kn, 3), "force_kn", "kN", lambda kn: _plain(kn, 1), exact=".3f"),
+        Column("trend/plunge", attrgetter("toward"), width=1),
+        Column("kN", lambda one: _rounded(one.force_kn, 3), "force_kn", "kN", lambda kn: _plain(kn, 1), 1, ".3f"),
         Column("", attrgetter("slice_m"), "slice_m", "m", exact="g"),
-        Column("acts", attrgetter("acts"), "acts"),
-        Column("", attrgetter("block"), "block"),
+        Column("acts", attrgetter("acts"), "acts", width=1),
+        Column("block", attrgetter("block"), "block"),
     ]
     table = Table(columns, bolts, ends=(_FIRST, _LAST))
     left = table.left_out
     seen = [*bolts[:_FIRST], *bolts[-_LAST:]] if left else bolts
-    wide = [max(map(len, (one.title, *map(one.shown, seen)))) + 2 * (k > 0) if one.title else 0
+    wide = [max(map(len, (one.title, *map(one.shown, seen)))) + 2 * (k > 0) if one.width else 0
             for k, one in enumerate(columns)]  # fmt: skip
     columns = [replace(one, width=width) for one, width in zip(columns, wide, strict=True)]
     return replace(table, columns=columns, rest=f"... {len(left)} more, all of them in {FILE} (-o DIR)")
@@ -75,8 +75,7 @@ def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
 def _place(k: int, letter: str, key: str) -> Column[ScheduledBolt]:
     """A coordinate of the heads."""
     return Column(
-        f"{letter} / m", lambda one: one.head_m and _rounded(one.head_m[k], 3), key, "m", _millimetre_or_dash,
-        exact=".3f",
+        f"{letter} / m", lambda one: one.head_m and _rounded(one.head_m[k], 3), key, "m", _millimetre_or_dash, 1, ".3f",
     )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ def forces(result: Result) -> list[Entry]:
     ]
     whole = [("weight", found.weight), ("driving, along the slide", found.driving), ("resisting", found.resisting)]
     sums: list[Column[tuple[str, float | None]]] = [
-        Column("as a whole", itemgetter(0)),
+        Column("load", itemgetter(0)),
         Column("force", itemgetter(1), unit="kN", show=size_number),
     ]
     return [
