@@ -23,7 +23,6 @@ from benchmarks.fuzz_seeds import SEEDS, write_files
 from benchmarks.golden_text import Section, lines_of, text_of
 from slopekit.design.templates import folder as templates_folder
 from slopekit.design.templates import names
-from slopekit.studies.protocol import STUDIES, VARIANTS
 from slopekit.studies.suite import suite
 from slopekit.studies.suite.references import chosen
 from tests.commands import slopekit
@@ -36,10 +35,8 @@ EXAMPLES = ROOT / "examples"
 #: Cases that take more than five seconds of processor time.
 HEAVY = ("checks/bench", "checks/paper-ellipsoid", "suite/rows")
 RESULTS = "run {} --quiet --no-pictures -o out"
-#: Where the sheet of what does not show itself is made, by the function of slopekit that gave it.
-SHEETS = {
-    "run": "sheet.sheet", "wedge": "sheet.sheet",
-}  # fmt: skip
+#: The functions whose results are kept where an example calls them.
+RECORDED = ("run", "wedge", "prob", "combos", "kinematic", "check", "solve", "support", "sweep", "tornado")
 #: Rows of the suite: what stands in verification.json already is left out.
 ROW = ("value", "status", "closed_form", "limit", "static_bound", "error", "ok", "reason")
 _TEXTS = (".txt", ".csv", ".yaml", ".obj", ".md")
@@ -156,12 +153,19 @@ def _content(path: Path) -> Section:
 
 
 def _document(text: str) -> Any:
-    return _without_sheet(json.loads(text))
+    """A document, of a study without its sheet, of a result with the tables of its sheet as they are shown."""
+    document = json.loads(text)
+    if "study" in document:
+        return _without_sheet(document)
+    if isinstance(sheet := document.get("sheet"), dict):
+        document["sheet"] = {label: [entry if isinstance(entry, str) else entry["shown"] for entry in entries]
+                             for label, entries in sheet.items()}  # fmt: skip
+    return document
 
 
 def _without_sheet(document: dict[str, Any]) -> dict[str, Any]:
-    """The JSON of a study without its sheet, which is compared as text."""
-    return {key: value for key, value in document.items() if key not in ("sheet", "line") or "study" not in document}
+    """A document without its sheet, which is compared as text."""
+    return {key: value for key, value in document.items() if key not in ("sheet", "line")}
 
 
 @contextmanager
@@ -191,18 +195,10 @@ def _example(name: str) -> Callable[[Path], Answer]:
         answer = {"printed": [_TIMES.sub("#", line) for line in text_of(out.getvalue())]}
         for k, (call, result) in enumerate(calls, start=1):
             answer[f"{k} {call} values"] = lines_of(_without_sheet(result.to_dict()))
-            answer[f"{k} {call} sheet"] = text_of(_sheet(call, result))
+            answer[f"{k} {call} sheet"] = text_of(str(result))
         return answer
 
     return run
-
-
-def _sheet(call: str, result: Any) -> str:
-    if call not in SHEETS:
-        return str(result)
-    module, function = SHEETS[call].split(".")
-    text: str = getattr(import_module(f"slopekit.views.{module}"), function)(result)
-    return text
 
 
 #: Of the first example: its table of times, and the machine they were taken on.
@@ -213,7 +209,7 @@ _TIMES = re.compile(r"(?<=^slopekit, limit, closed form and bound ).*|(?<=^slope
 @contextmanager
 def _recorded() -> Iterator[list[tuple[str, Any]]]:
     calls: list[tuple[str, Any]] = []
-    before = {name: getattr(sk, name) for name in dict.fromkeys((*SHEETS, *STUDIES, *VARIANTS))}
+    before = {name: getattr(sk, name) for name in RECORDED}
 
     def recording(name: str) -> Callable[..., Any]:
         def call(*args: Any, **options: Any) -> Any:

@@ -12,9 +12,9 @@ import trimesh
 import slopekit as sk
 from slopekit.block_scene import BlockScene
 from slopekit.bolts import nearest, plates, rods
+from slopekit.core.sheet import Section
+from slopekit.kinds.sheets.bolts import millimetre, schedule, schedule_entries
 from slopekit.orientation import parse_plane
-from slopekit.views.bolt_schedule import millimetre, schedule, schedule_csv, schedule_lines
-from slopekit.views.sheet import document_of, sheet
 from tests.bolted import WEDGE, bolt, bolted
 
 
@@ -100,7 +100,7 @@ def test_rods_and_plates_are_closed_and_in_place() -> None:
 def test_the_schedule_is_the_designs(name) -> None:
     """Every number of the CSV against the design, to the digits that it has; the sheet has the first and the last."""
     result = bolted(name)
-    rows = list(csv.DictReader(io.StringIO(schedule_csv(schedule(result.to_dict())))))
+    rows = list(csv.DictReader(io.StringIO(result.sheet.tables["bolts.csv"].csv())))
     assert [int(row["number"]) for row in rows] == list(range(1, len(result.design.bolts) + 1))
     for row, given in zip(rows, result.design.bolts, strict=True):
         place = [row[key] for key in ("east_m", "north_m", "z_m")]
@@ -114,7 +114,9 @@ def test_the_schedule_is_the_designs(name) -> None:
         assert float(row["trend_deg"]) == pytest.approx(given.toward.trend_deg % 360.0, abs=5e-3)
         assert float(row["plunge_deg"]) == pytest.approx(given.toward.plunge_deg, abs=5e-3)
         assert (row["acts"], row["slice_m"]) == (given.acts, "1" if name == "plane" else "")
-    lines = document_of(result)["sheet"]["BOLTS"]
+    (section,) = (one for one in result.sheet.sections if one.label == "BOLTS")
+    lines = section.lines()
+    lines = [line[10:] for line in lines]
     assert len(lines) <= 10
     assert all(len(line) <= 90 for line in lines)
     shown = [line.split()[0] for line in lines if line.strip()[0].isdigit()]
@@ -123,21 +125,21 @@ def test_the_schedule_is_the_designs(name) -> None:
     assert shown == [str(number) for number in wanted]
     if count > 8:
         assert f"... {count - 7} more" in lines[6]
-    assert max(map(len, sheet(result).splitlines())) <= 100
+    assert max(map(len, str(result).splitlines())) <= 100
 
 
 def test_words_of_the_schedule() -> None:
     three = schedule(bolted("three").to_dict())
-    lines = schedule_lines(three)
-    assert lines[-1] == "bolt 3 has no head and is not drawn: a force through the centroid"
+    lines = Section("", schedule_entries(three)).lines()
+    assert lines[-1].strip() == "bolt 3 has no head and is not drawn: a force through the centroid"
     assert lines[1].split() == ["1", "0.000", millimetre(5.0 / math.tan(math.radians(65.0))), "5.000", "20.000",
                                 "000.0/5.0", "300.0", "active"]  # fmt: skip
     assert lines[2].split()[4] == "-"  # no length
-    assert schedule_lines(three[2:]) == []  # no place, no table
-    assert schedule_lines(schedule(bolted("plane").to_dict()))[-1] == "a section: forces are those on 1 m of slope"
+    assert schedule_entries(three[2:]) == []  # no place, no table
+    assert schedule_entries(schedule(bolted("plane").to_dict()))[-1] == "a section: forces are those on 1 m of slope"
 
 
 def test_loads_list_six_bolts_and_how_many_more() -> None:
-    loads = document_of(bolted("pattern"))["sheet"]["LOADS"]
+    loads = bolted("pattern").to_dict()["sheet"]["LOADS"]
     assert len(loads) == 7
     assert loads[-1] == "... and 42 more bolts"

@@ -15,6 +15,7 @@ from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, So
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
+    from slopekit.result import Result as Result
     from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
@@ -44,7 +45,8 @@ __all__ = [
 _LATER = {
     "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
-    "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
+    "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
+    "Tornado": "studies.tornado",
 }  # fmt: skip
 
 

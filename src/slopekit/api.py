@@ -236,12 +236,8 @@ def report(
 
 def _document(source: Any) -> "Mapping[str, Any]":
     """The JSON of anything that has one."""
-    from slopekit.result import Result
     from slopekit.views.plots import document_file, read_document
-    from slopekit.views.sheet import document_of
 
-    if isinstance(source, Result):
-        return document_of(source)
     if isinstance(source, Mapping):
         return source
     if callable(own := getattr(source, "to_dict", None)):

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints
 from slopekit.block_scene import Shapes, Solids, closed, contacts_of, prism
+from slopekit.core.codec import NO_JSON
 
 
 class Geometry(Protocol):
@@ -28,10 +29,6 @@ class Geometry(Protocol):
         """Area of each interface."""
         ...
 
-    def to_dict(self) -> dict[str, Any]:
-        """The geometry as JSON values."""
-        ...
-
     def shapes(self, block: str) -> Shapes:
         """The blocks and interfaces as they are drawn; `block` is what the one block of a kind is called."""
         ...
@@ -47,24 +44,18 @@ class WedgeGeometry:
     volume_m3: float
     total_height_m: float
     areas_m2: Mapping[str, float]
-    line_trend_deg: float
-    line_plunge_deg: float
+    line_trend_deg: float = field(metadata=NO_JSON)
+    line_plunge_deg: float = field(metadata=NO_JSON)
     line_length_m: float
     corners_m: Mapping[str, Floats]
     centroid_m: Floats
-    faces_m: Mapping[str, Floats] = field(repr=False)
+    faces_m: Mapping[str, Floats] = field(repr=False, metadata=NO_JSON)
+    JSON_ALSO: ClassVar = ("line",)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The geometry as JSON values."""
-        return {
-            "volume_m3": self.volume_m3,
-            "total_height_m": self.total_height_m,
-            "areas_m2": dict(self.areas_m2),
-            "line": {"trend_deg": self.line_trend_deg, "plunge_deg": self.line_plunge_deg},
-            "line_length_m": self.line_length_m,
-            "corners_m": {name: point.tolist() for name, point in self.corners_m.items()},
-            "centroid_m": self.centroid_m.tolist(),
-        }
+    @property
+    def line(self) -> dict[str, float]:
+        """The line of intersection."""
+        return {"trend_deg": self.line_trend_deg, "plunge_deg": self.line_plunge_deg}
 
     def shapes(self, block: str) -> Shapes:
         """The wedge, its faces by name; its joints are the interfaces."""
@@ -89,22 +80,17 @@ class SectionGeometry:
     areas_m2: Mapping[str, float]
     outline_m: Floats
     centroid_m: Floats
-    crack_depth_m: float | None = None
-    crack_distance_m: float | None = None
-    axes: Floats = field(default_factory=lambda: np.eye(3), repr=False)
+    crack_depth_m: float | None = field(default=None, metadata=NO_JSON)
+    crack_distance_m: float | None = field(default=None, metadata=NO_JSON)
+    axes: Floats = field(default_factory=lambda: np.eye(3), repr=False, metadata=NO_JSON)
+    thickness_m: ClassVar = 1.0
+    JSON_ALSO: ClassVar = ("thickness_m", "crack")
 
-    def to_dict(self) -> dict[str, Any]:
-        """The geometry as JSON values."""
-        return {
-            "volume_m3": self.volume_m3,
-            "total_height_m": self.total_height_m,
-            "areas_m2": dict(self.areas_m2),
-            "thickness_m": 1.0,
-            "outline_m": self.outline_m.tolist(),
-            "centroid_m": self.centroid_m.tolist(),
-            "crack": None if self.crack_depth_m is None else {
-                "depth_m": self.crack_depth_m, "distance_m": self.crack_distance_m,
-            },
+    @property
+    def crack(self) -> dict[str, float | None] | None:
+        """The tension crack, None without one."""
+        return None if self.crack_depth_m is None else {
+            "depth_m": self.crack_depth_m, "distance_m": self.crack_distance_m,
         }  # fmt: skip
 
     def shapes(self, block: str) -> Shapes:
@@ -130,26 +116,12 @@ class SurfaceGeometry:
     centroid_m: Floats
     edge_m: float
     normals: str
-    motions: int
-    misfit_deg: float
-    pieces_m3: tuple[float, ...]
-    vertices_m: Floats = field(repr=False)
-    triangles: Ints = field(repr=False)
-    on_slip: Bools = field(repr=False)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The geometry as JSON values."""
-        return {
-            "volume_m3": self.volume_m3,
-            "total_height_m": self.total_height_m,
-            "areas_m2": dict(self.areas_m2),
-            "centroid_m": self.centroid_m.tolist(),
-            "edge_m": self.edge_m,
-            "normals": self.normals,
-            "slip_motions": self.motions,
-            "normals_turned_deg": self.misfit_deg,
-            "other_pieces_m3": list(self.pieces_m3),
-        }
+    motions: int = field(metadata={"json": "slip_motions"})
+    misfit_deg: float = field(metadata={"json": "normals_turned_deg"})
+    pieces_m3: tuple[float, ...] = field(metadata={"json": "other_pieces_m3"})
+    vertices_m: Floats = field(repr=False, metadata=NO_JSON)
+    triangles: Ints = field(repr=False, metadata=NO_JSON)
+    on_slip: Bools = field(repr=False, metadata=NO_JSON)
 
     def shapes(self, block: str) -> Shapes:
         """The mass; every triangle of the slip surface is a piece of its interface."""

@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
+from slopekit.core.codec import NO_JSON
 from slopekit.geometry.welding import welded
 
 #: How a block can move, in words.
@@ -76,31 +77,6 @@ class Mechanism:
     pairs_by_mode: Mapping[str, int]
     basis: str = "none"
 
-    def to_dict(self) -> dict[str, Any]:
-        """The mechanism as JSON values."""
-        return {
-            "status": self.status,
-            "fos": self.fos,
-            "static_bound": self.static_bound,
-            "change": self.change,
-            "basis": self.basis,
-            "blocks": [
-                {
-                    "name": block.name, "how": block.how, "displacement": block.displacement.tolist(),
-                    "rotation": block.rotation.tolist(),
-                }
-                for block in self.blocks
-            ],
-            "interfaces": [
-                {
-                    "name": interface.name, "joint": interface.joint, "mode": interface.mode,
-                    "share": interface.share, "normal_kn": interface.normal_kn, "area_m2": interface.area_m2,
-                }
-                for interface in self.interfaces
-            ],
-            "pairs_by_mode": dict(self.pairs_by_mode),
-        }  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True)
 class Column:
@@ -110,24 +86,16 @@ class Column:
     """
 
     n: int
-    y: float
-    m: float | None
-    l: float | None  # noqa: E741  (Goodman & Bray's letter)
-    p_topple: float | None
-    p_slide: float | None
-    p: float | None
-    r: float | None
-    s: float | None
+    y: float = field(metadata={"json": "y_m"})
+    m: float | None = field(metadata={"json": "M_m"})
+    l: float | None = field(metadata={"json": "L_m"})  # noqa: E741  (Goodman & Bray's letter)
+    p_topple: float | None = field(metadata={"json": "P_topple_kn"})
+    p_slide: float | None = field(metadata={"json": "P_slide_kn"})
+    p: float | None = field(metadata={"json": "P_kn"})
+    r: float | None = field(metadata={"json": "R_kn"})
+    s: float | None = field(metadata={"json": "S_kn"})
     mode: str
     mode_preie: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """The row as JSON values."""
-        return {
-            "n": self.n, "y_m": self.y, "M_m": self.m, "L_m": self.l, "P_topple_kn": self.p_topple,
-            "P_slide_kn": self.p_slide, "P_kn": self.p, "R_kn": self.r, "S_kn": self.s, "mode": self.mode,
-            "mode_preie": self.mode_preie,
-        }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,21 +124,6 @@ class Findings:
     table: tuple[Column, ...] = ()
     shear_to_normal: float | None = None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The findings as JSON values."""
-        return {
-            "mechanisms": [mechanism.to_dict() for mechanism in self.mechanisms],
-            "factor_by_block": dict(self.factor_by_block),
-            "standing": self.standing,
-            "blocks": self.blocks,
-            "fixed": self.fixed,
-            "contacts": self.contacts,
-            "components": self.components,
-            "checks": dict(self.checks),
-            "table": [column.to_dict() for column in self.table],
-            "shear_to_normal": self.shear_to_normal,
-        }
-
 
 @dataclass(frozen=True, slots=True)
 class AssemblyGeometry:
@@ -189,26 +142,26 @@ class AssemblyGeometry:
     volume_m3: float
     total_height_m: float
     areas_m2: Mapping[str, float]
-    names: tuple[str, ...]
-    fixed: tuple[bool, ...]
+    names: tuple[str, ...] = field(metadata=NO_JSON)
+    fixed: tuple[bool, ...] = field(metadata=NO_JSON)
     thickness_m: float | None
-    centroids_m: Floats = field(repr=False)
-    outlines_m: Mapping[str, Floats] = field(repr=False)
-    vertices_m: Floats = field(repr=False)
-    triangles: Ints = field(repr=False)
-    triangle_block: Ints = field(repr=False)
-    contacts: Contacts = field(repr=False)
+    centroids_m: Floats = field(repr=False, metadata=NO_JSON)
+    outlines_m: Mapping[str, Floats] = field(repr=False, metadata=NO_JSON)
+    vertices_m: Floats = field(repr=False, metadata=NO_JSON)
+    triangles: Ints = field(repr=False, metadata=NO_JSON)
+    triangle_block: Ints = field(repr=False, metadata=NO_JSON)
+    contacts: Contacts = field(repr=False, metadata=NO_JSON)
+    JSON_ALSO: ClassVar = ("blocks", "fixed_blocks")
 
-    def to_dict(self) -> dict[str, Any]:
-        """The geometry as JSON values; shapes are left out (a bench has thousands)."""
-        return {
-            "volume_m3": self.volume_m3,
-            "total_height_m": self.total_height_m,
-            "areas_m2": dict(self.areas_m2),
-            "thickness_m": self.thickness_m,
-            "blocks": len(self.names),
-            "fixed_blocks": sum(self.fixed),
-        }
+    @property
+    def blocks(self) -> int:
+        """How many there are; a bench has thousands, JSON has none of their shapes."""
+        return len(self.names)
+
+    @property
+    def fixed_blocks(self) -> int:
+        """How many of them are bedrock."""
+        return sum(self.fixed)
 
     def shapes(self, block: str) -> Shapes:
         """The blocks; of a section's bedrock that is none of them one block more, at the end."""

@@ -1,20 +1,25 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from slopekit._version import __version__
 from slopekit.arrays import Floats
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
+from slopekit.core.codec import NO_JSON, json_of
+from slopekit.core.shown import Shown
 from slopekit.design.common import Design, Rule
 from slopekit.errors import Notice
 from slopekit.extents import Geometry
 from slopekit.findings import Findings
 from slopekit.preie.balance import Balance
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -96,16 +101,6 @@ class Forces:
     driving: float | None
     resisting: float | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The forces as JSON values."""
-        return {
-            "weight": self.weight,
-            "normal": dict(self.normal),
-            "water": dict(self.water),
-            "driving": self.driving,
-            "resisting": self.resisting,
-        }
-
 
 @dataclass(frozen=True, slots=True)
 class ModelSize:
@@ -182,15 +177,6 @@ class ContactOpening:
     resultant_m: Floats | None
     opens_at_m: Floats | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """The contact as JSON values."""
-        return {
-            "pressed_share": self.pressed_share,
-            "normal_kn": self.normal_kn,
-            "resultant_m": None if self.resultant_m is None else self.resultant_m.tolist(),
-            "opens_at_m": None if self.opens_at_m is None else self.opens_at_m.tolist(),
-        }
-
 
 @dataclass(frozen=True, slots=True)
 class CohesionUnderMoments:
@@ -206,23 +192,16 @@ class CohesionUnderMoments:
     by_mechanism: float | None
     cracked_base: float | None
     bond_gone: float | None
-    lowest: float
-    highest: float
+    lowest: float = field(metadata=NO_JSON)
+    highest: float = field(metadata=NO_JSON)
     runs: bool
     evidence: Mapping[str, ContactOpening]
+    JSON_ALSO: ClassVar = ("range",)
 
-    def to_dict(self) -> dict[str, Any]:
-        """The rules as JSON values."""
-        return {
-            "rule": self.rule,
-            "headline": self.headline,
-            "by_mechanism": self.by_mechanism,
-            "cracked_base": self.cracked_base,
-            "bond_gone": self.bond_gone,
-            "range": [self.lowest, self.highest],
-            "runs": self.runs,
-            "evidence": {name: contact.to_dict() for name, contact in self.evidence.items()},
-        }
+    @property
+    def range(self) -> tuple[float, float]:
+        """From the lowest to the highest of the rules."""
+        return self.lowest, self.highest
 
 
 @dataclass(frozen=True, slots=True)
@@ -254,22 +233,9 @@ class CurvedStrength:
     rounds: int
     lines: Mapping[str, SecantLine]
 
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON values."""
-        return {
-            "mean_stress": self.mean_stress, "gap": self.gap, "rounds": self.rounds,
-            "lines": {
-                name: {
-                    "traction_kpa": line.traction_kpa, "range_kpa": list(line.range_kpa),
-                    "cohesion_kpa": line.cohesion_kpa, "friction_angle_deg": line.friction_angle_deg,
-                }
-                for name, line in self.lines.items()
-            },
-        }  # fmt: skip
 
-
-@dataclass(frozen=True, slots=True)
-class Result:
+@dataclass(frozen=True, slots=True, repr=False)
+class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
 
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
@@ -353,6 +319,25 @@ class Result:
         return 1 if self.accepted is False else 0
 
     @property
+    def line(self) -> str:
+        """Status, factor, what governs and the check: never a bare factor of safety."""
+        factors = (self.fos.limit, self.fos.all_pairs_failed)
+        limit, pairs = ("none" if value is None else f"{value:.4f}" for value in factors)
+        shown = f"limit {limit}, all-pairs {pairs}" if self.design.criterion == "all-pairs" else limit
+        parts = [self.status, shown, {True: "agree", False: "disagree", None: "not compared"}[self.agree]]
+        parts += ["moments_govern"] if self.moments_govern else []
+        parts += [] if self.accepted is None else ["met" if self.accepted else "not met"]
+        parts += list(dict.fromkeys(notice.code for notice in self.warnings))
+        return "  ".join(parts)
+
+    @property
+    def sheet(self) -> "Sheet":
+        """One design on one screen, made when it is asked for."""
+        # kinds, which know how each says what it is, are a floor above; asked for by name, and only here
+        found: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
+        return found
+
+    @property
     def scene(self) -> BlockScene:
         """The blocks, interfaces, node pairs and movements, for pictures and files of other programs."""
         shapes = self.geometry.shapes(self.words.block)
@@ -403,7 +388,7 @@ class Result:
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values."""
-        model, one, pairs = self.model, self.at_factor_one, self.all_pairs
+        one, pairs = self.at_factor_one, self.all_pairs
         return {
             "slopekit": __version__,
             "kind": self.kind,
@@ -412,40 +397,22 @@ class Result:
             "input_sha256": self.design.input_hash(),
             "status": self.status,
             "status_text": self.status_text,
-            "fos": {
-                "limit": self.fos.limit,
-                "closed_form": self.fos.closed_form,
-                "static_bound": self.fos.static_bound,
-                "all_pairs_failed": self.fos.all_pairs_failed,
-                "lowest": self.fos.lowest,
-                "highest": self.fos.highest,
-            },
+            "fos": json_of(self.fos),
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,
             "forces_only": self.forces_only,
             "static_bound_proved": self.static_bound_proved,
             "lowest_limit": None,
-            "cohesion_under_moments": (
-                None if self.cohesion_under_moments is None else self.cohesion_under_moments.to_dict()
-            ),
-            **({} if self.curved_strength is None else {"curved_strength": self.curved_strength.to_dict()}),
+            "cohesion_under_moments": json_of(self.cohesion_under_moments),
+            **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],
-            "geometry": self.geometry.to_dict(),
-            "forces_kn": self.forces.to_dict(),
-            "model": {
-                "moving_blocks": model.moving_blocks,
-                "unknowns": model.unknowns,
-                "node_pairs": model.node_pairs,
-                "refined": model.refined,
-                "mesh_change": model.mesh_change,
-                "passes": model.passes,
-                "residual": model.residual,
-                "left_out": list(model.left_out),
-            },
-            "balance": None if self.balance is None else self.balance.to_dict(),
+            "geometry": json_of(self.geometry),
+            "forces_kn": json_of(self.forces),
+            "model": json_of(self.model),
+            "balance": json_of(self.balance),
             "mechanism": self._mechanism(),
             "at_factor_one": None if one is None else {
                 "displacement_m": one.movement.displacement.tolist(),
@@ -455,7 +422,7 @@ class Result:
                 "block": one.block,
             },
             "all_pairs": None if pairs is None else {
-                "bracket": [end if math.isfinite(end) else None for end in pairs.bracket],
+                "bracket": json_of(pairs.bracket),
                 "lost_equilibrium": pairs.lost_equilibrium,
                 "history": [
                     {"factor": factor, "failed_pairs": count} for factor, count in sorted(pairs.history)
@@ -469,7 +436,7 @@ class Result:
                 }
                 for step in self.series
             ],
-            "assembly": None if self.findings is None else self.findings.to_dict(),
+            "assembly": json_of(self.findings),
             "governs": [{"change": name, "fos": fos, "status": status} for name, fos, status in self.governs],
             "inputs": self.design.inputs(),
             "assumed": dict(self.design.assumed),
@@ -477,4 +444,5 @@ class Result:
             "warnings": [notice.to_dict() for notice in self.warnings],
             "timing_s": dict(self.timing_s),
             "scene": self.scene.to_dict(),
+            "sheet": self.sheet.to_dict(),
         }  # fmt: skip

@@ -10,7 +10,6 @@ import pytest
 
 import slopekit as sk
 from slopekit.errors import DesignError
-from slopekit.views.sheet import document_of, sheet
 from tests.support import forget_kinds
 
 PAGE = Path(__file__).parents[2] / "docs/add-a-kind.md"
@@ -50,13 +49,13 @@ def test_it_is_analysed() -> None:
 
 def test_it_is_printed() -> None:
     result = sk.run(SLAB, set={"loads.seismic": 0.1})
-    lines = sheet(result).splitlines()
+    lines = str(result).splitlines()
     assert lines[1:3] == [
         "PLANES    seam dips 35°, 8 m long",
         "SIZE      slab 2 m thick  volume 16 m³ per metre  weight 400 kN  unit weight 25 kN/m³",
     ]
     assert "LOADS     seismic 0.1 g out of the slope" in lines
-    document = json.loads(json.dumps(document_of(result)))
+    document = json.loads(json.dumps(result.to_dict()))
     assert (document["kind"], document["inputs"]["thickness_m"]) == ("slab", 2.0)
     assert document["governs"][0]["change"] == "dip +1°"
     assert document["mechanism"]["blocks"] == ["slab"]

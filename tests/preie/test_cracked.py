@@ -277,7 +277,6 @@ def test_the_headline_is_the_lower_rule_and_below_the_static_bound(analysed) -> 
 
 
 def test_the_sheet_and_the_json_carry_the_rules() -> None:
-    from slopekit.views.sheet import sheet
 
     result = sk.wedge(**turning_on_two_edges())
     found = result.to_dict()["cohesion_under_moments"]
@@ -288,7 +287,7 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
     assert found["evidence"]["J2"]["opens_at_m"] is None
     assert "W314" in [notice.code for notice in result.warnings]
     assert "W312" not in [notice.code for notice in result.warnings]
-    line = " ".join(sheet(result).split("COHESION")[1].split("MODEL")[0].split())
+    line = " ".join(str(result).split("COHESION")[1].split("MODEL")[0].split())
     assert line.startswith("cracked base 3.764, by mechanism 1.625, bond gone 1.279; used: bond gone;")
     assert "bond gone 1.279; used: bond gone; J1 93 % pressed, force at (" in line
     assert "opens from (-6.299, -4.52, 6.533); J2 100 % pressed" in line

@@ -28,7 +28,6 @@ from slopekit.preie.limit import limit_analysis
 from slopekit.preie.ravelling import whole_model
 from slopekit.result import Result
 from slopekit.studies.check import check
-from slopekit.views.sheet import sheet
 from tests.preie import path_oracle
 from tests.preie.block_scenes import boxes_in_space, stack
 
@@ -513,6 +512,6 @@ def test_bolts_that_hold_nothing_are_refused() -> None:
 
 def test_the_sheet_says_what_bolts_pull() -> None:
     result = sk.run(ASSEMBLIES["row"])
-    text = sheet(result)
+    text = str(result)
     assert "by interface and bolt" in text
     assert "W311" in text

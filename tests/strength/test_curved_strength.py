@@ -20,7 +20,6 @@ from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.waviness import Wavy
 from slopekit.studies.support.search import site_of
-from slopekit.views.sheet import sheet
 
 ROUGH = BartonBandis(8.0, 50e3, 25.0)
 CURVED = [ROUGH, BartonBandis(16.0, 100e3, 28.0), PowerCurve(2.0, 0.75), Bilinear(25.0, 15.0, 300.0)]
@@ -261,7 +260,7 @@ def test_where_limit_states_trade_places_the_lowest_is_printed() -> None:
 def test_what_the_sheet_and_the_json_say() -> None:
     """The law on its joint, the secants, the gap; inputs of Mohr-Coulomb have no word of laws."""
     result = analyse(paper_wedge(ROUGH))
-    words = sheet(result)
+    words = str(result)
     for said in (
         "Barton-Bandis JRC 8  JCS 50 MPa  φ_r 25°", "strength of each node pair at its own normal traction",
         "2.7950  one traction a plane, PRE-IE", "secant at the mean normal traction of each plane", "JRC +1",

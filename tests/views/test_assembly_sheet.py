@@ -10,7 +10,6 @@ from slopekit.design.templates import path_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.words import first_and_last, in_order, names_in_runs
 from slopekit.result import FactorsOfSafety
-from slopekit.views.sheet import sheet
 from tests.views.scenes import bench, goodman_bray, interfaces, mechanism, motions, result, two_blocks
 
 
@@ -34,7 +33,7 @@ EVERY = {"goodman_bray": goodman_bray, "bench": bench, "blocks": two_blocks}
 
 @pytest.mark.parametrize("name", EVERY)
 def test_every_sheet_fits_the_page_and_has_its_parts(name) -> None:
-    text = sheet(EVERY[name]())
+    text = str(EVERY[name]())
     assert max(map(len, text.splitlines())) <= 100
     assert not any(line.endswith(" ") for line in text.splitlines())
     first = {"goodman_bray": "COLUMNS", "bench": "SETS", "blocks": "BLOCKS"}[name]
@@ -84,7 +83,7 @@ def test_a_line_is_never_replaced_by_a_line_about_it(count, kept) -> None:
 
 def test_goodman_and_brays_columns() -> None:
     """Heights and table of Goodman & Bray (1976) as in tests/validation; PRE-IE beside it is made up."""
-    text = sheet(goodman_bray())
+    text = str(goodman_bray())
     columns = part(text, "COLUMNS")
     assert "16 columns, C1 at the toe, 10 m wide, dip 60° into the slope" in columns
     assert "bases dip 30° out of the slope, each 1 m above the one below" in columns
@@ -106,7 +105,7 @@ def test_goodman_and_brays_columns() -> None:
 
 def test_the_table_of_the_columns() -> None:
     """From the highest column down, as the book prints it; what PRE-IE has differently is marked and counted."""
-    table = part(sheet(goodman_bray()), "TABLE")
+    table = part(str(goodman_bray()), "TABLE")
     assert table.startswith("Goodman & Bray's columns, strength divided by 1.0006; y, M, L in m, P in kN")
     assert table.index(" 16 4.00 - 4.00 -832.53") < table.index(" 13 22.00 17.00 22.00 292.47 ")
     assert "topple | topple 9 36.00" in table
@@ -116,7 +115,7 @@ def test_the_table_of_the_columns() -> None:
 
 @pytest.mark.parametrize(("count", "left_out"), [(40, 0), (41, 11), (60, 30)])
 def test_a_long_table_says_what_it_leaves_out(count, left_out) -> None:
-    text = sheet(goodman_bray([4.0 + k % 30 for k in range(count)]))
+    text = str(goodman_bray([4.0 + k % 30 for k in range(count)]))
     rows = re.findall(r"(?m)^\s+(\d+)\s.*\|", text)
     assert len(rows) == count - left_out
     assert (rows[0], rows[-1]) == (str(count), "1")
@@ -126,12 +125,12 @@ def test_a_long_table_says_what_it_leaves_out(count, left_out) -> None:
 @pytest.mark.parametrize("status", ["falls", "lifted", "no_driving_force", "not_converged"])
 def test_no_factor_is_a_reason_and_never_a_number(status) -> None:
     found = two_blocks(status)
-    fos = part(sheet(found), "FoS")
+    fos = part(str(found), "FoS")
     assert fos.startswith(f"none limit of the elastic path: {found.status_text}")
     assert "same mechanism" not in fos
-    assert ("largest unbalanced force" in part(sheet(found), "CHECKS")) == (status == "no_driving_force")
+    assert ("largest unbalanced force" in part(str(found), "CHECKS")) == (status == "no_driving_force")
     assert not re.search(r"\d\.\d|∞|inf", fos)
-    assert part(sheet(found), "STATUS").startswith(found.status_text)
+    assert part(str(found), "STATUS").startswith(found.status_text)
 
 
 @pytest.mark.parametrize(("lowest", "highest", "said"), [
@@ -143,7 +142,7 @@ def test_the_range_of_the_mechanism_stands_below_the_limit(lowest, highest, said
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
     found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
     fos = FactorsOfSafety(limit=1.25, static_bound=1.5, lowest=lowest, highest=highest)
-    text = part(sheet(replace(found, fos=fos, static_bound_proved=True)), "FoS")
+    text = part(str(replace(found, fos=fos, static_bound_proved=True)), "FoS")
     assert text.startswith("1.2500 limit of the elastic path")
     none = "" if lowest or highest else ": no range was found"
     assert f"{said}, whatever forces are locked in{none} 1.5000 static bound" in text
@@ -160,7 +159,7 @@ def test_the_headline_says_what_it_rests_on(basis, change, said) -> None:
     found = result(sk.load(path_of("blocks")), [one], ["base", "B1", "B2"], ["base"])
     assert found.findings is not None
     found = replace(found, findings=replace(found.findings, shear_to_normal=0.4))
-    assert part(sheet(found), "FoS").startswith(said)
+    assert part(str(found), "FoS").startswith(said)
     first = found.to_dict()["assembly"]["mechanisms"][0]
     assert (first["basis"], first["change"]) == (basis, change)
     assert found.to_dict()["assembly"]["shear_to_normal"] == 0.4
@@ -177,37 +176,37 @@ def test_a_rule_says_whether_it_is_met_for_every_locked_in_force(rule, lowest, s
     design = sk.load(path_of("blocks"), set={"acceptance.rules": [rule]})
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"))
     found = result(design, [one], ["base", "B1", "B2"], ["base"])
-    text = part(sheet(replace(found, fos=FactorsOfSafety(limit=1.25, lowest=lowest, highest=1.4))), "ACCEPT")
+    text = part(str(replace(found, fos=FactorsOfSafety(limit=1.25, lowest=lowest, highest=1.4))), "ACCEPT")
     assert text.endswith(f": {said}")
 
 
 def test_what_stays_is_counted() -> None:
-    text = part(sheet(two_blocks()), "STATUS")
+    text = part(str(two_blocks()), "STATUS")
     assert text == "blocks fall: no strength that was tried holds them; 1 falls (B1), 1 stays"
 
 
 def test_all_pairs_stand_beside_the_limit_where_asked_for() -> None:
     asked = {"analysis.criterion": "all-pairs"}
-    found = part(sheet(two_blocks(set=asked, all_pairs_failed=1.234)), "FoS")
+    found = part(str(two_blocks(set=asked, all_pairs_failed=1.234)), "FoS")
     assert "1.2340 all pairs failed (no block is tied to bedrock by sticking pairs; depends" in found
-    assert "none all pairs failed: asked for, and not found" in part(sheet(two_blocks(set=asked)), "FoS")
-    assert "all pairs" not in part(sheet(two_blocks()), "FoS")
+    assert "none all pairs failed: asked for, and not found" in part(str(two_blocks(set=asked)), "FoS")
+    assert "all pairs" not in part(str(two_blocks()), "FoS")
 
 
 def test_a_bound_that_was_not_found_is_missed() -> None:
     design = sk.load(path_of("blocks"))
     one = mechanism("slides", 1.25, motions(["B1", "B2"], "slides"), change=0.002)
     found = result(design, [one], ["base", "B1", "B2"], ["base"])
-    text = sheet(found)
+    text = str(found)
     assert "none static bound: not found" in part(text, "FoS")
     assert part(text, "CHECKS").startswith(
         "the limit lies 0.2 % from a strength at which they run after 7 factorisations;"
     )
     unproved = FactorsOfSafety(limit=1.25, static_bound=1.5)
-    text = sheet(replace(found, fos=unproved, static_bound_proved=False))
+    text = str(replace(found, fos=unproved, static_bound_proved=False))
     bound = "1.5000 static bound (joints free to dilate; upper bound, not proved)"
     assert f"{bound}, 20.0 % above the limit" in part(text, "FoS")
-    text = sheet(replace(found, fos=replace(unproved, static_bound=1.2500001)))
+    text = str(replace(found, fos=replace(unproved, static_bound=1.2500001)))
     assert "upper bound), no higher than the limit" in part(text, "FoS")
 
 
@@ -215,7 +214,7 @@ def test_a_bound_that_was_not_found_is_missed() -> None:
 
 
 def test_ten_thousand_blocks_on_one_screen() -> None:
-    text = sheet(bench())
+    text = str(bench())
     assert len(text.splitlines()) <= 60
     assert part(text, "STATUS") == "blocks slide: 49 slide (B2, B4, B6, B8, ... and 45 more), 9451 stay"
     assert "9500 blocks that can move and 500 of bedrock, 28500 contacts, in 3 groups that touch only" in text
@@ -223,7 +222,7 @@ def test_ten_thousand_blocks_on_one_screen() -> None:
 
 
 def test_the_sets_in_words() -> None:
-    found = part(sheet(bench()), "SETS")
+    found = part(str(bench()), "SETS")
     assert found.startswith(
         "S1 30/175 dips 30° toward 175 (S), strike 085, every 3 m bedding: c 0 kPa φ 42° area 5123.4 m²"
     )
@@ -231,13 +230,13 @@ def test_the_sets_in_words() -> None:
     assert "normals scatter by 3° and distances scatter by 20 % (seed 7)" in found
     assert "face 70/180 dips 70° toward 180 (S), strike 090 upper 0/180 level" in found
     assert "bench 20 m along the strike, rock modelled to 10 m behind the crest" in found
-    assert "contact area cut at the ends 3 m²" in part(sheet(bench()), "SIZE")  # of no set: not dropped
+    assert "contact area cut at the ends 3 m²" in part(str(bench()), "SIZE")  # of no set: not dropped
 
 
 def test_successive_mechanisms() -> None:
     """Every block is in a line or counted in the one that stands for those left out."""
     found = bench()
-    text = part(sheet(found), "NEXT")
+    text = part(str(found), "NEXT")
     assert "1 0.9000 0.9500 slide 49 slide (B2, B4, B6, B8, ... and 45 more)" in text
     assert "2 0.8500 1.4000 turn at once: 4 slide (B207 to B210), 2 turn (B211, B212)" in text
     assert "3 none none fall at once: blocks fall: no strength that was tried holds them; 6 fall" in text
@@ -245,7 +244,7 @@ def test_successive_mechanisms() -> None:
     assert "... 30 more: 180 blocks, FoS 0.9800 to 1.2700 ..." in text
     assert "40 1.2900" in text
     assert text.endswith("9217 blocks are left; 40 were asked for")
-    by_block = part(sheet(found), "BY BLOCK")
+    by_block = part(str(found), "BY BLOCK")
     assert by_block.startswith("0.8500 B207 to B212 | 0.9000 B2, B4, ... and 47 more | 0.9300 B221 to B226")
     assert by_block.endswith("... and 198 blocks up to 1.2900 | without a number B214 to B219")
 
@@ -255,13 +254,13 @@ def test_mechanisms_at_one_factor_are_one_failure() -> None:
     design = sk.load(path_of("wall"))
     names = [f"A{k}" for k in range(1, 8)]
     found = [mechanism("slides", 1.9238 + 1e-8 * k, motions([names[k]], "slides"), 2.0) for k in range(2)]
-    text = sheet(result(design, found, names))
+    text = str(result(design, found, names))
     assert "2 1.9238 2.0000 slide at once: 1 slides (A2)" in part(text, "NEXT")
     assert "BY BLOCK" not in labels(text)
 
 
 def test_one_mechanism_has_no_table() -> None:
-    text = sheet(bench(700, 1))
+    text = str(bench(700, 1))
     assert "BY BLOCK" not in labels(text)
     assert part(text, "NEXT") == "151 blocks are left; 1 were asked for"
 
@@ -273,13 +272,13 @@ def test_shares_of_all_and_of_some() -> None:
     every = interfaces(43)
     for given, words in ((every, "... and 37 more together"), (every[:12], "... the others together")):
         one = mechanism("slides", 1.1, motions(names, "slides"), 1.2, given)
-        moves = part(sheet(result(design, [one], names)), "MOVES")
+        moves = part(str(result(design, [one], names)), "MOVES")
         assert f"{100 * (1 - sum(one.share for one in given[:6])):.1f} % {words}" in moves
     tiny = [replace(one, share=share) for one, share in zip(every, (0.7, 0.2996, 2e-4, 2e-4), strict=False)]
     one = mechanism("slides", 1.1, motions(names, "slides"), 1.2, tiny)
-    assert "< 0.1 % ... and 2 more together" in part(sheet(result(design, [one], names)), "MOVES")
+    assert "< 0.1 % ... and 2 more together" in part(str(result(design, [one], names)), "MOVES")
     few = mechanism("slides", 1.1, motions(names, "slides"), 1.2, interfaces(6))
-    assert "together" not in sheet(result(design, [few], names))
+    assert "together" not in str(result(design, [few], names))
 
 
 # -- loads, strengths, checks ---------------------------------------------------------------------
@@ -288,7 +287,7 @@ def test_shares_of_all_and_of_some() -> None:
 def test_loads_name_their_block() -> None:
     forces = [{"force": 50 + k, "toward": "270/00", "block": "B2", "at": [10, 0, 2]} for k in range(12)]
     bolts = [{"force": 50, "toward": "270/20", "block": "B1", "acts": "active"}]
-    text = sheet(two_blocks(set={"loads.forces": forces, "support.bolts": bolts, "loads.seismic.k": 0.1,
+    text = str(two_blocks(set={"loads.forces": forces, "support.bolts": bolts, "loads.seismic.k": 0.1,
                                  "water": {"pressures": {"base/B1": "5 kPa"}}}))  # fmt: skip
     found = part(text, "LOADS")
     assert found.startswith("water u = 5 kPa on base/B1 seismic 0.1 g toward 090 (x is 090) force (-50, 0, 0) kN")
@@ -297,7 +296,7 @@ def test_loads_name_their_block() -> None:
 
 
 def test_the_users_blocks_and_their_strengths() -> None:
-    found = part(sheet(two_blocks(set={"blocks.B2.unit_weight": 24})), "BLOCKS")
+    found = part(str(two_blocks(set={"blocks.B2.unit_weight": 24})), "BLOCKS")
     assert found == (
         "polygons of a section 1 m thick; faces nearer than 1 mm touch can move: B1, B2; bedrock: base "
         "joint c 0 kPa φ 30° on every other interface smooth c 0 kPa φ 0° on 1 named interface (B1/B2) "
@@ -319,7 +318,7 @@ def test_checks_have_their_units() -> None:
         "contact_tolerance_m": 1e-3, "joint_area_m2": 512.345, "new_figure": 0.0, "plane_error_m": 2e-15, "gap": 3.0,
         "largest_unbalanced_force": 9.1e-9,
     }  # fmt: skip
-    found = part(sheet(two_blocks("no_driving_force", checks=checks)), "CHECKS")
+    found = part(str(two_blocks("no_driving_force", checks=checks)), "CHECKS")
     assert found == (
         "contact tolerance 0.001 m; joint area 512.3 m²; new figure 0; corners at most 2e-15 m off their planes; "
         "gap 3; largest unbalanced force 9.1e-09 of the load"

@@ -128,17 +128,14 @@ def lint(
 
 def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bool, as_json: bool, quiet: bool) -> None:
     """Write and print a result, draw it where that was asked for, and leave with its exit code."""
-    from slopekit.views.sheet import document_of
-    from slopekit.views.sheet import sheet as make_sheet
-
-    record = document_of(result) if as_json or folder or image else {}
+    record = result.to_dict() if as_json or folder or image else {}
     document = json_text(record) if as_json or folder else ""
-    sheet = make_sheet(result) if folder or not (as_json or quiet) else ""
+    sheet = str(result) if folder or not (as_json or quiet) else ""
     if folder is not None:
         write(folder / "result.json", document + "\n")
         write(folder / "sheet.txt", sheet + "\n")
-        _write_schedule(record, folder)
-    typer.echo(document if as_json else _one_line(result) if quiet else sheet)
+        _write_schedule(result, folder)
+    typer.echo(document if as_json else result.line if quiet else sheet)
     if image is not None:
         draw_to(record, "scene", image)
     if folder is not None:
@@ -146,18 +143,19 @@ def _finish(result: "Result", folder: Path | None, image: Path | None, plain: bo
     raise typer.Exit(result.exit_code)
 
 
-def _write_schedule(record: dict[str, Any], folder: Path) -> None:
+def _write_schedule(result: "Result", folder: Path) -> None:
     """The bolts as a table of their own; that of an earlier result goes where there are none."""
-    if not record["inputs"].get("bolts") and not (folder / "bolts.csv").exists():
+    path = folder / "bolts.csv"
+    if not result.design.bolts and not path.exists():
         return
-    from slopekit.views.bolt_schedule import COLUMNS, FILE, schedule, schedule_csv
+    from slopekit.kinds.sheets.bolts import FILE, schedule_table
 
-    bolts, path = schedule(record), folder / FILE
-    if bolts:
-        write(path, schedule_csv(bolts))
+    if result.design.bolts:
+        write(path, result.sheet.tables[FILE].csv())
         return
+    head = schedule_table([]).csv().strip()
     try:
-        old = path.is_file() and path.read_text(encoding="utf-8", errors="replace").startswith(",".join(COLUMNS))
+        old = path.is_file() and path.read_text(encoding="utf-8", errors="replace").startswith(head)
         if old:
             path.unlink()
             typer.echo(f"the bolts of an earlier result were removed: {FILE}", err=True)
@@ -210,24 +208,6 @@ def _scene_of(picture: str | None) -> Path | None:
 
         require_drawing(image)
     return image
-
-
-def _one_line(result: "Result") -> str:
-    """Status, factor, what governs and the check: never a bare factor of safety."""
-    fos = result.fos.limit
-    agree = {True: "agree", False: "disagree", None: "not compared"}[result.agree]
-    parts = [result.status, "none" if fos is None else f"{fos:.4f}", agree]
-    if result.design.criterion == "all-pairs":
-        limit, pairs = result.fos.limit, result.fos.all_pairs_failed
-        shown = [
-            f"{name} {'none' if value is None else f'{value:.4f}'}"
-            for name, value in (("limit", limit), ("all-pairs", pairs))
-        ]
-        parts[1] = ", ".join(shown)
-    parts += ["moments_govern"] if result.moments_govern else []
-    parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
-    parts += list(dict.fromkeys(notice.code for notice in result.warnings))
-    return "  ".join(parts)
 
 
 def _option(key: str) -> str:

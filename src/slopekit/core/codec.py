@@ -17,6 +17,8 @@ from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
+#: Metadata of a field that JSON has not.
+NO_JSON: Mapping[str, Any] = {"json": None}
 _PLAIN = (str, bool, int, NoneType)
 
 
@@ -91,4 +93,4 @@ def _back(hint: Any, value: Any) -> Any:
     return value
 
 
-__all__ = ["dataclass", "field", "from_json", "json_of", "record_of"]
+__all__ = ["NO_JSON", "dataclass", "field", "from_json", "json_of", "record_of"]

@@ -41,9 +41,10 @@ class Column(Generic[Row]):
     unit : of its numbers
     show : how a cell is written for a person: a format of its numbers, or a function of the cell
     text : or a function of the row, where more than the cell is shown
-    width : characters in text, negative to the left; 0: it is not there
+    width : characters in text, negative to the left; 1: as it comes; 0: not there; a title alone puts it in JSON
     exact : format of its numbers in CSV, empty for every digit
     timed : measured, another one in every run: it stands in text and files, not in the JSON of the sheet
+    about : what stands about a cell and the title in text
     """
 
     title: str
@@ -55,6 +56,7 @@ class Column(Generic[Row]):
     exact: str = ""
     text: Callable[[Row], str] | None = None
     timed: bool = False
+    about: str = "{}"
 
     def shown(self, row: Row) -> str:
         """The cell of a row for a person."""
@@ -79,7 +81,10 @@ class Column(Generic[Row]):
         return str(value)
 
     def padded(self, text: str) -> str:
-        """A cell or the head as wide as the column."""
+        """A cell or the head as wide as the column, with what stands about it."""
+        text = self.about.format(text) if text else text
+        if abs(self.width) == 1:
+            return text
         return f"{text:<{-self.width}}" if self.width < 0 else f"{text:>{self.width}}"
 
 
@@ -92,6 +97,8 @@ class Table(Generic[Row]):
     rows : in order, all of them
     shown : those that a person is shown, all where None; `rest` says where the others are
     headless : without a line of titles in text
+    ends : so many of the first and of the last are in text, `rest` between them; other writings have them all
+    said : what stands for it in text, where its rows are a few words each
     """
 
     columns: Sequence[Column[Row]]
@@ -99,13 +106,26 @@ class Table(Generic[Row]):
     shown: Sequence[Row] | None = None
     rest: str = ""
     headless: bool = False
+    ends: tuple[int, int] | None = None
+    said: str | None = None
 
     def lines(self) -> list[str]:
         """The table in text."""
+        if self.said is not None:
+            return [self.said] if self.said else []
         columns = [column for column in self.columns if column.width]
-        lines = [] if self.headless else ["".join(column.padded(column.title) for column in columns)]
-        lines += ["".join(column.padded(column.shown(row)) for column in columns) for row in self._shown]
-        return [line.rstrip() for line in lines] + ([self.rest] if self.rest else [])
+        lines = ["".join(column.padded(column.shown(row)) for column in columns).rstrip() for row in self._shown]
+        if self.ends is None:
+            lines += [self.rest] if self.rest else []
+        elif self.left_out:
+            lines[self.ends[0] : len(lines) - self.ends[1]] = [self.rest]
+        return lines if self.headless else ["".join(column.padded(column.title) for column in columns).rstrip(), *lines]
+
+    @property
+    def left_out(self) -> Sequence[Row]:
+        """The rows between the ends; none where the line that says so would save nothing."""
+        between = () if self.ends is None else self.rows[self.ends[0] : len(self.rows) - self.ends[1]]
+        return between if len(between) > 1 else ()
 
     def csv(self) -> str:
         """Every row, with every digit; a cell that does not apply is empty."""
@@ -128,14 +148,14 @@ class Table(Generic[Row]):
 
     def to_dict(self) -> dict[str, Any]:
         """What a person is shown as JSON values: heads with units, cells as numbers and as they are shown."""
-        columns = [column for column in self.columns if column.width and not column.timed]
+        columns = [column for column in self.columns if (column.width or column.title) and not column.timed]
         return {
             "columns": [
                 {"title": column.title.strip(), "key": column.key or None, "unit": column.unit} for column in columns
             ],
             "rows": [[json_of(column.of(row)) for column in columns] for row in self._shown],
             "shown": [[column.shown(row).strip() for column in columns] for row in self._shown],
-            "rest": self.rest,
+            "rest": "" if self.ends else self.rest,
         }
 
     @property
@@ -181,6 +201,10 @@ class Section:
                 lines += block("" if lines else self.label, texts, self.hang)
         return lines
 
+    def to_list(self) -> list[Any]:
+        """The entries as JSON values."""
+        return [entry if isinstance(entry, str) else entry.to_dict() for entry in self.entries]
+
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
@@ -208,8 +232,7 @@ class Sheet:
         found: dict[str, list[Any]] = {}
         for section in self.sections:
             if section.entries and not section.timed and section.label != "TIME":
-                own = [entry if isinstance(entry, str) else entry.to_dict() for entry in section.entries]
-                found.setdefault(section.label, []).extend(own)
+                found.setdefault(section.label, []).extend(section.to_list())
         return found
 
     def _repr_html_(self) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
 from slopekit.design.reader import Reader
@@ -15,7 +16,7 @@ from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_b
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
-from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, size_number
+from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.orientation import Plane
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -220,7 +221,7 @@ def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: Close
                      "there: see whether a longer or deeper bench changes the factor")  # fmt: skip
 
 
-def _slope(design: BenchDesign, result: Result) -> SheetPart:
+def _slope(design: BenchDesign, result: Result) -> Section:
     entries, areas = [], result.geometry.areas_m2
     for one in design.sets:
         area = f"  area {size_number(areas[one.name])} m²" if one.name in areas else ""
@@ -234,7 +235,7 @@ def _slope(design: BenchDesign, result: Result) -> SheetPart:
     entries.append(
         f"bench {design.length_m:.6g} m along the strike{toe}, rock modelled to {design.depth_m:.6g} m behind the crest"
     )
-    return SheetPart("SETS", entries)
+    return Section("SETS", entries)
 
 
 def _regularity(design: BenchDesign, one: JointSetInput) -> str:

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.core.sheet import counted
+from slopekit.core.sheet import Section, counted
 from slopekit.design.common import MeshFile, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.named_files import mesh_file
@@ -22,13 +22,7 @@ from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_b
 from slopekit.kinds.many_blocks_design import AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried
-from slopekit.kinds.words import (
-    BLOCKS_STATUSES,
-    SheetPart,
-    first_and_last,
-    names_in_runs,
-    strength_in_words,
-)
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
 
 _OVERLAP = 1e-3  # of the smaller block: a larger overlap is refused
@@ -446,7 +440,7 @@ def _some(words: Sequence[str]) -> str:
     return ", ".join(words[:_NAMED]) + more
 
 
-def _slope(design: BlocksDesign, _result: Result) -> SheetPart:
+def _slope(design: BlocksDesign, _result: Result) -> Section:
     moving = [block.name for block in design.blocks if not block.fixed]
     fixed = [block.name for block in design.blocks if block.fixed]
     shape = f"polygons of a section {design.thickness_m:.6g} m thick" if design.in_section else "closed meshes"
@@ -464,7 +458,7 @@ def _slope(design: BlocksDesign, _result: Result) -> SheetPart:
         if name == design.default_strength:
             on.insert(0, "on every other interface" if design.interfaces else "on every interface")
         entries.append(f"{name}  {strength_in_words(strength, '.6g')}  {' and '.join(on) or 'on no interface'}")
-    return SheetPart("BLOCKS", entries + _own_weights(design))
+    return Section("BLOCKS", entries + _own_weights(design))
 
 
 def _own_weights(design: BlocksDesign) -> list[str]:

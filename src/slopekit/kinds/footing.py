@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from slopekit.closed_form.footing import footing
+from slopekit.core import sheet
 from slopekit.design.common import Design, Stiffness, Strength
 from slopekit.design.fields import Field, count, number
 from slopekit.design.reader import Reader
@@ -18,7 +19,7 @@ from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.secants import on_secants
 from slopekit.kinds.solver_inputs import section_bedding, section_geometry
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import PointForce, block_loads
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
@@ -137,10 +138,10 @@ def _changes(design: FootingDesign) -> list[tuple[str, FootingDesign]]:
     return changes
 
 
-def _slope(design: FootingDesign, result: Result) -> Iterator[SheetPart]:
+def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
     long = size_number(design.length_m)
     words = f"weak plane dips {design.dip_deg:.6g}°, {long} m long  {strength_in_words(design.strength)}"
-    yield SheetPart("PLANES", [words])
+    yield sheet.Section("PLANES", [words])
     yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
     off = design.eccentricity_m
     place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
-from slopekit.core.sheet import counted
+from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
 from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
@@ -24,14 +24,7 @@ from slopekit.kinds.one_block import Clock
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Factors, Kind, carried_joint, compare
 from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.kinds.words import (
-    SheetPart,
-    first_and_last,
-    loads_part,
-    size_number,
-    strength_in_words,
-    weight_in_words,
-)
+from slopekit.kinds.words import first_and_last, loads_part, size_number, strength_in_words, weight_in_words
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import SQUARE, common_notices
 from slopekit.onlooker import say
@@ -122,7 +115,7 @@ def carried_strengths(inputs: Mapping[str, Any]) -> dict[str, CarriedJoint]:
 
 
 def kind_of_many_blocks(
-    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], SheetPart],
+    name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
 ) -> Kind[A]:  # fmt: skip
@@ -145,7 +138,7 @@ def kind_of_many_blocks(
         difference, agree = compare(factor, status, closed, design.agree_within)
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
 
-    def parts(design: A, result: Result) -> tuple[SheetPart, ...]:
+    def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
         wet, in_section = _water(pressures(design)), geometry.thickness_m is not None
@@ -540,7 +533,7 @@ def _refines(solution: SolvedAssembly) -> bool:
 # -- words ------------------------------------------------------------------------------------------------------------
 
 
-def _size(result: Result, with_areas: Container[str]) -> SheetPart:
+def _size(result: Result, with_areas: Container[str]) -> Section:
     """Blocks, height, volume and weight, and the areas of the joints that it does not have yet."""
     geometry, findings = result.geometry, result.findings
     assert findings is not None
@@ -551,7 +544,7 @@ def _size(result: Result, with_areas: Container[str]) -> SheetPart:
     shown, rest, _ = first_and_last(areas, 6, 0)
     listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
     height, volume = size_number(geometry.total_height_m), size_number(geometry.volume_m3)
-    return SheetPart("SIZE", [
+    return Section("SIZE", [
         f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
         f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
         *([f"contact area  {listed}"] if listed else []),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slopekit.arrays import Floats
+from slopekit.core.sheet import Section
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader
 from slopekit.errors import GeometryError, Notice
@@ -37,7 +38,6 @@ from slopekit.kinds.one_block_states import (
 from slopekit.kinds.protocol import Carried, ClosedForm, D, Factors, Kind, compare, one_or_error
 from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
-from slopekit.kinds.words import SheetPart
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
 from slopekit.onlooker import say
@@ -164,7 +164,7 @@ def kind_of_one_block(
     name: str, record: type[D], read: Callable[[Reader], D], words: Words,
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
-    slope: Callable[[D, Result], Iterator[SheetPart]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
+    slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
     carried: Carried = Carried(),  # noqa: B008  (frozen)
 ) -> Kind[D]:  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
+from slopekit.core import sheet
 from slopekit.design.common import Design, Strength, Water
 from slopekit.design.fields import Field, group, number, orientation
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
@@ -22,7 +23,7 @@ from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane
@@ -359,7 +360,7 @@ def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
     return tuple(notices)
 
 
-def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
+def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     geometry, name = result.geometry, design.joint_name
     entries = [
         f"{name} {design.joint}  {design.joint.in_words()}  {strength_in_words(design.strength)}  "
@@ -372,7 +373,7 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[SheetPart]:
         off = geometry.crack_distance_m
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
         entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}")
-    yield SheetPart("PLANES", entries)
+    yield sheet.Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
     crack = design.crack.water_m if design.crack is not None else None

@@ -10,9 +10,9 @@ from slopekit.errors import GeometryError
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
+    from slopekit.core.sheet import Section
     from slopekit.kinds.closed_forms import OnArrays
     from slopekit.kinds.ladders import Ladder
-    from slopekit.kinds.words import SheetPart
 
 D = TypeVar("D", bound=Design)
 T = TypeVar("T")
@@ -141,7 +141,7 @@ class Kind(Generic[D]):
     factors: Callable[[D], Factors]
     ladder: "Callable[[D], Ladder]"
     strengths: Callable[[D], Sequence[Strength]]
-    slope: "Callable[[D, Result], Sequence[SheetPart]]"
+    slope: "Callable[[D, Result], Sequence[Section]]"
     cut: Callable[[D], Any]
     closed_form: Callable[[D], ClosedForm] | None = None
     on_arrays: "OnArrays[D] | None" = None

@@ -14,7 +14,7 @@ from slopekit.closed_form.toppling import (
     toppling_factor_of_safety,
     toppling_table,
 )
-from slopekit.core.sheet import counted
+from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, number
 from slopekit.design.reader import Reader
@@ -25,7 +25,7 @@ from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_b
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
-from slopekit.kinds.words import BLOCKS_STATUSES, SheetPart, first_and_last
+from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
 from slopekit.orientation import number as shown
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -240,7 +240,7 @@ def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedFor
         yield Notice("W340", closed.why_not)
 
 
-def _slope(design: ToppleDesign, _: Result) -> SheetPart:
+def _slope(design: ToppleDesign, _: Result) -> Section:
     heights = design.heights_m
     count = len(heights)
     rows = "" if design.rows == 1 else f" in each of {design.rows} rows side by side"
@@ -264,7 +264,7 @@ def _slope(design: ToppleDesign, _: Result) -> SheetPart:
         entries += [
             f"{on}  {named_strength(design, name)}" for on, name in (("bases", design.base), ("sides", design.sides))
         ]
-    return SheetPart("COLUMNS", entries)
+    return Section("COLUMNS", entries)
 
 
 def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:

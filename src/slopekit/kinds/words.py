@@ -2,11 +2,10 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
-from slopekit.core.sheet import factor_text
-from slopekit.design.common import Bolt, Design, Force, Rule, Strength
+from slopekit.core.sheet import Section
+from slopekit.design.common import Bolt, Design, Force, Strength
 from slopekit.orientation import Line
 from slopekit.result import Result
 
@@ -25,15 +24,6 @@ _NUMBERS = re.compile(r"([0-9]+)")
 _FEW_BOLTS = 6
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, slots=True)
-class SheetPart:
-    """A label of the sheet, its entries, and how far folded lines hang in."""
-
-    label: str
-    entries: list[str]
-    hang: int = 3
 
 
 # -- many names ---------------------------------------------------------------------------------------------------
@@ -94,13 +84,13 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 # -- one design ----------------------------------------------------------------------------------------------------
 
 
-def size_part(result: Result, heights: str, per: str = "") -> SheetPart:
+def size_part(result: Result, heights: str, per: str = "") -> Section:
     """Height, volume and weight of one block; `per` stands behind the volume."""
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    return SheetPart("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
+    return Section("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
 
 
-def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> SheetPart:
+def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:
     """What acts beside the weight: what is the kind's own, then seismic load, forces and bolts.
 
     Parameters
@@ -115,7 +105,7 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
         few = _FEW_BOLTS if what == "bolt" else len(texts)
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
         entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
-    return SheetPart("LOADS", entries or [WEIGHT_ONLY])
+    return Section("LOADS", entries or [WEIGHT_ONLY])
 
 
 def water_in_words(design: Design) -> list[str]:
@@ -186,74 +176,3 @@ def size_number(value: float) -> str:
     if 1e-3 <= abs(value) < 1e5:
         return f"{value:.6g}" if abs(value) < 1e3 else f"{value:.1f}"
     return f"{value:.6g}"
-
-
-# -- results ----------------------------------------------------------------------------------------------------------
-
-
-def methods(result: Result) -> list[str]:
-    """The methods of columns, which know other mechanics: printed beside, not compared."""
-    if not result.methods:
-        return []
-    names = {"fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
-             "all_equilibrium": "all equilibrium"}  # fmt: skip
-    found = [f"{names[name]} {factor_text(value).strip()}" for name, value in result.methods.items()]
-    return ["  ".join(found) + "   (other mechanics: not compared)"]
-
-
-def accept(result: Result) -> list[str]:
-    """The acceptance rules, each with its judgement."""
-    return [f"{rule}{_judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
-
-
-def _judged_on(result: Result, rule: Rule) -> str:
-    named: str = result.design.criterion if rule.name == "fos" else ""
-    return f" ({named})" if named else ""
-
-
-def _judgement(result: Result, rule: Rule) -> str:
-    if result.judged(rule):
-        lowest = result.fos.lowest
-        if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
-            return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
-        return "MET"
-    if result.agree is False or result.status == "not_converged":
-        return "NOT MET (the methods disagree or did not converge: no number to judge)"
-    if result.fos.limit is None and result.status != "no_driving_force":
-        return "NOT MET (no factor of safety)"
-    if result.value_of(rule) is None:
-        return "NOT MET (there is no such number here)"
-    return "NOT MET"
-
-
-def limit_in_words(result: Result) -> str:
-    """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
-    findings = result.findings
-    if findings is None:
-        return "limit, PRE-IE"
-    ratio = findings.shear_to_normal
-    if not findings.mechanisms:
-        return path_in_words("none", ratio)
-    first = findings.mechanisms[0]
-    return path_in_words(first.basis, ratio, first.fos, first.change)
-
-
-def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
-    """What a factor of many blocks is.
-
-    Parameters
-    ----------
-    basis, change : as of `findings.Mechanism`; ratio : k_t / k_n of the elastic joints, None where it is not known
-
-    >>> path_in_words("limit", 0.4)
-    'limit of the elastic path (k_t/k_n 0.4)'
-    >>> path_in_words("peak", 0.4, 1.6, 0.005)
-    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
-    """
-    path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
-    if basis != "peak":
-        return f"limit of {path}" + (", settled" if basis == "settled" else "")
-    runs = ""
-    if fos is not None and change > 0.0:
-        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
-    return f"peak of {path}: last state at rest{runs}"

@@ -5,8 +5,8 @@ believed because they balance, not because the search for it says so.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,10 +43,6 @@ class Balance:
     def admissible_within(self, tolerance: float) -> bool:
         """Whether every pair's force is one that it can carry, within a part of the load."""
         return self.pull <= tolerance and self.friction_excess <= tolerance
-
-    def to_dict(self) -> dict[str, Any]:
-        """The balance as JSON values."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
-from slopekit.orientation import Plane, parse_plane
-from slopekit.views.bolt_schedule import (
+from slopekit.kinds.sheets.bolts import (
     FILE,
     ScheduledBolt,
     forces_in_words,
@@ -18,6 +17,7 @@ from slopekit.views.bolt_schedule import (
     schedule,
     without_head,
 )
+from slopekit.orientation import Plane, parse_plane
 from slopekit.views.drawing import DARK, dressed, nothing, short, title_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,

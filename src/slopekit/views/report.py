@@ -4,12 +4,12 @@ import base64
 import json
 import re
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from slopekit._version import __version__
 from slopekit.errors import DesignError, Fault, Notice, writing
@@ -17,14 +17,28 @@ from slopekit.kinds import words_named
 from slopekit.views import report_tables as tables
 from slopekit.views.plots import checked_document
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
-from slopekit.views.report_words import answer, meaning
+from slopekit.views.report_tables import parts
+from slopekit.views.report_words import answer, force_notes, meaning
 from slopekit.views.viewer_data import viewer_data
 
 _TEMPLATES = Path(__file__).parent / "templates"
 _DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
 _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
-#: Sheet entries that say what the slope is; the label differs by kind.
+#: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
+_SECTIONS = {
+    "factors": ("FoS",), "rules": ("ACCEPT",), "bolts": ("BOLTS",), "forces": ("FORCES",),
+    "moments": ("ROTATION", "MOVES"), "assembly": ("NEXT", "BY BLOCK", "TABLE"), "checks": ("CHECKS",),
+    "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
+}  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
+#: The tables of a section by its label, as the page calls them one after the other.
+_CAPTIONS = {
+    "FoS": ("Factors of safety",), "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
+    "MOVES": ("What governs",), "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
+    "TABLE": ("Goodman & Bray's columns",),
+    "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
+    "METHODS": ("Methods of columns",), "GOVERNS": ("What changes the factor most",),
+}  # fmt: skip
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
 NOT_MODELLED = (
@@ -90,7 +104,7 @@ def report_of(
     notices, missing, articles, data = list[Notice](), list[str](), list[dict[str, Any]](), ""
     for k, (document, name) in enumerate(zip(several, called, strict=True), 1):
         own: list[Notice] = []
-        context = _article(document, name, own)
+        context = _article(document, name)
         if "fos" in document and "status" in document and not data:
             data = _view(document, own)
             context["with_view"] = bool(data)
@@ -122,17 +136,12 @@ def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -
     return found | {key: value for key, value in given.items() if value}
 
 
-def _article(document: Mapping[str, Any], name: str, notices: list[Notice]) -> dict[str, Any]:
+def _article(document: Mapping[str, Any], name: str) -> dict[str, Any]:
     """What the page says of one document."""
     is_result = "fos" in document and "status" in document and "study" not in document
-    if not is_result and not isinstance(document.get("sheet"), Mapping):
-        _refuse(document, name)
     sheet = document.get("sheet")
     if not isinstance(sheet, Mapping):
-        sheet = {}
-        notices.append(
-            Notice("W371", "the JSON holds no `sheet` (it comes from to_dict()): the slope in words is left out")
-        )
+        _refuse(document, name, is_result)
     try:  # only what reads the document: faults of the program itself go through
         if not is_result:
             return _study(document, sheet)
@@ -146,11 +155,14 @@ def _article(document: Mapping[str, Any], name: str, notices: list[Notice]) -> d
     return found | {"verification": _verification(str(document["kind"]))}
 
 
-def _refuse(document: Mapping[str, Any], name: str) -> None:
+def _refuse(document: Mapping[str, Any], name: str, is_result: bool) -> NoReturn:
     study = document.get("study")
     if isinstance(study, str):
         message = f"this is a study ({study}) without its sheet: another version wrote it"
         advice = f"Make it again: slopekit {study} ... -o DIR, then give DIR/{study}.json."
+    elif is_result:
+        message = "this is a result without its sheet: another version wrote it"
+        advice = "Make it again: slopekit run DESIGN -o DIR, then give DIR/result.json."
     else:
         message = "this is another document of slopekit, report takes results and studies"
         advice = "Give result.json of run or wedge, or the JSON of a study: sweep.json, prob.json, ..."
@@ -175,7 +187,7 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
     name = document["study"]
     title = document.get("title") or _TITLES.get(name, name)
     kind = str(document.get("kind") or "")
-    sections = [(label, list(_parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
+    sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
     return {
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
         "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""), "line": document["line"],
@@ -184,49 +196,30 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
     }  # fmt: skip
 
 
-def _parts(entries: Any) -> Iterator[Table | str]:
-    """The entries of a section: texts, and tables as pages have them."""
-    for entry in entries:
-        if isinstance(entry, str):
-            yield entry
-            continue
-        heads = tuple(_head(column) for column in entry["columns"])
-        rows = tuple(tuple(str(cell) for cell in row) for row in entry["shown"])
-        yield Table("", heads, rows, entry["rest"])
-
-
-def _head(column: Mapping[str, Any]) -> str:
-    title, unit = str(column["title"]), str(column["unit"])
-    return f"{title} / {unit}" if unit and unit not in title else title
-
-
 def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, Any]:
     """What the page says of a document."""
     for key in ("title", "slopekit", "input_sha256"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
     title, inputs = words_named(str(document["kind"])).title, document["inputs"]
-    whole = [one for one in (tables.motion_table(document),) if one is not None]
-    return {
+    has_methods = bool(document["methods"])  # the methods of columns, not the columns of a topple, are called so
+    sections = {
+        part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, ())))) for label in labels
+               if _entries(sheet, label) and (label != "COLUMNS" or has_methods)]
+        for part, labels in _SECTIONS.items()
+    }  # fmt: skip
+    return sections | {
         "title": document["title"] or title, "kind": title, "version": document["slopekit"],
         "is_study": False, "sha": document["input_sha256"], "with_view": False,
         "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
-        "rules": _entries(sheet, "ACCEPT") or [
-            f"{one['rule']}: {'MET' if one['met'] else 'NOT MET'}" for one in document["rules"]
-        ],
+        "rests_on": words_named(str(document["kind"])).rests_on if document["fos"]["closed_form"] is not None else "",
         "notices": [(one["code"], one["message"]) for one in document["warnings"]],
-        "factors": tables.factor_table(document),
-        "slope": [(label.lower(), _chunks(_entries(sheet, label))) for label in _SLOPE if _entries(sheet, label)
-                  and not (label == "COLUMNS" and document["methods"])],
-        "inputs": list(input_tables(inputs)), "bolts": list(tables.bolt_tables(document)),
+        "slope": [(label.lower(), _entries(sheet, label)) for label in _SLOPE if _entries(sheet, label)
+                  and (label != "COLUMNS" or not has_methods)],
+        "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
-        "forces": list(tables.force_tables(document)),
-        "moments": [*_entries(sheet, "ROTATION"), *(_entries(sheet, "MOVES") if document["assembly"] is None else
-                                                    _entries(sheet, "MOVES")[:1])],
-        "movement": whole, "assembly": list(tables.assembly_tables(document)),
-        "standing": "" if document["assembly"] is None else document["assembly"]["standing"],
-        "searches": list(tables.search_tables(document)), "checks": list(tables.check_tables(document)),
-        "check_words": _entries(sheet, "CHECKS"),
+        "movement": [one for one in (tables.motion_table(document),) if one is not None],
+        "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
         "left_out": [str(one) for one in document["model"]["left_out"]], "not_modelled": NOT_MODELLED,
         "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
         "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()],
@@ -234,16 +227,11 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     }  # fmt: skip
 
 
-def _entries(sheet: Mapping[str, Any], label: str) -> list[str]:
+def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:
     found = sheet.get(label, [])
-    if not isinstance(found, list) or not all(isinstance(entry, str) for entry in found):
-        raise TypeError(f"sheet.{label} is no list of texts")
+    if not isinstance(found, list) or not all(isinstance(entry, str | Mapping) for entry in found):
+        raise TypeError(f"sheet.{label} is no list of texts and tables")
     return found
-
-
-def _chunks(entries: list[str]) -> list[list[str]]:
-    """Entries of the sheet in the pieces that wide gaps part."""
-    return [re.split(r" {2,}", entry.strip()) for entry in entries]
 
 
 def _verification(kind: str) -> dict[str, Any]:

@@ -48,8 +48,12 @@ class Table:
     left: int = 1
 
 
-def input_tables(inputs: Mapping[str, Any]) -> Iterator[Table]:
+def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iterator[Table]:
     """Planes, strengths, and everything else by groups.
+
+    Parameters
+    ----------
+    with_schedule : a schedule has the bolts: here they are counted
 
     Raises
     ------
@@ -67,6 +71,9 @@ def input_tables(inputs: Mapping[str, Any]) -> Iterator[Table]:
         for key in (key for key in keys if key in inputs and key not in used):
             if key == "water" and _crack_only(inputs):
                 rows.append(("water", "in the crack only, falling to nothing at the toe"))
+                continue
+            if key == "bolts" and with_schedule:
+                rows.append(("bolts", f"{len(inputs[key])}, in the schedule"))
                 continue
             rows += _rows(key, inputs[key], words(key))
         if rows:

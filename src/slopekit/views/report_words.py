@@ -1,20 +1,14 @@
 """What a result means, in sentences: the answer, and the check of the two methods."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from slopekit.core.sheet import factor_text
-from slopekit.kinds import status_text
-from slopekit.kinds.words import names_in_runs, path_in_words
-from slopekit.views.report_inputs import Table
+from slopekit.kinds.sheets.many_blocks import path_in_words
 
-FALLS = "none: held by no strength that was tried"
-UNSETTLED = "not settled"
 #: Notices that inform and ask for nothing: they raise no badge.
 HARMLESS = ("W305", "W311", "W319", "W321", "W323", "W327", "W336", "W337", "W343", "W344", "W367", "W368", "W377")
-_STAYS = "none"
-_MOST_ROWS = 40
 _SAME = 0.05  # percent
 
 
@@ -30,46 +24,6 @@ def rounded_down(value: Any) -> str:
     ('1.49', '1.50', 'none')
     """
     return factor(value) if value is None or value >= 1e4 else f"{math.floor(float(value) * 100.0 + 1e-9) / 100.0:.2f}"
-
-
-def happens(kind: str, status: str) -> str:
-    """What happens in a mechanism."""
-    return "not settled: its factor is no answer" if status == "not_converged" else status_text(kind, status)
-
-
-def in_names(names: Iterable[str], most: int | None = None) -> str:
-    """Names in their order, runs of them as from and to."""
-    ordered = sorted(names, key=_natural)
-    return names_in_runs(ordered) if most is None else names_in_runs(ordered, most)
-
-
-def block_table(assembly: Mapping[str, Any]) -> Table | None:
-    """Blocks by their factors, the lowest first, then those without a number and why; None without any."""
-    outcome = {name: _STAYS if value is None else factor(value) for name, value in assembly["factor_by_block"].items()}
-    for one in assembly["mechanisms"]:
-        unsettled = one["status"] == "not_converged"
-        for block in one["blocks"]:
-            if unsettled:
-                outcome[block["name"]] = UNSETTLED
-            elif outcome.get(block["name"], _STAYS) == _STAYS:
-                outcome[block["name"]] = FALLS if one["fos"] is None else factor(one["fos"])
-    groups: dict[str, list[str]] = {}
-    for name, shown in outcome.items():
-        groups.setdefault(shown, []).append(name)
-    if not groups:
-        return None
-    without = (FALLS, UNSETTLED, _STAYS)  # after the numbers, in this order
-    order = sorted(groups, key=lambda s: (without.index(s), 0.0) if s in without else (-1, float(s)))
-    rows = tuple((shown, str(len(groups[shown])), in_names(groups[shown], 6)) for shown in order[:_MOST_ROWS])
-    notes = ["none: stays, or its mechanism was not asked for."] if _STAYS in groups else []
-    notes += ["Not settled: what happens to it is not known."] if UNSETTLED in groups else []
-    notes += [f"{len(order) - _MOST_ROWS} more factors are in the JSON."] if len(order) > _MOST_ROWS else []
-    return Table("Factor by block", ("factor", "blocks", "which"), rows, " ".join(notes))
-
-
-def _natural(name: str) -> tuple[str, int, str]:
-    head = name.rstrip("0123456789")
-    return head, int(name[len(head) :] or 0), name
 
 
 def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
@@ -163,6 +117,20 @@ def meaning(document: Mapping[str, Any]) -> list[str]:
     if fos["static_bound"] is not None and fos["limit"]:
         found.append(_bound((fos["static_bound"] / fos["limit"] - 1.0) * 100.0))
     return found
+
+
+def force_notes(document: Mapping[str, Any]) -> list[str]:
+    """What has to be known to read the forces."""
+    forces, has_limit = document["forces_kn"], document["fos"]["limit"] is not None
+    notes = [] if has_limit else ["No limit state was found: what the joints carry is not known."]
+    if has_limit and any(one is not None for one in forces["normal"].values()):
+        notes.append("N' and σ' are effective, compression positive, at the limit.")
+    if "slip" in document["inputs"] and any(forces["water"].values()):
+        notes.append("Water is the resultant, less than u times a curved area.")
+    if document["moments_govern"]:
+        lost = "moments lower the limit below resisting / driving" if has_limit else "with moments there is no limit"
+        notes.append(f"Forces alone: {lost}.")
+    return notes
 
 
 def _moments(document: Mapping[str, Any]) -> str:

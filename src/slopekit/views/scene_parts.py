@@ -10,7 +10,7 @@ import numpy as np
 from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene, Contacts, joined
 from slopekit.bolts import nearest, plates, rods
-from slopekit.views.bolt_schedule import forces_in_words, schedule, without_head
+from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head
 from slopekit.views.layers import (
     ACTIVE_BOLT,
     BLOCK,

@@ -11,6 +11,7 @@ import numpy as np
 from slopekit.arrays import Floats, frozen
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
+from slopekit.core.sheet import Section
 from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
@@ -31,7 +32,7 @@ from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, Factors, Kind
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.surface.design import SurfaceDesign, read_surface
-from slopekit.kinds.words import SheetPart, loads_part, size_number, size_part, strength_in_words, water_in_words
+from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
 from slopekit.onlooker import say
@@ -471,7 +472,7 @@ def normals_rungs(design: SurfaceDesign, result: Result, ladder: "Sequence[Rung]
     return tuple(rungs)
 
 
-def _slope(design: SurfaceDesign, result: Result) -> tuple[SheetPart, ...]:
+def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     geometry = result.geometry
     assert isinstance(geometry, SurfaceGeometry)
     area = size_number(geometry.areas_m2["slip surface"])
@@ -489,7 +490,7 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[SheetPart, ...]:
     ]
     heights = f"height {size_number(geometry.total_height_m)} m"
     return (
-        SheetPart("SURFACE", entries),
+        Section("SURFACE", entries),
         size_part(result, heights),
         loads_part(water_in_words(design), result, x_is_east=True),
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from slopekit.arrays import frozen
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.core.sheet import Section
 from slopekit.design.common import Strength
 from slopekit.errors import Notice
 from slopekit.extents import WedgeGeometry
@@ -22,15 +23,7 @@ from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, Clos
 from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
-from slopekit.kinds.words import (
-    SheetPart,
-    line_in_words,
-    loads_part,
-    size_number,
-    size_part,
-    strength_in_words,
-    water_in_words,
-)
+from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.orientation import Line, Plane, line_of
@@ -274,7 +267,7 @@ def _parallel_note(design: WedgeDesign, apart: float) -> str:
     )
 
 
-def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
+def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     entries, geometry = [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
     for (_, name), own, plane, strength in zip(
@@ -294,7 +287,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[SheetPart]:
     line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
     length = size_number(geometry.line_length_m)
     entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
-    yield SheetPart("PLANES", entries)
+    yield Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
     yield loads_part(water_in_words(design), result)

@@ -6,7 +6,8 @@ from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.ladders import Rung
-from slopekit.kinds.words import accept, limit_in_words, methods
+from slopekit.kinds.sheets.many_blocks import limit_in_words
+from slopekit.kinds.sheets.shared import accept, methods
 from slopekit.studies.check.run import Check, Finding
 from slopekit.studies.words import head
 

@@ -1,74 +1,66 @@
-"""The sheet: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
+"""The sheet of a result: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
-import textwrap
 from collections.abc import Iterator
-from typing import Any
 
 from slopekit._version import __version__
-from slopekit.core.sheet import WIDTH, block, factor_text
+from slopekit.core.sheet import Section, Sheet
 from slopekit.kinds import dilates, kind_of
-from slopekit.kinds.words import SheetPart, accept, line_in_words, methods, size_number
-from slopekit.orientation import line_of
-from slopekit.result import Result
-from slopekit.views.assembly_sheet import assembly_parts
-from slopekit.views.entries import (
+from slopekit.kinds.sheets.many_blocks import sections_of_many
+from slopekit.kinds.sheets.shared import (
+    Factor,
+    accept,
     all_pairs,
     cohesion,
     curved_strength,
+    factors_table,
     forces,
     governs,
+    locked_in,
+    methods,
     series,
     times,
     verdict,
 )
+from slopekit.kinds.words import line_in_words, size_number
+from slopekit.orientation import line_of
+from slopekit.result import Result
 
 _NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer
 
 
-def sheet(result: Result) -> str:
-    """The sheet of a result of any kind, lines joined, no trailing newline."""
+def sheet_of(result: Result) -> Sheet:
+    """The sheet of a result of any kind."""
     title = f"   {result.design.title}" if result.design.title else ""
-    lines = textwrap.wrap(
-        f"slopekit {__version__}   {result.kind}   sha {result.design.input_hash()[:6]}{title}", WIDTH
-    )
-    for part in _parts(result):
-        lines += block(part.label, part.entries, part.hang)
-    return "\n".join(lines)
+    head = f"slopekit {__version__}   {result.kind}   sha {result.design.input_hash()[:6]}{title}"
+    slope = tuple(kind_of(result.design).slope(result.design, result))
+    own = _sections(result) if result.findings is None else sections_of_many(result, result.findings)
+    if not result.design.bolts:  # most designs have none: they load nothing of it
+        return Sheet(head, (*slope, *own))
+    from slopekit.core.codec import json_of
+    from slopekit.kinds.sheets.bolts import FILE, schedule, schedule_entries, schedule_table
+
+    bolts = schedule({"inputs": result.design.inputs(), "geometry": json_of(result.geometry)})
+    return Sheet(head, (*slope, Section("BOLTS", schedule_entries(bolts)), *own), {FILE: schedule_table(bolts)})
 
 
-def document_of(result: Result) -> dict[str, Any]:
-    """The JSON of a result with the words of its sheet, `sheet`: entries by label; times stand in their own block."""
-    words = {part.label: part.entries for part in _parts(result) if part.entries and part.label != "TIME"}
-    return result.to_dict() | {"sheet": words}
-
-
-def _parts(result: Result) -> Iterator[SheetPart]:
-    """The parts below the head line, in order; those without entries print nothing."""
-    yield from kind_of(result.design).slope(result.design, result)
-    if result.design.bolts:
-        from slopekit.views.bolt_schedule import schedule, schedule_lines
-
-        document = {"inputs": result.design.inputs(), "geometry": result.geometry.to_dict()}
-        yield SheetPart("BOLTS", schedule_lines(schedule(document)))
-    if result.findings is not None:
-        yield from assembly_parts(result, result.findings)
-        return
-    yield SheetPart("FORCES", forces(result))
-    yield SheetPart("STATUS", [_status(result)])
-    yield SheetPart("FoS", _factors(result))
-    yield SheetPart("COLUMNS", methods(result))
-    yield SheetPart("ROTATION", _rotation(result))
-    yield SheetPart("STRENGTH", curved_strength(result))
-    yield SheetPart("COHESION", cohesion(result))
-    yield SheetPart("ALL PAIRS", all_pairs(result))
-    yield SheetPart("SERIES", series(result))
-    yield SheetPart("ACCEPT", accept(result))
-    yield SheetPart("MODEL", _model(result))
-    yield SheetPart("MOVES", _moves(result))
-    yield SheetPart("TIME", [_time(result)])
-    yield SheetPart("GOVERNS", governs(result))
-    yield SheetPart("DEFAULTS", _defaults(result))
-    yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
+def _sections(result: Result) -> Iterator[Section]:
+    """The sections of one block below what was analysed, in order."""
+    yield Section("FORCES", forces(result))
+    yield Section("STATUS", [_status(result)])
+    yield Section("FoS", [factors_table(_factors(result))])
+    yield Section("COLUMNS", methods(result))
+    yield Section("ROTATION", _rotation(result))
+    yield Section("STRENGTH", curved_strength(result))
+    yield Section("COHESION", cohesion(result))
+    yield Section("ALL PAIRS", all_pairs(result))
+    yield Section("SERIES", series(result))
+    yield Section("ACCEPT", accept(result))
+    yield Section("MODEL", _model(result))
+    yield Section("MOVES", _moves(result))
+    yield Section("TIME", [_time(result)])
+    yield Section("GOVERNS", governs(result))
+    yield Section("DEFAULTS", _defaults(result))
+    yield Section("NOTE", [str(notice) for notice in result.warnings])
 
 
 def _status(result: Result) -> str:
@@ -78,41 +70,31 @@ def _status(result: Result) -> str:
     return text
 
 
-def _factors(result: Result) -> list[str]:
-    fos = result.fos
-    entries = []
+def _factors(result: Result) -> list[Factor]:
+    fos, curved = result.fos, result.curved_strength
+    compared = fos.closed_form is not None or result.agree is not None
     dilating = dilates(result.design)
-    assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
+    assumption = "limit, PRE-IE, joints dilate as given" if dilating else "limit, PRE-IE"
     assumption += result.words.assumes
-    curved = result.curved_strength
     if curved is not None:
         assumption += ", strength of each node pair at its own normal traction"
-    if (fos.closed_form is None and result.agree is None) or curved is not None:
-        entries.append(f"{factor_text(fos.limit)}  limit, {assumption}")
-    else:
-        entries.append(f"{factor_text(fos.limit)}  limit, {assumption}       {verdict(result)}")
+    rows = [Factor(fos.limit, assumption, verdict(result) if compared and curved is None else "")]
     if fos.lowest is not None and (fos.highest is None or fos.highest > (1.0 + _NARROW) * fos.lowest):
-        ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
-        entries.append(f"{ends}  same mechanism, whatever forces are locked in")
+        rows.append(locked_in(result))
     if result.moments_govern and result.forces_only is not None:
-        entries.append(
-            f"{factor_text(result.forces_only)}  forces only, PRE-IE (no turning: the closed form's assumptions)"
-        )
+        rows.append(Factor(result.forces_only, "forces only, PRE-IE (no turning: the closed form's assumptions)"))
     if curved is not None and curved.mean_stress is not None and fos.closed_form is not None:
-        entries.append(f"{factor_text(curved.mean_stress)}  one traction a plane, PRE-IE       {verdict(result)}")
+        rows.append(Factor(curved.mean_stress, "one traction a plane, PRE-IE", verdict(result)))
     zero = ", zero dilation" if dilating else ""
     zero += "" if curved is None else ", secant at the mean normal traction of each plane"
-    if fos.closed_form is None and result.agree is None:
-        entries.append(f"  none  closed form: {result.words.no_closed_form}")
-    else:
-        entries.append(f"{factor_text(fos.closed_form)}  {result.words.closed_form}{zero}")
+    closed = f"{result.words.closed_form}{zero}" if compared else f"closed form: {result.words.no_closed_form}"
+    rows.append(Factor(fos.closed_form, closed))
     if fos.static_bound is not None:
-        entries.append(f"{factor_text(fos.static_bound)}  static bound (joints free to dilate; upper bound)")
+        rows.append(Factor(fos.static_bound, "static bound (joints free to dilate; upper bound)"))
     if fos.all_pairs_failed is not None:
-        entries.append(
-            f"{factor_text(fos.all_pairs_failed)}  all pairs failed (the paper's criterion; depends on the stiffness)"
-        )
-    return entries
+        said = "all pairs failed (the paper's criterion; depends on the stiffness)"
+        rows.append(Factor(fos.all_pairs_failed, said))
+    return rows
 
 
 def _rotation(result: Result) -> list[str]:

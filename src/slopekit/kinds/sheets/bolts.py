@@ -1,16 +1,15 @@
 """The bolts of a design in order, to be set out and drilled: number, place, length, direction, force; table and CSV."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from typing import Any, overload
 
+from slopekit.core.sheet import Column, Entry, Table
 from slopekit.kinds.words import first_and_last
 
-#: The file that `run -o` writes, and its first line.
+#: The file that `run -o` writes.
 FILE = "bolts.csv"
-COLUMNS = ("number", "east_m", "north_m", "z_m", "length_m", "trend_deg", "plunge_deg", "force_kn", "slice_m", "acts",
-           "block")  # fmt: skip
-HEAD = ("no.", "E / m", "N / m", "Z / m", "length / m", "trend/plunge", "kN", "acts")
 _FIRST, _LAST = 5, 2  # rows of the sheet
 
 
@@ -36,12 +35,6 @@ class ScheduledBolt:
         """Trend and plunge."""
         return f"{_trend(self.trend_deg):05.1f}/{_plain(self.plunge_deg, 1)}"
 
-    def cells(self) -> tuple[str, ...]:
-        """As a row of `HEAD`: metres to the millimetre."""
-        place = tuple(millimetre(part) for part in self.head_m) if self.head_m else ("-", "-", "-")
-        length = "-" if self.length_m is None else millimetre(self.length_m)
-        return (str(self.number), *place, length, self.toward, _plain(self.force_kn, 1), self.acts)
-
 
 def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
     """The bolts of a result's document, in the order of its design."""
@@ -56,34 +49,45 @@ def schedule(document: Mapping[str, Any]) -> list[ScheduledBolt]:
     return found
 
 
-def schedule_csv(bolts: Sequence[ScheduledBolt]) -> str:
-    """The schedule as CSV: metres to the millimetre, degrees to a hundredth, kN to a thousandth; empty: not given."""
-    import csv
-    import io
+def schedule_table(bolts: Sequence[ScheduledBolt]) -> Table[ScheduledBolt]:
+    """The schedule: metres to the millimetre; CSV has degrees to a hundredth, kN to a thousandth; empty: not given."""
+    columns: list[Column[ScheduledBolt]] = [
+        Column("no.", attrgetter("number"), "number", width=1),
+        *(_place(k, *named) for k, named in enumerate((("E", "east_m"), ("N", "north_m"), ("Z", "z_m")))),
+        Column("length / m", lambda one: _rounded(one.length_m, 3), "length_m", "m", _millimetre_or_dash, 1, ".3f"),
+        Column("", lambda one: _rounded(one.trend_deg % 360.0, 2), "trend_deg", "°", exact=".2f"),
+        Column("", lambda one: _rounded(one.plunge_deg, 2), "plunge_deg", "°", exact=".2f"),
+        Column("trend/plunge", attrgetter("toward"), width=1),
+        Column("kN", lambda one: _rounded(one.force_kn, 3), "force_kn", "kN", lambda kn: _plain(kn, 1), 1, ".3f"),
+        Column("", attrgetter("slice_m"), "slice_m", "m", exact="g"),
+        Column("acts", attrgetter("acts"), "acts", width=1),
+        Column("block", attrgetter("block"), "block"),
+    ]
+    table = Table(columns, bolts, ends=(_FIRST, _LAST))
+    left = table.left_out
+    seen = [*bolts[:_FIRST], *bolts[-_LAST:]] if left else bolts
+    wide = [max(map(len, (one.title, *map(one.shown, seen)))) + 2 * (k > 0) if one.width else 0
+            for k, one in enumerate(columns)]  # fmt: skip
+    columns = [replace(one, width=width) for one, width in zip(columns, wide, strict=True)]
+    return replace(table, columns=columns, rest=f"... {len(left)} more, all of them in {FILE} (-o DIR)")
 
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(COLUMNS)
-    for one in bolts:
-        place = [millimetre(part) for part in one.head_m] if one.head_m else ["", "", ""]
-        length = "" if one.length_m is None else millimetre(one.length_m)
-        trend, plunge = _plain(one.trend_deg % 360.0, 2), _plain(one.plunge_deg, 2)
-        force = [_plain(one.force_kn, 3), slice_of_slope(one)]
-        rows.writerow([one.number, *place, length, trend, plunge, *force, one.acts, one.block])
-    return text.getvalue()
+
+def _place(k: int, letter: str, key: str) -> Column[ScheduledBolt]:
+    """A coordinate of the heads."""
+    return Column(
+        f"{letter} / m", lambda one: one.head_m and _rounded(one.head_m[k], 3), key, "m", _millimetre_or_dash, 1, ".3f",
+    )  # fmt: skip
 
 
-def schedule_lines(bolts: Sequence[ScheduledBolt]) -> list[str]:
-    """The schedule as the sheet prints it: the first and the last where they are many; empty without a head."""
+def _millimetre_or_dash(value: float | None) -> str:
+    return "-" if value is None else millimetre(value)
+
+
+def schedule_entries(bolts: Sequence[ScheduledBolt]) -> list[Entry]:
+    """What the sheet has of the bolts: the schedule and what has to be said of it; empty without a head."""
     if not any(one.head_m for one in bolts):
         return []
-    first, between, last = first_and_last([one.cells() for one in bolts], _FIRST, _LAST)
-    wide = [max(len(row[k]) for row in (HEAD, *first, *last)) for k in range(len(HEAD))]
-    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, wide, strict=True)) for row in (HEAD, *first)]
-    if between:
-        lines.append(f"... {between} more, all of them in {FILE} (-o DIR)")
-    lines += ["  ".join(cell.rjust(width) for cell, width in zip(row, wide, strict=True)) for row in last]
-    return [*lines, *(said for said in (per_slice(bolts), without_head(bolts)) if said)]
+    return [schedule_table(bolts), *(said for said in (per_slice(bolts), without_head(bolts)) if said)]
 
 
 def slice_of_slope(bolt: ScheduledBolt) -> str:
@@ -132,7 +136,17 @@ def millimetre(value: float) -> str:
 
 def _plain(value: float, digits: int) -> str:
     """Fixed digits, no minus before zero."""
-    return f"{round(value, digits) + 0.0:.{digits}f}"
+    return f"{_rounded(value, digits):.{digits}f}"
+
+
+@overload
+def _rounded(value: float, digits: int) -> float: ...
+@overload
+def _rounded(value: None, digits: int) -> None: ...
+@overload
+def _rounded(value: float | None, digits: int) -> float | None: ...
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None else round(value, digits) + 0.0
 
 
 def _trend(trend: float) -> float:

@@ -1,0 +1,461 @@
+"""The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from operator import attrgetter
+
+import numpy as np
+
+from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
+from slopekit.findings import MOTIONS, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.findings import Column as GoodmanBray
+from slopekit.kinds import dilates
+from slopekit.kinds.sheets.shared import (
+    Factor,
+    accept,
+    all_pairs,
+    curved_strength,
+    factors_table,
+    forces,
+    governs,
+    locked_in,
+    methods,
+    series,
+    verdict,
+)
+from slopekit.kinds.words import first_and_last, in_order, line_in_words, names_in_runs, size_number
+from slopekit.orientation import line_of
+from slopekit.result import Result
+
+_PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
+_WAYS = {
+    "slides": "slide", "slides_up": "slide up", "topples": "topple", "rotates": "turn", "falls": "fall",
+    "lifted": "lift", "no_driving_force": "stand", "not_converged": "unknown",
+}  # fmt: skip
+_MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull": "pulls"}
+_FALLS, _UNSETTLED, _STAYS = "none: held by no strength that was tried", "not settled", "none"
+_MOST_INTERFACES = 6
+_SHARE = 1e-3  # of the work: less is not worth a line
+_WHOLE = 1e-6  # shares that add up to one but for this
+_SAME = 2e-5  # factors that differ by less than this part look the same
+_MOST_FACTORS = 6
+_FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
+#: What is checked, in words about its figure.
+_CHECKS: Mapping[str, str] = {
+    "volume_error": "the blocks' volumes add up to the rock's but for {} of it",
+    "area_error": "the two sides of the joints differ by {} of their area",
+    "plane_error_m": "corners at most {} m off their planes",
+    "largest_unbalanced_force": "largest unbalanced force {} of the load",
+}
+_MEASURED = 1e-2  # what is as large is no rounding error
+_UNITS = {"m3": "m³", "m2": "m²", "m": "m", "kn": "kN", "kpa": "kPa", "deg": "°", "s": "s", "mb": "MB"}
+_MOST_ROWS, _FIRST_ROWS, _LAST_ROWS = 40, 20, 10
+
+
+def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
+    """The sections below what was analysed, in order; those without entries print nothing."""
+    order = _order(result)
+    first = findings.mechanisms[0] if findings.mechanisms else None
+    yield Section("FORCES", forces(result))
+    yield Section("STATUS", [_status(result, findings, order)])
+    yield Section("FoS", [factors_table(_factors(result))])
+    yield Section("STRENGTH", curved_strength(result))
+    yield Section("ALL PAIRS", all_pairs(result))
+    yield Section("ACCEPT", accept(result))
+    yield Section("MOVES", _moves(result, first))
+    yield Section("NEXT", _next(result, findings, order), hang=32)
+    yield Section("BY BLOCK", _by_block(findings, order))
+    yield Section("TABLE", toppling_rows(result, findings.table))
+    yield Section("METHODS", methods(result))
+    yield Section("SERIES", series(result))
+    yield Section("CHECKS", _checks(result, findings, first))
+    yield Section("MODEL", _model(result))
+    yield Section("TIME", [_time(result.timing_s)] if result.timing_s else [])
+    yield Section("GOVERNS", governs(result))
+    yield Section("DEFAULTS", _defaults(result))
+    yield Section("NOTE", [str(notice) for notice in result.warnings])
+
+
+def _order(result: Result) -> dict[str, int]:
+    geometry = result.geometry
+    names = geometry.names if isinstance(geometry, AssemblyGeometry) else ()
+    return {name: k for k, name in enumerate(names)}
+
+
+# -- the answer -----------------------------------------------------------------------------------------------------
+
+
+def _status(result: Result, findings: Findings, order: Mapping[str, int]) -> str:
+    if not findings.mechanisms or not findings.mechanisms[0].blocks:
+        return result.status_text
+    first = findings.mechanisms[0]
+    words = _motions(first, order)
+    still = findings.blocks - findings.fixed - len(first.blocks)
+    if still > 0:
+        words += f", {still} {'stays' if still == 1 else 'stay'}"
+    return _joined(result.status_text, words)
+
+
+def _joined(status: str, words: str) -> str:
+    return f"{status}{';' if ':' in status else ':'} {words}" if words else status
+
+
+def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
+    """How many blocks move in which way, and which: the most frequent way first."""
+    ways: dict[str, list[str]] = {}
+    for block in mechanism.blocks:
+        ways.setdefault(block.how, []).append(block.name)
+    words = []
+    for how, names in sorted(ways.items(), key=lambda way: -len(way[1])):
+        verb = MOTIONS.get(how, how) if len(names) == 1 else _PLURALS.get(how, how)
+        words.append(f"{len(names)} {verb} ({names_in_runs(in_order(names, order))})")
+    return ", ".join(words)
+
+
+def _factors(result: Result) -> list[Factor]:
+    fos, dilating = result.fos, dilates(result.design)
+    limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
+    rows = [Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
+    if fos.closed_form is not None or result.agree is not None:
+        closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
+        rows.append(Factor(fos.closed_form, closed, verdict(result)))
+    else:
+        instead = "; the static bound is an upper bound, no answer" if fos.static_bound is not None else ""
+        rows.append(Factor(None, f"closed form: {result.words.no_closed_form}{instead}"))
+    if fos.lowest is not None or fos.highest is not None:
+        rows.append(locked_in(result))
+    elif fos.limit is not None:
+        rows.append(Factor(None, "same mechanism, whatever forces are locked in: no range was found"))
+    if fos.static_bound is not None:
+        above = ""
+        if fos.limit:
+            more = (fos.static_bound / fos.limit - 1.0) * 100
+            above = f", {more:.1f} % above the limit" if more >= 0.05 else ", no higher than the limit"
+        proved = "" if result.static_bound_proved else ", not proved"
+        rows.append(Factor(fos.static_bound, f"static bound (joints free to dilate; upper bound{proved}){above}"))
+    elif fos.limit is not None:
+        rows.append(Factor(None, "static bound: not found"))
+    if fos.all_pairs_failed is not None:
+        said = "all pairs failed (no block is tied to bedrock by sticking pairs; depends on the stiffness)"
+        rows.append(Factor(fos.all_pairs_failed, said))
+    elif result.design.criterion == "all-pairs":
+        rows.append(Factor(None, "all pairs failed: asked for, and not found"))
+    return rows
+
+
+def limit_in_words(result: Result) -> str:
+    """What the headline is: of many blocks the limit of the elastic path, or where it was last at rest."""
+    findings = result.findings
+    if findings is None:
+        return "limit, PRE-IE"
+    ratio = findings.shear_to_normal
+    if not findings.mechanisms:
+        return path_in_words("none", ratio)
+    first = findings.mechanisms[0]
+    return path_in_words(first.basis, ratio, first.fos, first.change)
+
+
+def _moves(result: Result, first: Mechanism | None) -> list[Entry]:
+    """The first mechanism: the fastest block, the interfaces that govern, the node pairs."""
+    if first is None or not first.blocks:
+        return [*_settles(result)]
+    fastest, toward, geometry = first.blocks[0], _toward(first), result.geometry
+    in_section = isinstance(geometry, AssemblyGeometry) and geometry.thickness_m is not None
+    goes = toward and f" toward {toward}{' (x is 090)' if in_section else ''}"
+    return [
+        f"fastest {fastest.name}, which {MOTIONS.get(fastest.how, fastest.how)}{goes}", *governing(first.interfaces),
+        *_pairs(first.pairs_by_mode), *_settles(result),
+    ]  # fmt: skip
+
+
+def _toward(one: Mechanism) -> str:
+    """The way that the fastest block of a mechanism goes; "" where it turns alone."""
+    moved = one.blocks[0].displacement if one.blocks else np.zeros(3)
+    return line_in_words(line_of(moved)) if float(np.abs(moved).max()) > 0.0 else ""
+
+
+def _settles(result: Result) -> list[str]:
+    """The block that moves most at full strength."""
+    one = result.at_factor_one
+    if one is None or one.block is None:
+        return []
+    size = float(np.sqrt(one.movement.displacement @ one.movement.displacement))
+    bed = result.design.stiffness.in_words()
+    return [f"at full strength {one.block} settles most, by {1e3 * size:.3g} mm (elastic bed: {bed})"]
+
+
+def governing(interfaces: Sequence[GoverningInterface]) -> list[Entry]:
+    """The interfaces that govern with their shares; those left out by the rest of the work."""
+    if not interfaces:
+        return []
+    shown = [one for one in interfaces[:_MOST_INTERFACES] if one.share >= _SHARE] or interfaces[:1]
+    bolts = any(one.mode == "pull" for one in interfaces)
+    lost, by = (
+        ("friction, cohesion and bolts", "interface and bolt") if bolts else ("friction and cohesion", "interface")
+    )
+    wide, joints, modes = (
+        2 + max(map(len, words))
+        for words in zip(*((one.name, one.joint, _MODES.get(one.mode, one.mode)) for one in shown), strict=True)
+    )
+    columns: list[Column[GoverningInterface]] = [
+        Column("share", attrgetter("share"), "share", show=lambda share: f"{share * 100:.1f} %", width=7),
+        Column(by, attrgetter("name"), "name", width=-wide, about="  {}"),
+        Column("joint", attrgetter("joint"), "joint", width=-joints, about="  {}"),
+        Column("mode", attrgetter("mode"), "mode", "", lambda mode: _MODES.get(mode, mode), -modes, about="  {}"),
+        Column("of", lambda one: "T" if one.mode == "pull" else "N'", width=1, about="  {}"),
+        Column("force", attrgetter("normal_kn"), "normal_kn", "kN", size_number, 1, about=" {} kN"),
+        Column("mean stress", lambda one: one.normal_kn / one.area_m2 if one.area_m2 else None, "stress_kpa", "kPa",
+               ".4g", 1, about=" ({} kPa)"),
+    ]  # fmt: skip
+    rest = ""
+    left = 1.0 - sum(one.share for one in shown)
+    if left > _WHOLE:
+        are_all = sum(one.share for one in interfaces) > 1.0 - _WHOLE
+        which = f"and {len(interfaces) - len(shown)} more" if are_all else "the others"
+        share = f"{left * 100:5.1f}" if left >= _SHARE else f"{'< 0.1':>5}"
+        rest = f"{share} %  ... {which} together"
+    return [
+        f"share of the work lost in {lost}, by {by}:",
+        Table(columns, interfaces, shown, rest, headless=True),
+    ]
+
+
+def _pairs(by_mode: Mapping[str, int]) -> list[str]:
+    """How many node pairs stick, slip and are open, of all."""
+    if not by_mode:
+        return []
+    verbs = {"stick": "stick", "slip": "slip", "open": "are open"}
+    parts = [f"{count} {verbs.get(mode, mode)}" for mode, count in by_mode.items()]
+    return [f"of {sum(by_mode.values())} node pairs " + ", ".join(parts)]
+
+
+# -- what comes after -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A mechanism of a sequence and its number."""
+
+    number: int
+    mechanism: Mechanism
+    what: str
+
+
+def _next(result: Result, findings: Findings, order: Mapping[str, int]) -> list[Entry]:
+    """The mechanisms in the order in which they happen, and what is left."""
+    mechanisms = findings.mechanisms
+    left = [findings.standing] if findings.standing else []
+    if len(mechanisms) < 2:
+        return [*left]
+    highest: float | None = None
+    rows = []
+    for k, one in enumerate(mechanisms, 1):
+        at_once = k > 1 and _follows_at_once(one, highest)
+        text = _motions(one, order)
+        if one.fos is None or not text:
+            text = _joined(result.words.status(one.status), text)
+        rows.append(_Step(k, one, ("at once: " if at_once else "") + text))
+        highest = one.fos if highest is None else max(highest, one.fos or highest)
+    columns: list[Column[_Step]] = [
+        Column("n", attrgetter("number"), "n", width=3),
+        Column("FoS", lambda row: row.mechanism.fos, "fos", show=factor_text, width=9),
+        Column("bound", lambda row: row.mechanism.static_bound, "static_bound", width=9,
+               show=lambda bound: "none" if bound is None else factor_text(bound)),
+        Column("mode", lambda row: row.mechanism.status, "mode", show=lambda way: _WAYS.get(way, way), width=-11,
+               about="  {}"),
+        Column("what fails, once all that failed before is taken away", attrgetter("what"), "what", width=1),
+        Column("the fastest toward", lambda row: _toward(row.mechanism), "toward"),
+    ]  # fmt: skip
+    table = Table(columns, rows, ends=(_FIRST_MECHANISMS, _LAST_MECHANISMS))
+    hidden = [row.mechanism for row in table.left_out]
+    factors = [one.fos for one in hidden if one.fos is not None]
+    within = f", FoS {factor_text(min(factors))} to {factor_text(max(factors))}" if factors else ""
+    blocks = counted(sum(len(one.blocks) for one in hidden), "block")
+    return [replace(table, rest=f"... {len(hidden)} more: {blocks}{within} ..."), *left]
+
+
+def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
+    """Whether a mechanism needs no further loss of strength than those before it."""
+    if one.fos is None:
+        return one.status in ("falls", "lifted")
+    return highest is not None and one.fos <= highest * (1.0 + _SAME)
+
+
+@dataclass(frozen=True, slots=True)
+class _Together:
+    """Blocks that fail at one factor, or have none for the same reason."""
+
+    shown: str
+    factor: float | None
+    names: list[str]
+
+
+def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
+    """The lowest factors with the blocks that fail at them; without a number last."""
+    groups = _together(findings, order)
+    columns: list[Column[_Together]] = [
+        Column("factor", attrgetter("factor"), "factor", text=attrgetter("shown")),
+        Column("blocks", lambda row: len(row.names), "blocks"),
+        Column("which", attrgetter("names"), show=lambda names: names_in_runs(names, 6)),
+    ]
+    rest = "none: stays, or its mechanism was not asked for." if any(row.shown == _STAYS for row in groups) else ""
+    return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
+
+
+def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
+    """Blocks by their factors, the lowest first, then those without a number and why."""
+    found: dict[str, tuple[str, float | None]] = {}
+    for name, factor in findings.factor_by_block.items():
+        found[name] = (_STAYS if factor is None else factor_text(factor).strip(), factor)
+    for one in findings.mechanisms:
+        told = (_UNSETTLED, None) if one.status == "not_converged" else (
+            (_FALLS, None) if one.fos is None else (factor_text(one.fos).strip(), one.fos))  # fmt: skip
+        for block in one.blocks:
+            if told[0] == _UNSETTLED or found.get(block.name, (_STAYS,))[0] == _STAYS:
+                found[block.name] = told
+    groups: dict[str, _Together] = {}
+    for name in in_order(found, order):
+        shown, factor = found[name]
+        groups.setdefault(shown, _Together(shown, factor, [])).names.append(name)
+    without = (_FALLS, _UNSETTLED, _STAYS)  # after the numbers, in this order
+    return sorted(groups.values(), key=lambda row: (row.factor is None, row.factor or 0.0,
+                                                    row.factor is None and without.index(row.shown)))  # fmt: skip
+
+
+def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
+    groups: dict[str, list[str]] = {}
+    numbers: dict[str, float] = {}
+    for name, factor in findings.factor_by_block.items():
+        shown = factor_text(factor).strip()
+        groups.setdefault(shown, []).append(name)
+        if factor is not None:
+            numbers[shown] = factor
+    if len(groups) < 2:
+        return ""  # STATUS has said it
+    lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
+    parts = [f"{shown} {names_in_runs(in_order(groups.pop(shown), order), 2)}" for shown in lowest]
+    without = groups.pop("none", [])
+    if rest:
+        blocks = sum(len(names) for names in groups.values())
+        parts.append(f"... and {counted(blocks, 'block')} up to {factor_text(max(numbers.values()))}")
+    if without:
+        parts.append(f"without a number {names_in_runs(in_order(without, order), 2)}")
+    return " | ".join(parts)
+
+
+# -- the evidence ---------------------------------------------------------------------------------------------------
+
+
+def _checks(result: Result, findings: Findings, first: Mechanism | None) -> list[str]:
+    entries = []
+    if first is not None and first.fos is not None:
+        steps = counted(result.model.passes, "factorisation", "factorisations")
+        settled = (
+            "settled" if first.change == 0.0 else f"lies {first.change * 100:.2g} % from a strength at which they run"
+        )
+        entries.append(f"the limit {settled} after {steps}")
+    balanced = result.fos.limit is not None or result.status == "no_driving_force"  # else there were none to balance
+    entries += [
+        _check(name, value) for name, value in findings.checks.items() if balanced or name != "largest_unbalanced_force"
+    ]
+    return ["; ".join(entries)] if entries else []
+
+
+def _check(name: str, value: float) -> str:
+    """A check in words; one that has none is named by its key, the unit at its end."""
+    if name in _CHECKS:
+        return _CHECKS[name].format(f"{value:.2g}")
+    shown = size_number(float(f"{value:.4g}")) if abs(value) >= _MEASURED or not value else f"{value:.2g}"
+    words, _, unit = name.rpartition("_")
+    if unit in _UNITS and words:
+        return f"{words.replace('_', ' ')} {shown} {_UNITS[unit]}"
+    return f"{name.replace('_', ' ')} {shown}"
+
+
+def _model(result: Result) -> list[str]:
+    model = result.model
+    left_out = ", ".join(model.left_out) or "nothing"
+    return [
+        f"{counted(model.moving_blocks, 'moving block')}, {counted(model.unknowns, 'unknown')}, "
+        f"{counted(model.node_pairs, 'node pair')}; left out: {left_out}"
+    ]
+
+
+def _time(timing_s: Mapping[str, float]) -> str:
+    parts = []
+    for name, seconds in timing_s.items():
+        if seconds > 5e-5:
+            shown = f"{seconds:.2f} s" if seconds >= 10.0 else f"{seconds * 1e3:.1f} ms"
+            parts.append(f"{name.replace('_', ' ')} {shown}")
+    return "  ".join(parts)
+
+
+def _defaults(result: Result) -> list[str]:
+    ours = {
+        "upper": "upper slope (level)", "length": "length (twice the height)", "depth": "depth (the height)",
+        "seismic.trend": f"seismic trend ({result.words.seismic})",
+    }  # fmt: skip
+    names = [ours.get(name, name) for name in result.design.defaults]
+    return [", ".join(names)] if names else []
+
+
+def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
+    """What a factor of many blocks is.
+
+    Parameters
+    ----------
+    basis, change : as of `findings.Mechanism`; ratio : k_t / k_n of the elastic joints, None where it is not known
+
+    >>> path_in_words("limit", 0.4)
+    'limit of the elastic path (k_t/k_n 0.4)'
+    >>> path_in_words("peak", 0.4, 1.6, 0.005)
+    'peak of the elastic path (k_t/k_n 0.4): last state at rest; the blocks run at 1.6080, 0.5 % higher'
+    """
+    path = "the elastic path" if ratio is None else f"the elastic path (k_t/k_n {ratio:g})"
+    if basis != "peak":
+        return f"limit of {path}" + (", settled" if basis == "settled" else "")
+    runs = ""
+    if fos is not None and change > 0.0:
+        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
+    return f"peak of {path}: last state at rest{runs}"
+
+
+def toppling_rows(result: Result, table: Sequence[GoodmanBray]) -> list[Entry]:
+    """Goodman & Bray's rows from the highest column down to the toe, with PRE-IE's mode beside theirs."""
+    if not table:
+        return []
+    factor = result.fos.limit or result.fos.closed_form
+    at = f"strength divided by {factor_text(factor)}" if factor else "strength as given"
+    by_number = sorted(table, key=lambda column: column.n)
+    columns: list[Column[GoodmanBray]] = [
+        Column("n", attrgetter("n"), "n", width=4),
+        *(Column(title, attrgetter(own), f"{title}_m", "m", _cell, 8)
+          for title, own in (("y", "y"), ("M", "m"), ("L", "l"))),
+        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell, 12)
+          for title, own in (("P_topple", "p_topple"), ("P_slide", "p_slide"), ("P", "p"))),
+        Column("mode", attrgetter("mode"), "mode", width=-9, about="  {}"),
+        Column("PRE-IE", attrgetter("mode_preie"), "mode_preie", width=1, about=" | {}"),
+        Column("", lambda row: row.mode != row.mode_preie, show=lambda differs: "<" if differs else "", width=1,
+               about="  {}"),
+        *(Column(title, attrgetter(own), f"{title}_kn", "kN", _cell) for title, own in (("R", "r"), ("S", "s"))),
+    ]  # fmt: skip
+    whole = Table(columns, by_number[::-1], ends=(_FIRST_ROWS, _LAST_ROWS) if len(table) > _MOST_ROWS else None)
+    alike = sum(column.mode == column.mode_preie for column in table)
+    different = [f"C{column.n}" for column in by_number if column.mode != column.mode_preie]
+    where = f"; not in {names_in_runs(different)}" if different else ""
+    unbounded = any(abs(value) == np.inf for column in table for value in (column.p_topple, column.p_slide) if value)
+    return [
+        f"Goodman & Bray's columns, {at}; y, M, L in m, P in kN (R and S on the bases: --json)",
+        replace(whole, rest=f" ... {len(whole.left_out)} columns left out here (--json has them) ..."
+                if whole.left_out else ""),
+        f"the modes are the same in {alike} of {len(table)} columns{where}",
+        *(["∞: with sides that rough no force between two columns makes a difference"] if unbounded else []),
+    ]  # fmt: skip
+
+
+def _cell(value: float | None) -> str:
+    if value is None or np.isnan(value):
+        return "-"
+    if np.isinf(value):
+        return "∞" if value > 0.0 else "-∞"
+    return f"{value:.2f}" if abs(value) < 1e8 else f"{value:.5g}"

@@ -1,0 +1,327 @@
+"""Entries that the sheets of one block and of many blocks share."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter, itemgetter
+
+from slopekit.arrays import Floats
+from slopekit.core.sheet import Column, Entry, Table, factor_text
+from slopekit.design.common import Rule
+from slopekit.kinds.words import first_and_last, size_number
+from slopekit.result import STATUSES, ReductionStep, Result
+
+#: The rules on cohesion where moments open part of a contact.
+RULES = {
+    "cracked_base": "cracked base", "by_mechanism": "by mechanism", "bond_gone": "bond gone",
+    "forces_alone": "forces only",
+}  # fmt: skip
+#: Closed forms of columns by name.
+METHOD_NAMES = {
+    "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
+    "all_equilibrium": "all equilibrium",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _OnJoint:
+    """What an interface carries, kN and kPa; None where it is not known or not asked."""
+
+    name: str
+    area: float | None
+    normal: float | None
+    water: float | None
+    pressure: float | str | None
+
+    @property
+    def stress(self) -> float | None:
+        """The mean effective normal stress."""
+        return None if self.normal is None or not self.area else self.normal / self.area
+
+
+def forces(result: Result) -> list[Entry]:
+    """Normal forces by interface, water, and what drives and resists along the movement."""
+    found, areas = result.forces, result.geometry.areas_m2
+    given = result.design.water.pressures_kpa if "slip" in result.design.inputs() else None
+    rows = []
+    for name in dict.fromkeys([*found.normal, *found.water]):
+        area, water = areas.get(name), found.water.get(name)
+        mean: float | str | None = water / area if water and area else 0.0
+        if given is not None and name in found.water:  # a resultant has no mean by the area of a curved surface
+            mean = ", ".join(f"{one:g}" for one in given) or 0.0
+        rows.append(_OnJoint(name, area, found.normal.get(name), water or 0.0, mean))
+    at_limit = result.fos.limit is not None and any(row.normal is not None for row in rows)
+    own: list[Column[_OnJoint]] = [
+        Column("N'", attrgetter("normal"), "normal_kn", "kN", _size_or_dash),
+        Column("mean σ'", attrgetter("stress"), "stress_kpa", "kPa", _rounded_or_dash),
+    ]
+    columns: list[Column[_OnJoint]] = [
+        Column("on", attrgetter("name"), "interface"),
+        Column("area", attrgetter("area"), "area_m2", "m²", _size_or_dash),
+        *(own if at_limit else ()),
+        Column("water", attrgetter("water"), "water_kn", "kN", _size_or_dash),
+        Column("mean u", attrgetter("pressure"), "pressure_kpa", "kPa", _rounded_or_dash),
+    ]
+    whole = [("weight", found.weight), ("driving, along the slide", found.driving), ("resisting", found.resisting)]
+    sums: list[Column[tuple[str, float | None]]] = [
+        Column("load", itemgetter(0)),
+        Column("force", itemgetter(1), unit="kN", show=size_number),
+    ]
+    return [
+        Table(columns, rows, said=_forces_in_words(result, rows)),
+        Table(sums, [row for row in whole if row[1] is not None], said=""),
+    ]
+
+
+def _forces_in_words(result: Result, rows: Sequence[_OnJoint]) -> str:
+    found = result.forces
+    parts = []
+    for row in rows:
+        if row.normal is not None:
+            stress = "" if row.stress is None else f" ({row.stress:.4g} kPa)"
+            parts.append(f"N' {row.name} {size_number(row.normal)} kN{stress}")
+    shown, rest, _ = first_and_last(parts, 6, 0)
+    more = [f"... and {rest} more"] if rest else []
+    wet = [f"{name} {size_number(push)} kN" for name, push in found.water.items() if push]
+    some, others, _ = first_and_last(wet, 6, 0)
+    water = "water " + (", ".join([*some, *([f"... and {others} more"] if others else [])]) or "0")
+    held = [
+        f"{what} {size_number(value)} kN"
+        for what, value in (("driving", found.driving), ("resisting", found.resisting))
+        if value is not None
+    ]
+    alone = " (forces alone)" if result.moments_govern and held else ""
+    return "  ".join([*shown, *more, water, *held]) + alone
+
+
+def _size_or_dash(value: float | None) -> str:
+    return "-" if value is None else size_number(value)
+
+
+def _rounded_or_dash(value: float | str | None) -> str:
+    """Four digits."""
+    return value if isinstance(value, str) else "-" if value is None else size_number(float(f"{value:.4g}"))
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """A line of the block FoS: the factor, or a range of them, what it is, and what the check says of it."""
+
+    value: float | None
+    what: str
+    check: str = ""
+    to: float | None = None
+
+
+def factors_table(rows: Sequence[Factor]) -> Table[Factor]:
+    """The factors of safety, each with what it is."""
+    columns: list[Column[Factor]] = [
+        Column("factor", attrgetter("value"), "factor", show=factor_text, width=1),
+        Column("to", attrgetter("to"), "to", show=lambda to: "" if to is None else factor_text(to), width=1,
+               about=" .. {}"),
+        Column("what it is", attrgetter("what"), "what", width=1, about="  {}"),
+        Column("check", attrgetter("check"), "check", width=1, about="       {}"),
+    ]  # fmt: skip
+    return Table(columns, rows, headless=True)
+
+
+def locked_in(result: Result) -> Factor:
+    """The range of factors of the mechanism."""
+    fos = result.fos
+    return Factor(fos.lowest, "same mechanism, whatever forces are locked in", to=fos.highest)
+
+
+def methods(result: Result) -> list[Entry]:
+    """The methods of columns, which know other mechanics: printed beside, not compared."""
+    if not result.methods:
+        return []
+    columns: list[Column[tuple[str, float | None]]] = [
+        Column("method", lambda row: METHOD_NAMES[row[0]], "method"),
+        Column("factor", itemgetter(1), "factor", show=lambda factor: factor_text(factor).strip()),
+    ]
+    rows, other = list(result.methods.items()), "other mechanics: not compared"
+    said = "  ".join(" ".join(column.shown(row) for column in columns) for row in rows)
+    return [Table(columns, rows, rest=other, said=f"{said}   ({other})")]
+
+
+def series(result: Result) -> list[Entry]:
+    """Displacements and failed pairs by strength reduction factor (the paper's Table 3)."""
+    if not result.series:
+        return []
+    horizontal = result.words.horizontal
+
+    def moved(k: int) -> Callable[[ReductionStep], float | None]:
+        return lambda step: None if step.movement is None else float(step.movement.displacement[k]) * 1e3
+
+    east, north, up = (moved(k) for k in range(3))
+
+    def across(step: ReductionStep) -> float | None:
+        x, y = east(step), north(step)
+        return None if x is None or y is None else x if horizontal == "x" else (x * x + y * y) ** 0.5
+
+    def across_text(step: ReductionStep) -> str:
+        found = across(step)
+        return f"{'does not come to rest':>28}" if found is None else f"{found:16.4f}"
+
+    def up_text(step: ReductionStep) -> str:
+        found = up(step)
+        return "" if found is None else f"{found:12.4f}"
+
+    parts = () if horizontal == "x" else (("east", "east_mm", east), ("north", "north_mm", north))
+    columns: list[Column[ReductionStep]] = [
+        Column("factor", attrgetter("factor"), "factor", show=".4f", width=-9),
+        Column(f"{horizontal + ' / mm':>16}", across, f"{horizontal}_mm", "mm", width=1, text=across_text),
+        Column(f"{'up / mm':>12}", up, "up_mm", "mm", width=1, text=up_text),
+        Column(f"failed of {result.model.node_pairs}", attrgetter("failed_pairs"), "failed_pairs", width=14),
+        *(Column(f"{title} / mm", of, key, "mm", ".4f") for title, key, of in parts),
+    ]
+    return [Table(columns, result.series)]
+
+
+def verdict(result: Result) -> str:
+    """Whether the limit agrees with the closed form, and by how much it differs."""
+    within = f"limit {result.design.agree_within * 100:g} %"
+    if result.agree is None:
+        return "not compared with the closed form"
+    against = "forces only against closed form: " if result.moments_govern else ""
+    word = "AGREE" if result.agree else "DISAGREE"
+    if result.difference is None:
+        return f"{against}{word} (no number from either)" if result.agree else f"{against}{word}"
+    percent = result.difference * 100
+    shown = "< 0.0001 %" if percent < 1e-4 else f"{percent:.4f} %"
+    return f"{against}difference {shown}   {word} ({within})"
+
+
+def all_pairs(result: Result) -> list[Entry]:
+    """The search of the paper's criterion: its bracket and the failed pairs of its trials."""
+    pairs = result.all_pairs
+    if pairs is None:
+        return []
+    low, high = pairs.bracket
+    if result.fos.all_pairs_failed is None:
+        rests = "the blocks rest" if result.findings is not None else "the block rests"
+        return [f"not found: the search met no factor at which {rests} on sticking pairs"]
+    stands = "the blocks still stand there" if result.findings is not None else "the block still stands there"
+    how = "equilibrium lost there" if pairs.lost_equilibrium else stands
+    trials = sorted(pairs.history)
+    counts = [count for _, count in trials]
+    shown = [
+        f"{factor:.5f}: {count}"
+        for k, (factor, count) in enumerate(trials)
+        if k in (0, len(trials) - 1) or counts[k - 1] != count or counts[k + 1] != count
+    ]
+    of = f"failed pairs of {result.model.node_pairs}"
+    columns: list[Column[tuple[float, int]]] = [
+        Column("strength reduction factor", itemgetter(0), "factor", show=".5f"),
+        Column(of, itemgetter(1), "failed_pairs"),
+    ]
+    return [
+        f"bracket {low:.5f} to {high:.5f} ({how}); {result.design.stiffness.in_words()}",
+        Table(columns, trials, said=f"{of} by factor  " + "  ".join(shown)),
+    ]
+
+
+def accept(result: Result) -> list[str]:
+    """The acceptance rules, each with its judgement."""
+    return [f"{rule}{_judged_on(result, rule)}: {_judgement(result, rule)}" for rule in result.design.rules]
+
+
+def _judged_on(result: Result, rule: Rule) -> str:
+    named: str = result.design.criterion if rule.name == "fos" else ""
+    return f" ({named})" if named else ""
+
+
+def _judgement(result: Result, rule: Rule) -> str:
+    if result.judged(rule):
+        lowest = result.fos.lowest
+        if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
+            return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
+        return "MET"
+    if result.agree is False or result.status == "not_converged":
+        return "NOT MET (the methods disagree or did not converge: no number to judge)"
+    if result.fos.limit is None and result.status != "no_driving_force":
+        return "NOT MET (no factor of safety)"
+    if result.value_of(rule) is None:
+        return "NOT MET (there is no such number here)"
+    return "NOT MET"
+
+
+def times(count: int) -> str:
+    """How often, in words."""
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def cohesion(result: Result) -> list[str]:
+    """Where moments open part of a contact with cohesion: the factor by each rule, and the evidence."""
+    found = result.cohesion_under_moments
+    if found is None:
+        return []
+    named = {"cracked_base": found.cracked_base, "by_mechanism": found.by_mechanism, "bond_gone": found.bond_gone}
+    parts = [f"{RULES[name]} {'none' if value is None else f'{value:.4g}'}" for name, value in named.items()]
+    said = f"{', '.join(parts)}; used: {RULES[found.rule]}"
+    for name, contact in found.evidence.items():
+        said += f"; {name} {_share(contact.pressed_share)} pressed"
+        if contact.resultant_m is not None:
+            said += f", force at {_place(contact.resultant_m)}"
+        if contact.opens_at_m is not None:
+            said += f", opens from {_place(contact.opens_at_m)}"
+    return [said]
+
+
+def curved_strength(result: Result) -> list[str]:
+    """Where strength is curved: the line of each joint at its mean normal traction, and what the mean leaves out."""
+    found = result.curved_strength
+    if found is None:
+        return []
+    said = []
+    for name, line in found.lines.items():
+        low, high = line.range_kpa
+        said.append(
+            f"{name} at {line.traction_kpa:.4g} kPa (node pairs {low:.4g} .. {high:.4g}): "
+            f"c {line.cohesion_kpa:.4g} kPa  φ {line.friction_angle_deg:.2f}°, the secant of its law"
+        )
+    if found.gap is not None:
+        said.append(
+            f"the tractions of the node pairs lower the limit by {-found.gap * 100:.2f} % below that of one mean "
+            "traction a joint"
+        )
+    return said
+
+
+def _share(part: float) -> str:
+    return f"{part * 100:.3g} %"
+
+
+def _place(point: Floats) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in point.tolist()) + ")"
+
+
+def governs(result: Result) -> list[Entry]:
+    """What changes the factor of safety most, by the closed form."""
+    if not result.governs:
+        return []
+    if result.moments_govern or result.status == "not_converged":
+        return ["not given: it is read from the closed form, which does not govern here"]
+    base = result.fos.closed_form
+
+    def change(row: tuple[str, float | None, str]) -> float | None:
+        return None if row[1] is None or base is None else row[1] - base
+
+    def then(row: tuple[str, float | None, str]) -> str:
+        return result.words.status(row[2]) if row[2] in STATUSES else row[2]
+
+    columns: list[Column[tuple[str, float | None, str]]] = [
+        Column("changed input", itemgetter(0), "change"),
+        Column("closed form", itemgetter(1), "fos", show=lambda factor: factor_text(factor).strip()),
+        Column("change", change, "difference", show=lambda by: "-" if by is None else f"{by:+.4f}"),
+        Column("then", then, "then"),
+    ]
+    parts = []
+    for row in result.governs:
+        name, factor, _ = row
+        by = change(row)
+        if factor is None:
+            parts.append(f"{name}: {then(row)}")
+        else:
+            parts.append(f"{name}: {factor:.2f}" if by is None or name == "full water" else f"{name} {by:+.2f}")
+    said = " | ".join(parts) + "   (closed form)"
+    return [Table(columns, result.governs, rest="One at a time, by the closed form.", said=said)]
