@@ -288,7 +288,8 @@ def test_links_lead_somewhere() -> None:
 def _commands() -> dict[str, Any]:
     import typer
 
-    return dict(typer.main.get_command(app).commands)
+    group: Any = typer.main.get_command(app)
+    return {name: group.get_command(None, name) for name in group.commands}
 
 
 def test_every_command_has_its_page_and_every_page_its_command() -> None:

@@ -1,4 +1,4 @@
-"""The command of a study, made of its function: options, one driver for files, printing, pictures and the exit code."""
+"""A command made of its function, of a result or a study: options, one driver for files, printing, pictures, exit."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -7,20 +7,29 @@ from typing import Annotated, Any
 
 import typer
 
+from slopekit import api
+from slopekit.cli import results
 from slopekit.cli.common import JSON, SET, checked_image, draw_to, folder_of, json_text, load_design, write
 from slopekit.cli.progress import progress, watched
+from slopekit.core.options import DESIGN, Argument, Desk, Option, given_by
 from slopekit.errors import DesignError, Fault
-from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
+from slopekit.studies.protocol import VARIANTS, Outcome, function_of
 
-_QUIET = typer.Option("--quiet", help="One line.")
-_FOLDER = typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures.")
-_PICTURE = typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")
-_DRIVEN = ("sets", "picture", "as_json", "quiet", "output")
+#: The functions that give a result; all other commands that are made so are studies.
+_RESULTS: Mapping[str, Callable[..., Any]] = {"wedge": api.wedge, "run": api.run}
+#: What every command has, by the parameter of the driver: those of studies.
+_OPTIONS = {
+    "picture": typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot)."),
+    "as_json": JSON,
+    "quiet": typer.Option("--quiet", help="One line."),
+    "output": typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures."),
+}
+_ORDER = ("sets", "picture", "no_pictures", "as_json", "quiet", "output")
 
 
 def command_of(name: str) -> Callable[..., None]:
-    """What Typer makes a command of: a function with the parameters of the study's, and of those of its variants."""
-    main = function_of(name)
+    """What Typer makes a command of: one with the parameters of the function, and of those of its variants."""
+    main = _RESULTS.get(name) or function_of(name)
     variants = {flag: function_of(flag) for flag, (of, _) in VARIANTS.items() if of == name}
     functions = [main, *variants.values()]
     declared: dict[str, inspect.Parameter] = {}
@@ -30,9 +39,13 @@ def command_of(name: str) -> Callable[..., None]:
                 declared.setdefault(own.name, own)
     for flag, function in variants.items():
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
-    first = inspect.signature(main).parameters
-    with_design = any(parameter.annotation == ADesign for parameter in first.values())
-    declared |= {own.name: own for own in _of_every_study(with_design, name)}
+    options = _OPTIONS | (results.OPTIONS if name in _RESULTS else {})
+    if any(given_by(parameter) == DESIGN for parameter in inspect.signature(main).parameters.values()):
+        options["sets"] = SET
+    for key in (key for key in _ORDER if key in options):
+        is_text = key in ("sets", "picture", "output")
+        type_: Any = (list[str] | None if key == "sets" else str | None) if is_text else bool
+        declared[key] = _parameter(key, type_, options[key], None if is_text else False)
 
     def command(**given: Any) -> None:
         chosen = next((flag for flag in variants if given[flag]), "")
@@ -64,19 +77,9 @@ def _on_command_line(key: str, parameter: inspect.Parameter) -> list[inspect.Par
     if isinstance(parameter.default, bool):
         return [_parameter(key, bool, typer.Option(_flag(key, how), help=how.help), False)]
     option = typer.Option(_flag(key, how), help=how.help, metavar=how.metavar or None)
-    needed = parameter.default is inspect.Parameter.empty
-    return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
-
-
-def _of_every_study(with_design: bool, name: str) -> list[inspect.Parameter]:
-    sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
-    return [
-        *sets,
-        _parameter("picture", str | None, _PICTURE, None),
-        _parameter("as_json", bool, JSON, False),
-        _parameter("quiet", bool, _QUIET, False),
-        _parameter("output", str | None, _FOLDER, None),
-    ]
+    needed = how.needed or parameter.default is inspect.Parameter.empty
+    of: Any = {0: list[str], 1: str, 2: tuple[str, str]}[how.texts]
+    return [_parameter(key, of if needed else of | None, option, ... if needed else None)]
 
 
 def _parameter(name: str, type_: Any, how: Any, default: Any) -> inspect.Parameter:
@@ -106,11 +109,11 @@ def _help_of(function: Callable[..., Any]) -> str:
 # -- the driver -------------------------------------------------------------------------------------------------------
 
 
-def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
-    """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
+def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str) -> None:
+    """Read what was given, call the function, write and print and draw what it comes to, leave with its exit code."""
     folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = checked_image(given["picture"])
-    values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
+    image = results.scene_of(given["picture"]) if "no_pictures" in given else checked_image(given["picture"])
+    values, taken = dict[str, Any](), {*_ORDER, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
         value, names = _value(key, parameter, given)
@@ -121,9 +124,12 @@ def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: 
         if given[name] not in (None, False, []) and name not in taken:
             option = "--" + name.replace("_", "-")
             raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
+    if "desk" in parameters:
+        flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
+        values["desk"] = Desk(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
     with watched():
-        outcome = function(**values, desk=Desk(folder, progress, _option))
-    _deliver(outcome, folder, image, given["as_json"], given["quiet"])
+        outcome = function(**values)
+    _deliver(outcome, folder, image, given)
     raise typer.Exit(outcome.exit_code)
 
 
@@ -139,7 +145,7 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
         return (how.choices[chosen[0]][0] if chosen else None), {_name(flag) for flag in how.choices}
     key = getattr(how, "called", "") or key
     text = given[key]
-    if parameter.annotation == ADesign:
+    if how == DESIGN:
         return load_design(text, given.get("sets")), {key}
     if isinstance(how, Argument) and how.many:
         return how.reads(text or [], key), {key}
@@ -148,21 +154,23 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
     return how.reads(text, how.metavar if isinstance(how, Argument) else _flag(key, how)), {key}
 
 
-def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
-    record = outcome.to_dict() if as_json or folder or image else {}
-    document = json_text(record) if record else ""
-    text = str(outcome) if folder or not (as_json or quiet) else ""
+def _deliver(outcome: Any, folder: Path | None, image: Path | None, given: Mapping[str, Any]) -> None:
+    as_json, quiet = given["as_json"], given["quiet"]
+    shown = outcome if isinstance(outcome, Outcome) else results.Answer(outcome)
+    record = shown.to_dict() if as_json or folder or image else {}
+    document = json_text(record) if as_json or folder else ""
+    text = str(shown) if folder or not (as_json or quiet) else ""
     if folder is not None:
-        write(folder / f"{outcome.name}.json", document + "\n")
-        write(folder / f"{outcome.name}.txt", text + "\n")
-        for name, table in outcome.sheet.tables.items():
+        write(folder / f"{shown.name}.json", document + "\n")
+        write(folder / f"{getattr(shown, 'text_name', shown.name)}.txt", text + "\n")
+    typer.echo(document if as_json else shown.line if quiet else text)
+    if isinstance(shown, results.Answer):
+        shown.finish(record, folder, image, given["no_pictures"])
+        return
+    if folder is not None:
+        for name, table in shown.sheet.tables.items():
             write(folder / name, table.csv())
-        for name, more in outcome.files().items():
+        for name, more in shown.files().items():
             write(folder / name, more)
-    typer.echo(document if as_json else outcome.line if quiet else text)
-    for k, what in enumerate(outcome.charts):
+    for k, what in enumerate(shown.charts):
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
-
-
-def _option(key: str) -> str:
-    return "--" + key.replace("_", "-")
