@@ -78,7 +78,7 @@ app.command()(tools.explain)
 def _refuse_repeats(arguments: list[str]) -> None:
     """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
     names = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
-    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set"})
+    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set", "--project"})
     if twice:
         raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
 
