@@ -14,6 +14,7 @@ from slopekit.core.options import given_by
 from tests.commands import slopekit
 
 PAPER = ["wedge", "--dips", "45/115", "45/245"]
+QUIET = "slides_on_both  1.5574  agree  W378 (face, upper, height, c, phi, density)"
 
 
 def started(*arguments: str, **more) -> subprocess.CompletedProcess:
@@ -121,7 +122,7 @@ def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
 
 def test_quiet_and_output_folder(tmp_path) -> None:
     run = slopekit(*PAPER, "--quiet", "--no-pictures", "-o", str(tmp_path / "new"))
-    assert run.stdout == "slides_on_both  1.5574  agree\n"
+    assert run.stdout == QUIET + "\n"
     assert json.loads((tmp_path / "new/result.json").read_text())["status"] == "slides_on_both"
     assert (tmp_path / "new/sheet.txt").read_text().startswith("slopekit ")
 
@@ -172,7 +173,14 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert run.stdout.splitlines() == ["slides_on_both  1.5574  agree", "[]"]
+    assert run.stdout.splitlines() == [QUIET, "[]"]
+
+
+def test_templates_alone_shows_its_help() -> None:
+    ran = slopekit("templates")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert ran.stdout == slopekit("templates", "--help").stdout
+    assert "  new   Write a template" in ran.stdout
 
 
 def test_picture(tmp_path) -> None:

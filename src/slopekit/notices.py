@@ -15,6 +15,8 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.tolerances import MESH_CHANGE
 
+#: The code of inputs that nobody gave.
+INVENTED = "W378"
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 SQUARE = 1e-9  # drawn out by less than this part of the movement: square to it
@@ -70,6 +72,8 @@ def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[No
 
 def _read_notices(design: Design) -> Iterator[Notice]:
     """What reading the design already says."""
+    if design.invented:
+        yield Notice("W378", f"not given, taken from the paper's wedge: {', '.join(design.invented)}")
     for name, value in design.assumed:
         yield Notice("W320", f"{name} is a distribution: this run takes {value}")
     if design.left_out:

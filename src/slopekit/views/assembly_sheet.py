@@ -5,12 +5,31 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from slopekit.core.sheet import counted, factor_text
-from slopekit.findings import MOTIONS, AssemblyGeometry, Column, Findings, GoverningInterface, Mechanism
+from slopekit.findings import (
+    MOTIONS,
+    SAME_FACTOR,
+    AssemblyGeometry,
+    Column,
+    Findings,
+    GoverningInterface,
+    Mechanism,
+    at_once,
+)
 from slopekit.kinds import dilates
 from slopekit.kinds.words import SheetPart, first_and_last, in_order, line_in_words, names_in_runs, size_number
 from slopekit.orientation import line_of
 from slopekit.result import Result
-from slopekit.views.entries import accept, all_pairs, curved_strength, forces, governs, methods, series, verdict
+from slopekit.views.entries import (
+    accept,
+    all_pairs,
+    curved_strength,
+    forces,
+    governs,
+    leading,
+    methods,
+    series,
+    verdict,
+)
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}
 _WAYS = {
@@ -21,7 +40,6 @@ _MODES = {"slip": "slips", "open": "slips and opens", "stick": "sticks", "pull":
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
-_SAME = 2e-5  # factors that differ by less than this part look the same
 _MOST_FACTORS = 6
 _FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
 #: What is checked, in words about its figure.
@@ -102,7 +120,7 @@ def _factors(result: Result) -> list[str]:
     limit = f"{factor_text(fos.limit)}  {limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
     if fos.limit is None:
         limit += f": {result.status_text}"
-    entries = [limit]
+    entries = [*leading(result), limit]
     if compared:
         zero = ", zero dilation" if dilating else ""
         closed = f"{factor_text(fos.closed_form)}  {result.words.closed_form}{zero}"
@@ -249,11 +267,12 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     """Whether a mechanism needs no further loss of strength than those before it."""
     if one.fos is None:
         return one.status in ("falls", "lifted")
-    return highest is not None and one.fos <= highest * (1.0 + _SAME)
+    return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
 
 
 def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
-    """The lowest factors with the blocks that fail at them; without a number last."""
+    """The lowest factors with the blocks that fail at them, those of mechanisms that follow at once apart."""
+    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
     groups: dict[str, list[str]] = {}
     numbers: dict[str, float] = {}
     for name, factor in findings.factor_by_block.items():
@@ -264,7 +283,12 @@ def _by_block(findings: Findings, order: Mapping[str, int]) -> list[str]:
     if len(groups) < 2:
         return []  # STATUS has said it
     lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
-    parts = [f"{shown} {names_in_runs(in_order(groups.pop(shown), order), 2)}" for shown in lowest]
+    parts = []
+    for shown in lowest:
+        names = in_order(groups.pop(shown), order)
+        text = names_in_runs((name for name in names if name not in follow), 2)
+        after = names_in_runs((name for name in names if name in follow), 2)
+        parts.append(f"{shown} {text}" + (f", then at once {after}" if after else ""))
     without = groups.pop("none", [])
     if rest:
         blocks = sum(len(names) for names in groups.values())

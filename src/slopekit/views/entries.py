@@ -4,7 +4,7 @@ from slopekit.arrays import Floats
 from slopekit.core.sheet import factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import STATUSES, Result
+from slopekit.result import JUDGED, STATUSES, Result
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
@@ -59,6 +59,15 @@ def series(result: Result) -> list[str]:
         across = x if horizontal == "x" else (x * x + y * y) ** 0.5
         entries.append(f"{step.factor:6.4f}   {across:16.4f}{z:12.4f}{step.failed_pairs:14d}")
     return entries
+
+
+def leading(result: Result) -> list[str]:
+    """The number that acceptance hangs on where it lies below the limit: it stands first."""
+    if result.leading is None:
+        return []
+    name, value = result.leading
+    what = "lowest of the same mechanism, whatever forces are locked in" if name == "lowest" else JUDGED[name]
+    return [f"{factor_text(value)}  {what}: the factor that ACCEPT hangs on"]
 
 
 def verdict(result: Result) -> str:
@@ -123,6 +132,10 @@ def _judgement(result: Result, rule: Rule) -> str:
     return "NOT MET"
 
 
+def _said(result: Result, status: str) -> str:
+    return result.design.in_own_names(result.words.status(status)) if status in STATUSES else status
+
+
 def times(count: int) -> str:
     """How often, in words."""
     return {1: "once", 2: "twice"}.get(count, f"{count} times")
@@ -183,7 +196,7 @@ def governs(result: Result) -> list[str]:
     base = result.fos.closed_form
     for name, factor, status in result.governs:
         if factor is None:
-            parts.append(f"{name}: {result.words.status(status) if status in STATUSES else status}")
+            parts.append(f"{name}: {_said(result, status)}")
         elif base is None or name == "full water":
             parts.append(f"{name}: {factor:.2f}")
         else:

@@ -12,7 +12,7 @@ from slopekit.orientation import line_of
 from slopekit.result import STATUSES
 from slopekit.views.bolt_schedule import HEAD, per_slice, schedule
 from slopekit.views.report_inputs import Table
-from slopekit.views.report_words import block_table, factor, happens, in_names, limit_of
+from slopekit.views.report_words import block_table, factor, happens, in_names, in_own_names, limit_of
 
 Document = Mapping[str, Any]
 
@@ -220,7 +220,7 @@ def search_tables(document: Document) -> Iterator[Table]:
         changed = []
         for one in document["governs"]:
             status = one["status"]
-            said = status_text(document["kind"], status) if status in STATUSES else status
+            said = in_own_names(document, status_text(document["kind"], status)) if status in STATUSES else status
             change = "-" if one["fos"] is None or base is None else f"{one['fos'] - base:+.4f}"
             changed.append((one["change"], factor(one["fos"]), change, said))
         head = ("changed input", "closed form", "change", "then")

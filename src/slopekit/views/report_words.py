@@ -1,19 +1,21 @@
 """What a result means, in sentences: the answer, and the check of the two methods."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from slopekit.core.sheet import factor_text
+from slopekit.errors import HARMLESS
+from slopekit.findings import at_once
 from slopekit.kinds import status_text
 from slopekit.kinds.words import names_in_runs
+from slopekit.result import JUDGED
 from slopekit.views.assembly_sheet import path_in_words
 from slopekit.views.report_inputs import Table
 
 FALLS = "none: held by no strength that was tried"
 UNSETTLED = "not settled"
-#: Notices that inform and ask for nothing: they raise no badge.
-HARMLESS = ("W305", "W311", "W319", "W321", "W323", "W327", "W336", "W337", "W343", "W344", "W367", "W368", "W377")
 _STAYS = "none"
 _MOST_ROWS = 40
 _SAME = 0.05  # percent
@@ -38,6 +40,12 @@ def happens(kind: str, status: str) -> str:
     return "not settled: its factor is no answer" if status == "not_converged" else status_text(kind, status)
 
 
+def in_own_names(document: Mapping[str, Any], sentence: str) -> str:
+    """A sentence on a wedge with the user's names in place of J1 and J2."""
+    own = document["inputs"].get("joint_names") or ()
+    return re.sub(r"\bJ([12])\b", lambda found: own[int(found[1]) - 1] if len(own) == 2 else found[0], sentence)
+
+
 def in_names(names: Iterable[str], most: int | None = None) -> str:
     """Names in their order, runs of them as from and to."""
     ordered = sorted(names, key=_natural)
@@ -54,6 +62,8 @@ def block_table(assembly: Mapping[str, Any]) -> Table | None:
                 outcome[block["name"]] = UNSETTLED
             elif outcome.get(block["name"], _STAYS) == _STAYS:
                 outcome[block["name"]] = FALLS if one["fos"] is None else factor(one["fos"])
+    own = ((one["fos"], [block["name"] for block in one["blocks"]]) for one in assembly["mechanisms"])
+    follow = at_once(own, assembly["factor_by_block"])
     groups: dict[str, list[str]] = {}
     for name, shown in outcome.items():
         groups.setdefault(shown, []).append(name)
@@ -61,11 +71,16 @@ def block_table(assembly: Mapping[str, Any]) -> Table | None:
         return None
     without = (FALLS, UNSETTLED, _STAYS)  # after the numbers, in this order
     order = sorted(groups, key=lambda s: (without.index(s), 0.0) if s in without else (-1, float(s)))
-    rows = tuple((shown, str(len(groups[shown])), in_names(groups[shown], 6)) for shown in order[:_MOST_ROWS])
+    rows = tuple((shown, str(len(groups[shown])), _which(groups[shown], follow)) for shown in order[:_MOST_ROWS])
     notes = ["none: stays, or its mechanism was not asked for."] if _STAYS in groups else []
     notes += ["Not settled: what happens to it is not known."] if UNSETTLED in groups else []
     notes += [f"{len(order) - _MOST_ROWS} more factors are in the JSON."] if len(order) > _MOST_ROWS else []
     return Table("Factor by block", ("factor", "blocks", "which"), rows, " ".join(notes))
+
+
+def _which(names: list[str], follow: set[str]) -> str:
+    after = in_names((name for name in names if name in follow), 6)
+    return in_names((name for name in names if name not in follow), 6) + (f"; then at once {after}" if after else "")
 
 
 def _natural(name: str) -> tuple[str, int, str]:
@@ -80,7 +95,13 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     ----------
     status : the entry of the sheet, which says more than the document's own sentence
     """
-    fos, value = document["fos"], document["fos"]["limit"]
+    fos, judged_by = document["fos"], document.get("leading")
+    value = judged_by["fos"] if judged_by else fos["limit"]
+    what = f"{limit_of(document)}{_what_governs(document, fos)}"
+    if judged_by:
+        what = (
+            f"{JUDGED[judged_by['name']]}: what acceptance hangs on; {factor(fos['limit'])} is the {limit_of(document)}"
+        )
     accepted = document["accepted"]
     judged = {
         True: ("acceptance MET", "good"),
@@ -95,7 +116,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     return {
         "status": " ".join(status) or document["status_text"], "factor": rounded_down(value), "exact": factor(value),
         "is_number": value is not None,
-        "what": f"{limit_of(document)}{_what_governs(document, fos)}", "badges": badges,
+        "what": what, "badges": badges,
     }  # fmt: skip
 
 

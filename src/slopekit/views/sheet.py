@@ -8,6 +8,7 @@ from slopekit._version import __version__
 from slopekit.core.sheet import WIDTH, block, factor_text
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.words import SheetPart, line_in_words, size_number
+from slopekit.notices import INVENTED
 from slopekit.orientation import line_of
 from slopekit.result import Result
 from slopekit.views.assembly_sheet import assembly_parts
@@ -18,6 +19,7 @@ from slopekit.views.entries import (
     curved_strength,
     forces,
     governs,
+    leading,
     methods,
     series,
     times,
@@ -70,7 +72,7 @@ def _parts(result: Result) -> Iterator[SheetPart]:
     yield SheetPart("TIME", [_time(result)])
     yield SheetPart("GOVERNS", governs(result))
     yield SheetPart("DEFAULTS", _defaults(result))
-    yield SheetPart("NOTE", [str(notice) for notice in result.warnings])
+    yield SheetPart("NOTE", [str(one) for one in result.warnings if one.code != INVENTED])
 
 
 def _status(result: Result) -> str:
@@ -82,7 +84,7 @@ def _status(result: Result) -> str:
 
 def _factors(result: Result) -> list[str]:
     fos = result.fos
-    entries = []
+    entries = leading(result)
     dilating = dilates(result.design)
     assumption = "PRE-IE, joints dilate as given" if dilating else "PRE-IE"
     assumption += result.words.assumes
