@@ -12,6 +12,7 @@ from slopekit.errors import HARMLESS
 from slopekit.explanations import explanation, explanations
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.views.line import line_of
+from slopekit.views.report_tables import search_tables
 from slopekit.views.report_words import answer, block_table
 from slopekit.views.sheet import document_of, sheet
 from slopekit.views.stage import Stage
@@ -87,6 +88,20 @@ def test_a_joint_has_its_own_name_in_what_happens() -> None:
     assert picture_title(result).startswith(f"{said} · ")
     document = document_of(result)
     assert answer(document, document["sheet"]["STATUS"])["status"].startswith(said)
+
+
+def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
+    for name, said in (("bedding", "slides on bedding"), ("J1", "slides on its plane")):
+        design = {
+            "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12},
+            "joints": {name: {"plane": "35/180", "strength": "weak"}},
+            "strength": {"weak": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 26},
+        }  # fmt: skip
+        result = sk.run(design)
+        assert (result.status, result.status_text) == ("slides_on_J1", said)
+        document = document_of(result) | {"governs": [{"change": "dry", "fos": None, "status": "slides_on_J1"}]}
+        (table,) = [one for one in search_tables(document) if one.title == "What changes the factor most"]
+        assert table.rows[0][-1] == said
 
 
 def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:

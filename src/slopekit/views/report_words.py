@@ -41,8 +41,10 @@ def happens(kind: str, status: str) -> str:
 
 
 def in_own_names(document: Mapping[str, Any], sentence: str) -> str:
-    """A sentence on a wedge with the user's names in place of J1 and J2."""
+    """A sentence on a wedge or a plane with the user's names of its joints."""
     own = document["inputs"].get("joint_names") or ()
+    if (name := document["inputs"].get("joint_name", "J1")) != "J1":
+        sentence = sentence.replace("its plane", name)
     return re.sub(r"\bJ([12])\b", lambda found: own[int(found[1]) - 1] if len(own) == 2 else found[0], sentence)
 
 
