@@ -198,3 +198,9 @@ def test_bolts_of_a_curved_surface_are_checked(bolt, code) -> None:
     with pytest.raises(sk.GeometryError) as caught:
         sk.run(path_of("paper-ellipsoid"), set={"support": {"bolts": bolts}})
     assert caught.value.codes == (code,)
+
+
+def test_templates_alone_shows_its_help() -> None:
+    alone = slopekit("templates")
+    assert (alone.returncode, alone.stderr) == (0, "")
+    assert alone.stdout == slopekit("templates", "--help").stdout

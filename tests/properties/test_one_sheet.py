@@ -7,6 +7,7 @@ import math
 import re
 from functools import cache
 from html.parser import HTMLParser
+from typing import Any
 
 import pytest
 
@@ -118,11 +119,16 @@ def cells_stand_in_lines(table: Table) -> None:
         assert re.search(".*?".join(map(re.escape, row)), line), (row, line)
 
 
+def head_of(column: dict[str, Any]) -> str:
+    """A number in a notebook has its unit above it."""
+    return f"{column['title']} / {column['unit']}" if column["unit"] not in column["title"] else column["title"]
+
+
 @pytest.mark.parametrize("name", [*names(), SWEEP])
 def test_html_has_the_cells_of_the_table(name) -> None:
     one = shown(name)
     rows = Cells(one.sheet._repr_html_()).rows
-    wanted = [row for table in tables(name) for row in ([c["title"] for c in table.to_dict()["columns"]],
+    wanted = [row for table in tables(name) for row in ([head_of(c) for c in table.to_dict()["columns"]],
                                                         *table.to_dict()["shown"])]  # fmt: skip
     assert rows == wanted
     pytest.importorskip("jinja2")

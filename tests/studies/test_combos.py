@@ -456,6 +456,8 @@ def test_json_sheet_and_table() -> None:
     line = found.line
     assert line.startswith(f"{found.removable} of 780 pairs removable  worst ")
     assert f"{found.target.below} below 1.5" in line
+    small = sk.combos(["45/115", "45/245"], face="65/180", c=5, phi=30, min_volume=1e6)
+    assert "1 pair can leave the slope, but smaller than the least volume asked for" in str(small)
     nothing = sk.combos(["45/300", "45/060"], face="65/180", c=5, phi=30)
     assert "no pair can leave the slope" in str(nothing)
     assert nothing.line == "0 of 1 pairs removable"

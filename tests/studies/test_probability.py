@@ -270,6 +270,8 @@ def test_nothing_that_speaks_against_it_is_accepted() -> None:
     study = prob(design, 300, target=1.7, accept=0.99, confirm=5)
     assert study.confirmation.settled == 0
     assert study.accepted is False
+    said = " ".join(str(study).split())
+    assert f"<= 99 %: NOT MET, PRE-IE answers for 0 of the {study.confirmation.samples} samples it was asked of" in said
     assert "W351" in {notice.code for notice in study.warnings}
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},
                                          "J2": {"plane": "45/340", "strength": "b"}}}  # fmt: skip

@@ -63,6 +63,16 @@ def test_a_grid_is_run_at_every_point(grid) -> None:
     assert [value for value, _ in next(grid.lines())[1]] == [20.0, 40.0, 60.0]  # neighbours are neighbours in value
 
 
+def test_a_level_that_only_the_second_key_passes_is_said() -> None:
+    wet = sweep(sk.load(WEDGE), {"slope.face.dip": [60, 70], "water.fill": [0, 0.5, 1]}, methods="closed-form", fos=1.2)
+    for line, above in zip((0.0, 0.5, 1.0), (True, True, False), strict=True):
+        assert {point.factors.closed_form > 1.2 for place, point in zip(wet.places, wet.points, strict=True)
+                if place[1] == line} == {above}  # fmt: skip
+    said = " ".join(str(wet).split())
+    assert "FoS 1.2, slope.face.dip interpolated: nowhere, but water.fill passes it between 0.5 and 1" in said
+    assert "FoS 1, slope.face.dip interpolated: passed nowhere" in said
+
+
 @pytest.mark.parametrize(
     ("name", "key", "values"),
     [
@@ -174,6 +184,7 @@ def test_workers_give_the_same_points(tmp_path) -> None:
     ("keys", "options", "code"),
     [
         ({}, {}, "E313"),
+        ("slope.face.dip=50:80:4", {}, "E313"),
         ({"slope.face.dip": [60], "slope.height": [10], "water.fill": [0]}, {}, "E313"),
         ({"loads.seismic": [0.1], "loads.seismic.k": [0.1]}, {}, "E313"),
         ({"slope.face.dip": [60]}, {"methods": "fast"}, "E313"),

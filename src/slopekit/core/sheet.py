@@ -255,10 +255,15 @@ def _entry_html(table: Mapping[str, Any]) -> str:
 
     if "verbatim" in table:
         return f"<pre>{escape(table['verbatim'])}</pre>"
-    heads = "".join(f"<th>{escape(column['title'])}</th>" for column in table["columns"])
+    heads = "".join(f"<th>{escape(_head(column))}</th>" for column in table["columns"])
     rows = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>" for cells in table["shown"])
     rest = f"<p>{escape(table['rest'])}</p>" if table["rest"] else ""
     return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>{rest}"
+
+
+def _head(column: Mapping[str, Any]) -> str:
+    title, unit = str(column["title"]), str(column["unit"])
+    return f"{title} / {unit}" if unit and unit not in title else title
 
 
 def block(label: str, entries: Sequence[str], hang: int = 3) -> list[str]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 from slopekit.core.sheet import counted
@@ -33,6 +34,7 @@ _WIDE = 10.0  # factors that span more are drawn on a logarithmic axis
 _MOST_MARKED = 8  # changes of status that are labelled
 _MOST_BARS = 25
 _MOST_DOTS = 900  # points of a grid that are marked
+_BETWEEN = 24  # parts that a line between two points is drawn in
 _FEWEST = 3  # values of each key that bands can be drawn between
 _TOO_FEW = "too few points have a factor of safety"
 _NOW: dict[str, Any] = {
@@ -117,7 +119,7 @@ def draw_curve(figure: Any, document: Document) -> None:
     for method in reversed(swept.asked):
         for stretch in stretches(drawn[method]):
             axes.plot(*zip(*stretch, strict=True), **styles[method] | {"linestyle": "none"})
-            axes.plot(*zip(*stretch, strict=True), **styles[method] | {"marker": ""})
+            axes.plot(*zip(*_straight(stretch), strict=True), **styles[method] | {"marker": ""})
         axes.plot([], [], **styles[method], label=METHODS[method])
     _moments(axes, points)
     _levels(axes, swept)
@@ -134,7 +136,8 @@ def draw_curve(figure: Any, document: Document) -> None:
                   label="passes the level (interpolated)")  # fmt: skip
     own = _at(key["now"], drawn[swept.asked[0]])
     if own is not None:
-        axes.plot([key["now"]], [own], **_NOW)
+        here = "" if any(value == key["now"] for value, _ in points) else " (interpolated)"
+        axes.plot([key["now"]], [own], **_NOW | {"label": f"{_NOW['label']}{here}"})
     axes.set_xlabel(_name(document, key))
     axes.set_ylabel("factor of safety")
     _finish(figure, axes, swept.document, f"factor of safety over {_words(document, key)}")
@@ -302,6 +305,19 @@ def draw_tornado(figure: Any, document: Document) -> None:
 
 
 # -- parts ------------------------------------------------------------------------------------------------------------
+
+
+def _straight(stretch: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """A line through points with so many between that it is straight in the factor on a logarithmic axis, too.
+
+    What is interpolated (the level passed, the design as it is) then lies on it.
+
+    >>> _straight([(0.0, 1.0), (1.0, 3.0)])[_BETWEEN // 2]
+    (0.5, 2.0)
+    """
+    shares = [step / _BETWEEN for step in range(_BETWEEN)]
+    dense = [(a + share * (b - a), f + share * (g - f)) for (a, f), (b, g) in pairwise(stretch) for share in shares]
+    return [*dense, stretch[-1]]
 
 
 def _at(value: float | None, line: Sequence[tuple[float, float | None]]) -> float | None:

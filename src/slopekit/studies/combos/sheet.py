@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.kinds import kind_named
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
@@ -222,7 +222,9 @@ def _judges(target: Target) -> str:
 
 def _no_worst(found: Combos) -> Entry:
     if not found.removable:
-        return "no pair can leave the slope"
+        small = found.counts.get("below_min_volume", 0)
+        those = f"{counted(small, 'pair')} can leave the slope, but smaller than the least volume asked for"
+        return those if small else "no pair can leave the slope"
     return f"PRE-IE was not asked; {found.removable} pairs are ranked by the closed form in pairs.csv"
 
 

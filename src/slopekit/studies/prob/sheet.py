@@ -6,7 +6,7 @@ from operator import attrgetter, itemgetter
 from typing import Any
 
 from slopekit.arrays import Floats
-from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.kinds import status_text
 from slopekit.orientation import number
 from slopekit.result import STATUSES
@@ -243,5 +243,18 @@ def _accept(study: Probability) -> list[str]:
     if study.asked.accept is None:
         return []
     met = "met" if study.accepted else "NOT MET"
-    high = _percent(study.all_samples.high)
-    return [f"upper limit {high} <= {_percent(study.asked.accept)}: {met}"]
+    high = study.all_samples.high
+    doubts = [] if study.accepted or high > study.asked.accept else _doubts(study)
+    return [f"upper limit {_percent(high)} <= {_percent(study.asked.accept)}: {', '.join([met, *doubts])}"]
+
+
+def _doubts(study: Probability) -> list[str]:
+    """Why it is not accepted though the limit is low enough."""
+    checked, doubts = study.confirmation, []
+    if study.unjudged:
+        doubts.append(f"{counted(study.unjudged, 'sample')} not judged")
+    if checked is not None and checked.unsafe:
+        doubts.append(f"{checked.unsafe} fail by PRE-IE only")
+    if checked is not None and checked.settled < checked.samples:
+        doubts.append(f"PRE-IE answers for {checked.settled} of the {checked.samples} samples it was asked of")
+    return doubts

@@ -343,7 +343,11 @@ def evaluated(
 
 
 def one_or_two(keys: Mapping[str, object]) -> None:
-    """Refuse no keys, or more than two: E313."""
+    """Refuse no keys, text in their place, or more than two: E313."""
+    if isinstance(keys, str):
+        advice = "Write {'slope.face.dip': '60:80:5'}, or {'slope.face.dip': [60, 70, 80]}."
+        message = "keys are a text, a mapping of each key to its values is needed"
+        raise DesignError([Fault("E313", message, keys, advice)])
     if not keys:
         raise DesignError(
             [Fault("E313", "no key is given", "", "Write KEY=60:80:5, for example slope.face.dip=60:80:5")]

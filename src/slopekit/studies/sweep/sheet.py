@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Any, TypeAlias
 
@@ -251,8 +252,23 @@ def _passes_of_a_grid(swept: Sweep) -> list[str]:
         own = [one for one in swept.critical if one.level == level and one.method == method]
         own.sort(key=lambda one: one.line or 0.0)
         ats = [f"{second.shown(one.line or 0.0, 6)}: {_briefly(first, one)}" for one in own]
-        entries.append(f"{what}, {first.path} interpolated: {'; '.join(ats) if ats else 'passed nowhere'}")
+        entries.append(f"{what}, {first.path} interpolated: {'; '.join(ats) or _down_a_grid(swept, level)}")
     return entries
+
+
+def _down_a_grid(swept: Sweep, level: float) -> str:
+    """Between which values of the second key a level is passed that the first key never passes."""
+    method, second = swept.asked[0], swept.keys[1]
+    lines = sorted(swept.lines(), key=lambda line: line[0] or 0.0)
+    places = []
+    for (upper, above), (lower, below) in pairwise(lines):
+        factors = [
+            (factor_at(one, method), factor_at(other, method))
+            for (_, one), (_, other) in zip(above, below, strict=True)
+        ]
+        if any(a is not None and b is not None and (a < level) != (b < level) for a, b in factors):
+            places.append(f"{second.shown(upper or 0.0, 6)} and {second.shown(lower or 0.0, 6)}")
+    return f"nowhere, but {second.path} passes it between {', '.join(places)}" if places else "passed nowhere"
 
 
 def _briefly(key: Key, one: Critical) -> str:
