@@ -15,7 +15,6 @@ from slopekit.arrays import Floats
 from slopekit.errors import Notice, writing
 from slopekit.exchange.losses import (
     acceptance,
-    load_name,
     lost_of_criterion,
     lost_of_laws,
     lost_of_loads,
@@ -24,7 +23,7 @@ from slopekit.exchange.losses import (
 )
 from slopekit.exchange.picking import Body, Picked
 from slopekit.exchange.solids import Files
-from slopekit.exchange.source import Pair, Source, direction_deg, joints_of, pairs_of
+from slopekit.exchange.source import Pair, Source, bolt_of_load, direction_deg, joints_of, pairs_of
 from slopekit.kinds.protocol import CarriedJoint
 
 _APART = "between rows"  # the smooth strength of rows of columns that do not touch
@@ -127,25 +126,26 @@ def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[st
     bolts, away = source.document["inputs"].get("bolts", ()), []
     for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
         word, name = arrows.names[what], names[block]
+        bolt = bolt_of_load(source.document, word)
+        called = word if bolt is None else f"bolt {bolt[1]}"
         if word == "weight" or (source.has_many and word == "water"):
             continue
         if word == "seismic":
             seismic = force
         elif name not in files:
-            away.append(load_name(source, word))
-        elif word.startswith("passive"):
-            called = load_name(source, word)
-            passive.setdefault(called, _bolt(bolts[int(called.split()[1]) - 1], name, at))  # its head comes first
+            away.append(called)
+        elif bolt is not None and bolt[0] == "passive":
+            passive.setdefault(called, _bolt(bolts[bolt[1] - 1], name, at))  # its head comes first
         else:
             own = f"force: {_point(force)}, block: {_text(name)}, at: {_point(at)}"
-            forces.append(f"    - {{{own}}}  # {load_name(source, word)}")
+            forces.append(f"    - {{{own}}}  # {called}")
     lines = ["loads:"]
     coefficient = source.document["inputs"]["seismic"]["coefficient"]
     if coefficient and seismic.any():
         lines.append(f"  seismic: {{k: {coefficient!r}, toward: {direction_deg(seismic)!r}}}")
     lines += ["  forces:", *forces] if forces else ["  forces: []"]
     if passive:
-        lines += ["support:", "  bolts:", *(f"    - {{{bolt}}}  # {name}" for name, bolt in passive.items())]
+        lines += ["support:", "  bolts:", *(f"    - {{{bolted}}}  # {name}" for name, bolted in passive.items())]
     return lines, lost_of_loads(away)
 
 

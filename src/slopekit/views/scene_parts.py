@@ -1,7 +1,6 @@
 """Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,6 +11,7 @@ from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import nearest, plates, rods
 from slopekit.exchange.panels import triangles_of
+from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.views.bolt_schedule import forces_in_words, schedule, without_head
 from slopekit.views.layers import (
     ACTIVE_BOLT,
@@ -36,8 +36,6 @@ _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are 
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
 _ROD, _PLATE = 4e-3, 0.024  # of the size: radius of rods, width of plates, where bolts stand far enough apart
 _CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
-#: One load of several of its kind.
-_NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
 _MOST_LINES = 3  # of one kind of load in the legend
 
 
@@ -304,28 +302,12 @@ def plate_width(stage: Stage) -> float:
 
 
 def load_names(stage: Stage) -> list[str]:
-    """The loads by name, bolts with the numbers that the design lists them by.
-
-    A scene numbers active and passive bolts each for themselves, and those of many blocks that are active after the
-    forces.
-    """
-    inputs = stage.document.get("inputs") or {}
-    forces, bolts = len(inputs.get("forces") or []), schedule(stage.document)
-    numbers = {acts: [one.number for one in bolts if one.acts == acts] for acts in ("active", "passive")}
-
-    def called(name: str) -> str:
-        found = _NUMBERED.match(name)
-        if found is None:
-            return name
-        acts, number = found[1].removesuffix(" bolt"), int(found[2])
-        if acts == "force":
-            if stage.document.get("assembly") is None or number <= forces:
-                return name
-            acts, number = "active", number - forces
-        own = numbers[acts]
-        return f"{acts} bolt {own[number - 1]}{found[3] or ''}" if number <= len(own) else name
-
-    return [called(name) for name in stage.scene.loads.names]
+    """The loads by name, bolts with the numbers that the design lists them by."""
+    called = []
+    for name in stage.scene.loads.names:
+        bolt = bolt_of_load(stage.document, name)
+        called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
+    return called
 
 
 def bolt_colour(name: str) -> Colour | None:
@@ -349,11 +331,11 @@ def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[
     lines: dict[tuple[str, ...], list[int]] = {}
     families: dict[str, set[str]] = {}
     for name, size in zip(names, sizes, strict=True):
-        if found := _NUMBERED.match(name):
+        if found := NUMBERED.match(name):
             families.setdefault(f"{found[1]}s{found[3] or ''}", set()).add(_sizes_in_words(size))
     for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
         key: tuple[str, ...] = (name,)
-        if found := _NUMBERED.match(name):
+        if found := NUMBERED.match(name):
             family = f"{found[1]}s{found[3] or ''}"
             key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
         lines.setdefault(key, []).append(k)
