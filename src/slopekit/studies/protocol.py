@@ -11,12 +11,15 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeAlias, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, get_args
 
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault
 from slopekit.units import quantity
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 Advance = Callable[[int], None]
 #: A progress bar: its label and how much there is to do.
@@ -45,6 +48,22 @@ class Outcome(Shown):
 
     __slots__ = ()
     name: ClassVar[str]
+
+    @property
+    def sheet(self) -> "Sheet":
+        """As `sheet_of` makes it, in the module `sheet` beside the study."""
+        found: Sheet = self._said("sheet_of")
+        return found
+
+    @property
+    def line(self) -> str:
+        """As `line_of` does."""
+        found: str = self._said("line_of")
+        return found
+
+    def _said(self, function: str) -> Any:
+        package = type(self).__module__.rpartition(".")[0]
+        return getattr(import_module(f"{package}.sheet"), function)(self)
 
     @property
     @abstractmethod

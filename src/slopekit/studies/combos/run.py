@@ -12,7 +12,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, Pair
 from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
@@ -139,20 +136,6 @@ class Combos(Outcome):
     pairs: Pairs
     worst: tuple[PairCheck, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """What became of the pairs, and the worst of them twice."""
-        from slopekit.studies.combos.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """What became of the pairs, on one line."""
-        from slopekit.studies.combos.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:

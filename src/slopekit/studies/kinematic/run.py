@@ -14,7 +14,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -31,9 +31,6 @@ from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
 from slopekit.units import quantity
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 _MOST_FACES = 200
@@ -68,20 +65,6 @@ class Kinematic(Outcome):
     defaults: tuple[str, ...]
     warnings: tuple[Notice, ...]
     seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """Which joints and pairs could move, by set and by face."""
-        from slopekit.studies.kinematic.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The counts on one line."""
-        from slopekit.studies.kinematic.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -42,9 +42,6 @@ from slopekit.studies.protocol import (
     whole_number,
 )
 from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words, run_all
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples where the closed form does the work, and where PRE-IE has to.
@@ -120,20 +117,6 @@ class Probability(Outcome):
     unjudged: int = 0
     disagree: int = 0
     journals: tuple[Journal, ...] = field(default=(), compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """The estimate, what it rests on, what PRE-IE says of it."""
-        from slopekit.studies.prob.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The estimate on one line, with its limits."""
-        from slopekit.studies.prob.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:

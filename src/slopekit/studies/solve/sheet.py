@@ -14,8 +14,25 @@ from slopekit.studies.words import BRIEF, head, status_words
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
 
-def sheet_of(solution: Solution) -> Sheet:
-    """The sheet of a value at which the factor of safety is a target."""
+def sheet_of(solution: Solution | ProbabilitySolution) -> Sheet:
+    """The sheet of a value that was solved for."""
+    return _of_factor(solution) if isinstance(solution, Solution) else _of_probability(solution)
+
+
+def line_of(solution: Solution | ProbabilitySolution) -> str:
+    """The value, what it gives, and codes of notices on one line."""
+    if solution.answer is None:
+        parts = ["none", str(solution.reason).splitlines()[0]]
+    elif isinstance(solution, ProbabilitySolution):
+        parts = [solution.key.shown(solution.answer.value), _estimate(solution.answer.estimate)]
+    else:
+        found, agree = solution.answer, {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
+        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
+        parts += ["moments_govern"] if solution.moments_govern else []
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
+
+
+def _of_factor(solution: Solution) -> Sheet:
     key, found = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
     put_back = [one for one in _all(solution) if one.roots and one.roots[0].put_back and found is not None]
@@ -37,20 +54,7 @@ def sheet_of(solution: Solution) -> Sheet:
     ))  # fmt: skip
 
 
-def line_of(solution: Solution) -> str:
-    """Value, status, factor and check on one line."""
-    found = solution.answer
-    if found is None:
-        parts = ["none", str(solution.pre_ie.reason).splitlines()[0]]
-    else:
-        agree = {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
-        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
-        parts += ["moments_govern"] if solution.moments_govern else []
-    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
-
-
-def probability_sheet_of(solution: ProbabilitySolution) -> Sheet:
-    """The sheet of a value at which the probability of failure is a target."""
+def _of_probability(solution: ProbabilitySolution) -> Sheet:
     key, found = solution.key, solution.answer
     now = "not known" if solution.before is None else _estimate(solution.before)
     bracket = [] if found is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
@@ -67,16 +71,6 @@ def probability_sheet_of(solution: ProbabilitySolution) -> Sheet:
         Section("TIME", [f"{solution.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in solution.warnings]),
     ))  # fmt: skip
-
-
-def probability_line_of(solution: ProbabilitySolution) -> str:
-    """Value, probability and its limits on one line."""
-    found = solution.answer
-    if found is None:
-        parts = ["none", str(solution.reason).splitlines()[0]]
-    else:
-        parts = [solution.key.shown(found.value), _estimate(found.estimate)]
-    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
 
 
 # -- entries -----------------------------------------------------------------------------------------------------------

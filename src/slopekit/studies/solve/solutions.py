@@ -5,7 +5,7 @@ is no value that gives the target.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
 from slopekit.design.common import Design
@@ -15,9 +15,6 @@ from slopekit.orientation import number
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Method, Point, point_record, study_head
 from slopekit.studies.protocol import Outcome
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 #: What putting a value back may miss the target by.
 TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
@@ -103,20 +100,6 @@ class Solution(Outcome):
     rounded: tuple[float, float] | None
     warnings: tuple[Notice, ...] = ()
     seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """The value put back by both methods, its bracket, other values, or why there is none."""
-        from slopekit.studies.solve.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """Value, status, factor and check on one line."""
-        from slopekit.studies.solve.sheet import line_of
-
-        return line_of(self)
 
     @property
     def answer(self) -> Found | None:

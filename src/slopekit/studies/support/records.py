@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer
 from slopekit.units import quantity
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 _UP = Context(prec=5, rounding=ROUND_CEILING)
 Which = Literal["best", "given", "practical"]
@@ -332,20 +329,6 @@ class Support(Outcome):
     warnings: tuple[Notice, ...]
     dilates: bool = False
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
-
-    @property
-    def sheet(self) -> "Sheet":
-        """What each method needs, how it is built, and which number to use."""
-        from slopekit.studies.support.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """A line for each way the bolts act."""
-        from slopekit.studies.support.sheet import line_of
-
-        return line_of(self)
 
     @property
     def stands(self) -> bool:

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
@@ -38,9 +38,6 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 Methods = Literal["both", "closed-form", "pre-ie"]
 _SAME = 1e-9  # factors that differ by less do not rise or fall
@@ -96,20 +93,6 @@ class Sweep(Outcome):
     methods: Methods
     levels: tuple[tuple[float, str], ...]
     seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """Its curve or grid, where levels are passed, changes of status."""
-        from slopekit.studies.sweep.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """Points, factors between which they lie, disagreements and notices on one line."""
-        from slopekit.studies.sweep.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:

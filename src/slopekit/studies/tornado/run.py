@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -26,9 +26,6 @@ from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Schedu
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
 from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -78,20 +75,6 @@ class Tornado(Outcome):
     left_out: tuple[tuple[str, str], ...]
     methods: Methods
     seconds: float = field(default=0.0, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """Its bars, what does nothing, what changes the status."""
-        from slopekit.studies.tornado.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The three that do most on one line."""
-        from slopekit.studies.tornado.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:
