@@ -11,9 +11,10 @@ from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.errors import SlopekitError
+from slopekit.errors import DesignError, Fault, SlopekitError
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
+from slopekit.orientation import number
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]
@@ -124,6 +125,13 @@ def study_head(study: str, design: Design) -> dict[str, Any]:
         "slopekit": __version__, "study": study, "kind": design.kind, "title": design.title,
         "input_sha256": design.input_hash(), **({"project": project} if (project := design.project.given()) else {}),
     }  # fmt: skip
+
+
+def checked_target(fos: float, advice: str) -> None:
+    """Refuse a target that is no factor of safety: E314."""
+    if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
+        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
+        raise DesignError([Fault("E314", message, "", advice)])
 
 
 def falls_short(status: str, factor: float | None, target: float) -> bool:

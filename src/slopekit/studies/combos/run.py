@@ -17,7 +17,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from slopekit.arrays import Bools
-from slopekit.core.codec import json_of
+from slopekit.core.codec import json_of, record_of
 from slopekit.design.joint_lists import JointList
 from slopekit.errors import Notice
 from slopekit.kinds.wedge.design import WedgeDesign
@@ -25,7 +25,7 @@ from slopekit.orientation import Plane
 from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
@@ -210,12 +210,8 @@ class Combos(Outcome):
 
     def partners(self) -> tuple[tuple[str, int], ...]:
         """Joints by how many pairs below the target (else below 1) they take part in, most first."""
-        below = self.below(1.0 if self.given.target is None else self.given.target)
-        n = len(self.joints)
-        times = np.bincount(self.pairs.shapes.first[below], minlength=n)
-        times += np.bincount(self.pairs.shapes.second[below], minlength=n)
-        order = np.argsort(-times, kind="stable")
-        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+        below, shapes = self.below(1.0 if self.given.target is None else self.given.target), self.pairs.shapes
+        return partners(self.joints, shapes.first[below], shapes.second[below])
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""
@@ -341,8 +337,5 @@ def both_methods(design: WedgeDesign) -> dict[str, Any]:
     from slopekit.kinds import factors_of
 
     found = factors_of(design)
-    return {
-        "status": found.status, "limit": found.limit, "closed_status": found.closed_status or "",
-        "closed_form": found.closed_form, "difference": found.difference, "agree": found.agree,
-        "moments_govern": found.moments_govern, "settled": found.settled and found.status != "not_converged",
-    }  # fmt: skip
+    settled = found.settled and found.status != "not_converged"
+    return record_of(found) | {"closed_status": found.closed_status or "", "settled": settled}

@@ -12,7 +12,7 @@ from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
 from slopekit.studies.combos.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
-from slopekit.studies.surveys import head, survey_entry
+from slopekit.studies.surveys import head, partners_entry, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -280,10 +280,7 @@ def _again(found: Combos) -> list[str]:
 
 def _joints(found: Combos) -> list[str]:
     target = 1.0 if found.target is None else found.target.fos
-    most = found.partners()[:_MOST_JOINTS]
-    if not most:
-        return []
-    return [f"in pairs below {target:g}: " + ", ".join(f"{name} ({times})" for name, times in most)]
+    return partners_entry(f"in pairs below {target:g}", found.partners()[:_MOST_JOINTS])
 
 
 def _defaults(found: Combos) -> list[str]:

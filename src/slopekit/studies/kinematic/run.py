@@ -29,7 +29,7 @@ from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
 from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
 from slopekit.studies.ranges import as_steps, parse_values
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
 from slopekit.units import quantity
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
@@ -96,10 +96,7 @@ class Kinematic(Outcome):
     def partners(self, what: str) -> tuple[tuple[str, int], ...]:
         """Joints by how many critical lines (`OF_LINES`) they take part in, most first; none that is in none."""
         found = self.modes.of_lines()[what]
-        times = np.bincount(self.lines.first[found], minlength=len(self.joints))
-        times += np.bincount(self.lines.second[found], minlength=len(self.joints))
-        order = np.argsort(-times, kind="stable")
-        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+        return partners(self.joints, self.lines.first[found], self.lines.second[found])
 
     def by_set(self) -> dict[str, dict[str, int]]:
         """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
@@ -149,10 +146,7 @@ class Kinematic(Outcome):
             **survey_head("kinematic", self.joints, self.input_hash()),
             "inputs": {
                 "face": str(self.face),
-                "friction_deg": {
-                    "least": float(self.friction_deg.min()), "most": float(self.friction_deg.max()),
-                    "own": self.measured, "given": n - self.measured,
-                },
+                "friction_deg": range_of(self.friction_deg, self.measured),
                 "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
             },
             "defaults": list(self.defaults),

@@ -25,7 +25,7 @@ from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of, study
 from slopekit.studies.prob.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
-from slopekit.studies.prob.sampling import METHODS, Samples
+from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.protocol import (
@@ -66,7 +66,7 @@ class Asked:
 
     n: int
     seed: int
-    method: str
+    method: Method
     by: By
     target: float
     confirm: int
@@ -225,7 +225,7 @@ def prob(
     design: ADesign,
     n: Annotated[int | None, Option("Samples [20000; 1000 where PRE-IE does them all].", whole_number, "-n")] = None,
     *,
-    method: Annotated[str, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
+    method: Annotated[Method, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
     by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
     target: Annotated[float, Option("What fails has a factor of safety below this [1].", number_of, "--fos")] = 1.0,
     confirm: Annotated[int, Option("Samples at random that PRE-IE looks at too [200].", whole_number)] = 200,
@@ -318,7 +318,7 @@ class _AtWork:
 
 
 def _asked(
-    design: Design, n: int | None, seed: int, method: str, by: str | None, target: float, confirm_count: int,
+    design: Design, n: int | None, seed: int, method: Method, by: By | None, target: float, confirm_count: int,
     near: float | None, confidence: float, accept: float | None,
 ) -> Asked:  # fmt: skip
     """What was asked for, checked."""

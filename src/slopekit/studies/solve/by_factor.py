@@ -14,9 +14,8 @@ from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import Evaluation, Method, Point, factor_at, status_of
+from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
@@ -367,7 +366,5 @@ def _target(design: Design, fos: float | None) -> tuple[float, bool]:
         if not wanted:
             raise DesignError([Fault("E314", "no target is given, and the design has no acceptance rule", "", advice)])
         return max(wanted), True
-    if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
-        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
-        raise DesignError([Fault("E314", message, "", advice)])
+    checked_target(fos, advice)
     return fos, False

@@ -16,6 +16,7 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
+from slopekit.core.codec import json_of
 from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
@@ -23,7 +24,17 @@ from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, factor_at, point_record, status_of, study_head
+from slopekit.studies.points import (
+    GIVEN_UP,
+    Evaluation,
+    Method,
+    Point,
+    checked_target,
+    factor_at,
+    point_record,
+    status_of,
+    study_head,
+)
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -55,7 +66,7 @@ class Critical:
     how : interpolated, at a point, across a change of status, or to where there is no number
     """
 
-    level: float
+    level: float = field(metadata={"json": "fos"})
     what: str
     method: Method
     line: float | None
@@ -107,10 +118,7 @@ class Sweep(Outcome):
     @property
     def asked(self) -> tuple[Method, ...]:
         """The methods that were asked and are there, the one that counts first."""
-        if self.methods == "closed-form":
-            return ("closed_form",)
-        both = self.methods == "both" and any(point.has_closed_form for point in self.points)
-        return ("pre_ie", "closed_form") if both else ("pre_ie",)
+        return asked_of(self.methods, self.points)
 
     def status(self, point: Point) -> str:
         """The status of a point by the method that counts, or the code of why there is no block."""
@@ -217,19 +225,10 @@ class Sweep(Outcome):
             ],
             "counts": self.counts,
             "disagree": self.disagree,
-            "changes": [
-                {"line": change.line, "between": list(change.between), "statuses": list(change.statuses)}
-                for change in self.changes
-            ],
-            "critical": [
-                {
-                    "fos": one.level, "what": one.what, "method": one.method, "line": one.line,
-                    "between": list(one.between), "at": one.at, "how": one.how,
-                }
-                for one in self.critical
-            ],
+            "changes": json_of(self.changes),
+            "critical": json_of(self.critical),
             "shape": {method: self.shape(method) or None for method in self.asked},
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -325,6 +324,14 @@ def evaluated(
     return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
 
 
+def asked_of(methods: Methods, points: Sequence[Point]) -> tuple[Method, ...]:
+    """The methods of a choice that said something at some points, the one that counts first."""
+    if methods == "closed-form":
+        return ("closed_form",)
+    both = methods == "both" and any(point.has_closed_form for point in points)
+    return ("pre_ie", "closed_form") if both else ("pre_ie",)
+
+
 def one_or_two(keys: Mapping[str, object]) -> None:
     """Refuse no keys, or more than two: E313."""
     if not keys:
@@ -359,9 +366,7 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
         if rule.name in ("fos", "fos.limit", "fos.closed_form"):
             found.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
-        if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
-            message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
-            raise DesignError([Fault("E314", message, "", "Write --fos 1.5")])
+        checked_target(fos, "Write --fos 1.5")
         found.setdefault(fos, f"target, FoS {number(fos)}")
     return tuple(found.items())
 

@@ -15,6 +15,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from slopekit.core.codec import json_of
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
@@ -25,7 +26,7 @@ from slopekit.studies.points import Method, Point, factor_at, point_record, stat
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
+from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, asked_of, check_methods, evaluated
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -84,9 +85,7 @@ class Tornado(Outcome):
     @property
     def asked(self) -> tuple[Method, ...]:
         """The methods that were asked and are there, the one that counts first."""
-        if self.methods == "closed-form":
-            return ("closed_form",)
-        return ("pre_ie", "closed_form") if self.base.has_closed_form else ("pre_ie",)
+        return asked_of(self.methods, [self.base])
 
     @property
     def points(self) -> list[Point]:
@@ -133,13 +132,13 @@ class Tornado(Outcome):
                     "key": bar.key.path, "unit": bar.key.unit, "now": bar.key.value, "low": bar.low, "high": bar.high,
                     "shown": [bar.key.shown(bar.low, 5), bar.key.shown(bar.high, 5)],
                     "how": bar.how, "at_low": point_record(bar.at_low), "at_high": point_record(bar.at_high),
-                    "swing": {name: swing if math.isfinite(swing) else None for name, swing in bar.swings.items()},
+                    "swing": json_of(bar.swings),
                 }
                 for bar in self.bars
             ],
             "left_out": [{"key": path, "why": why} for path, why in self.left_out],
             "disagree": self.disagree,
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -189,9 +188,7 @@ def tornado(
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk)
     study = Tornado(design, points[0], (), tuple(left_out), methods)
-    bars = [
-        _bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)
-    ]  # fmt: skip
+    bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
     bars.sort(key=lambda made: (-made.swings[first], made.key.path))
     return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)
