@@ -238,13 +238,9 @@ class Case:
 
         With heads on the face it is PRE-IE's with their moments, through the centroid the larger of both methods'.
         """
-        if self.closed_form.force is None:
-            return None
-        if self.pattern is not None and self.pattern.reached:
+        if self.closed_form.force is not None and self.pattern is not None and self.pattern.reached:
             return self.pattern.force
-        if self.pre_ie is None or self.pre_ie.force is None:
-            return None
-        return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
+        return _larger(self)
 
     @property
     def use_kn(self) -> float | None:
@@ -281,9 +277,7 @@ class Pressure:
     @property
     def use(self) -> float | None:
         """The pressure to use, kPa: the larger (of dilating joints PRE-IE's), None where a method has none."""
-        if self.pre_ie is None or self.pre_ie.force is None or self.closed_form.force is None:
-            return None
-        return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
+        return _larger(self)
 
     @property
     def force(self) -> dict[str, Any] | None:
@@ -299,6 +293,14 @@ class Pressure:
             if found[method] is not None:
                 found[method] = {"pressure_kpa": found[method].pop("force_kn")} | found[method]
         return found
+
+
+def _larger(needs: Case | Pressure) -> float | None:
+    """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
+    closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
+    if closed is None or limit is None:
+        return None
+    return limit if needs.dilates else max(closed, limit)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
