@@ -2,6 +2,7 @@
 
 import math
 import pickle
+from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -14,9 +15,8 @@ import slopekit as sk
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.files import with_values
 from slopekit.errors import DesignError
-from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Line, Plane, normals
-from slopekit.studies.marginals import checked_limits, marginal, shares_beyond, tails
+from slopekit.studies.marginals import checked_limits, marginal, tails
 from slopekit.studies.prob import sampling, sources
 from slopekit.studies.prob.sampling import METHODS, draw, planned, samples
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes
@@ -550,9 +550,6 @@ def test_little_beyond_is_left_to_the_study() -> None:
 
 def test_nothing_of_an_orientation_is_beyond() -> None:
     steep = Variable("joints.J1.plane", Angles("plane", dist("normal", mean=85, sd=10), dist("normal", mean=0, sd=90)))
-    assert [
-        one.share for one in shares_beyond([steep, Variable("slope.face", Fisher(Plane(80, 5), 2))], WedgeDesign)
-    ] == [
-        0,
-        0,
-    ]
+    scatters = steep, Variable("slope.face", Fisher(Plane(80, 5), 2))
+    design = replace(_wedge(c=10, phi=30), variables=scatters)
+    assert [(one.variable, one.share) for one in checked_limits(design)] == [(one, 0.0) for one in scatters]

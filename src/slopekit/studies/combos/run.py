@@ -20,6 +20,7 @@ from slopekit.arrays import Bools
 from slopekit.core.codec import json_of, record_of
 from slopekit.design.joint_lists import JointList
 from slopekit.errors import Notice
+from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Plane
 from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
@@ -31,29 +32,18 @@ _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
 
 @dataclass(frozen=True, slots=True)
-class PairCheck:
-    """A pair that PRE-IE has looked at.
+class PairCheck(Factors):
+    """A pair that PRE-IE has looked at: what both methods say of it.
 
     Attributes
     ----------
     index : among all pairs; names, planes : of its joints
-    status : of PRE-IE; limit : its factor, moments included; closed_status, closed_form : of the closed form
-    difference, agree : on the same assumptions, None where they are not compared
-    moments_govern : the limit lies below what forces alone give: it is the number to use
     height_m : at the trace of the first joint; volume_m3, scale, limited_by, trend_deg, plunge_deg : of the wedge
     """
 
     index: int
     names: tuple[str, str]
     planes: tuple[Plane, Plane]
-    status: str
-    limit: float | None
-    closed_status: str
-    closed_form: float | None
-    difference: float | None
-    agree: bool | None
-    moments_govern: bool
-    settled: bool
     height_m: float
     volume_m3: float
     scale: float
@@ -72,10 +62,9 @@ class PairCheck:
 
     def severity(self) -> tuple[int, float, float]:
         """Where it stands among others by PRE-IE: what nothing holds, then by factor, then what stands."""
-        factor = self.closed_form if self.limit is None else self.limit
         if self.status in _NOTHING_HOLDS:
             return 0, 0.0, -self.volume_m3
-        return (2, 0.0, -self.volume_m3) if factor is None else (1, factor, -self.volume_m3)
+        return (2, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -322,7 +311,7 @@ def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple
     journal.remove()
     found = tuple(
         PairCheck(
-            int(k), design.joint_names, design.joints, **record, height_m=design.height_m,
+            **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
             volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.shapes.scale[k]),
             limited_by=LIMITED_BY[pairs.shapes.limited_by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),

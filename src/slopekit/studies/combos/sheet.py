@@ -64,8 +64,7 @@ def line_of(found: Combos) -> str:
     parts = [f"{found.removable} of {len(found.pairs)} pairs removable"]
     if found.worst:
         first = found.worst[0]
-        factor = first.closed_form if first.limit is None else first.limit
-        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(factor).strip()}")
+        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.factor).strip()}")
     if found.target is not None:
         parts.append(f"{found.target.below} below {found.target.fos:g} by {_judges(found.target)}")
     if found.worst:

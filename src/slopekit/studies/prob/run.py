@@ -22,9 +22,18 @@ from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of, study_head
-from slopekit.studies.prob.confirmation import Confirmation, chosen, confirmation_of
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
-from slopekit.studies.prob.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
+from slopekit.studies.prob.judged import (
+    IMPOSSIBLE,
+    UNJUDGED,
+    Confirmation,
+    Judged,
+    chosen,
+    confirmation_of,
+    failing,
+    notices_of,
+    sensitivities,
+)
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
 from slopekit.studies.prob.vectorised import vectorised
