@@ -298,7 +298,10 @@ class BoltDirections:
         assert found.force is not None
         notice = None
         if found.below is not None:
-            notice = jump_notice(found.below, found.answer, found.force, self.site.unit)
+            from_ = f"{found.below:.4g}" if found.below > 0.0 else "none (the block has no hold)"
+            to = "no driving force" if math.isinf(found.answer.level) else f"{found.answer.level:.4g}"
+            notice = Notice("E325", f"FoS jumps over the target at {found.force:.6g} {self.site.unit}, from {from_} to "
+                            f"{to}: contact is won there. A little less force loses it: go above")  # fmt: skip
         return Way(direction, found.force, most, found.answer, found.below, notice)
 
     def _out_of_reach(self, direction: Floats, target: float, at_zero: Answer) -> Way:
@@ -336,17 +339,6 @@ class BoltDirections:
         if last in ("lifted", "falls") and level[-1] == 0.0:
             why += ", and in the end lifts the block off"
         return Way(direction, None, math.inf, best, None, Notice("E322", why))
-
-
-def jump_notice(below: float, answer: Answer, force: float, unit: str) -> Notice:
-    """A factor that jumps over the target where contact is won or lost."""
-    from_ = f"{below:.4g}" if below > 0.0 else "none (the block has no hold)"
-    to = "no driving force" if math.isinf(answer.level) else f"{answer.level:.4g}"
-    message = (
-        f"FoS jumps over the target at {force:.6g} {unit}, from {from_} to {to}: contact is won there. A little less "
-        "force loses it: go above"
-    )
-    return Notice("E325", message)
 
 
 def _angles(world: Floats) -> Floats:

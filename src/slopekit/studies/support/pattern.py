@@ -4,7 +4,6 @@ A head is taken only where its bolt, drawn on through the block, leaves it throu
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -270,12 +269,3 @@ def groups(site: Site, laid: Layout, direction: Floats, most: int) -> tuple[Floa
         own = laid.local_m[member == k]
         heads[k] = own[((own - heads[k]) ** 2).sum(axis=1).argmin()]
     return heads, counts
-
-
-def too_short(lengths: Sequence[float] | Floats, needed: Floats, name: str) -> Notice | None:
-    """Say which bolts are too short."""
-    short = int((np.asarray(lengths) < needed * (1.0 - 1e-12)).sum())
-    if not short:
-        return None
-    message = f"{short} of {len(needed)} bolts are too short at {name}: the longest needs {float(needed.max()):.4g} m"
-    return Notice("E327", message)

@@ -25,7 +25,7 @@ from slopekit.notices import common_notices
 from slopekit.orientation import Line
 from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
-from slopekit.studies.support.pattern import Layout, centre_of, groups, layout, too_short
+from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
     Case,
     Need,
@@ -312,8 +312,9 @@ class _Search:
         taken = np.ceil(lengths * 100.0 - 1e-9) / 100.0
         if options.length is not None:
             taken = np.full(len(laid), options.length)
-            short = too_short(taken, lengths, f"{options.length:g} m")
-            notices += [short] if short else []
+            short = int((taken < lengths * (1.0 - 1e-12)).sum())
+            message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
+            notices += [Notice("E327", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
         force = each = None
         if found.force is not None:
             force = max(found.force, least)  # with heads PRE-IE needs no less than the forces alone
