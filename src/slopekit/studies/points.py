@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
@@ -20,6 +19,7 @@ from slopekit.studies.running import Record
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
+_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
 #: The record of a task that kills every worker that takes it.
 GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
@@ -41,6 +41,11 @@ class Point:
     def is_in_doubt(self) -> bool:
         """Whether the methods disagree, or PRE-IE did not converge."""
         return self.factors is not None and (self.factors.agree is False or self.factors.status == "not_converged")
+
+    def to_dict(self) -> dict[str, Any]:
+        """What both methods say, as JSON values."""
+        found = _NO_FACTORS if self.factors is None else record_of(self.factors)
+        return found | {"code": self.code or None, "message": self.message or None}
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""
@@ -70,15 +75,6 @@ def status_of(point: Point, method: Method) -> str:
     if point.factors is None:
         return point.code
     return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
-
-
-_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
-
-
-def point_record(point: Point) -> dict[str, Any]:
-    """What both methods say at a value, as JSON values."""
-    found = _NO_FACTORS if point.factors is None else record_of(point.factors)
-    return found | {"code": point.code or None, "message": point.message or None}
 
 
 def point_from_record(record: Mapping[str, Any]) -> Point:
@@ -117,14 +113,6 @@ def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) 
         return Point(None, fault.code, fault.message)
     except _BROKEN as error:  # one sample of many: it is counted, the others go on
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
-
-
-def study_head(study: str, design: Design) -> dict[str, Any]:
-    """With what the JSON of every study of a design begins."""
-    return {
-        "slopekit": __version__, "study": study, "kind": design.kind, "title": design.title,
-        "input_sha256": design.input_hash(), **({"project": project} if (project := design.project.given()) else {}),
-    }  # fmt: skip
 
 
 def checked_target(fos: float, advice: str) -> None:

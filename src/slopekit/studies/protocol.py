@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeAlias, TypeVar, get_args
 
+from slopekit._version import __version__
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault
@@ -74,6 +75,14 @@ class Outcome(Shown):
     def charts(self) -> tuple[str, ...]:
         """The pictures that are drawn of it, the first where one is asked for."""
         return ()
+
+    def head(self, design: Design) -> dict[str, Any]:
+        """With what the JSON of every study of a design begins."""
+        return {
+            "slopekit": __version__, "study": self.name, "kind": design.kind, "title": design.title,
+            "input_sha256": design.input_hash(),
+            **({"project": project} if (project := design.project.given()) else {}),
+        }  # fmt: skip
 
     def words(self) -> dict[str, Any]:
         """Its line and its sheet as JSON values: what every `to_dict` ends with, and pages are made of."""

@@ -18,7 +18,6 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance
 from slopekit.result import Result
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Outcome, study
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
@@ -103,7 +102,7 @@ class Check(Outcome):
         result = self.result.to_dict()
         as_it_is = ("status", "fos", "methods", "moments_govern", "accepted", "rules")
         return {
-            **study_head("check", self.result.design),
+            **self.head(self.result.design),
             **{key: result[key] for key in as_it_is},
             "consistent": self.consistent,
             "agree_within": self.result.design.agree_within,

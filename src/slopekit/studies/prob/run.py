@@ -21,7 +21,7 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of, study_head
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
@@ -169,7 +169,7 @@ class Probability(Outcome):
         """The study as JSON values; the samples themselves are in the CSV."""
         asked, summary = self.asked, self.summary
         return {
-            **study_head("prob", self.design),
+            **self.head(self.design),
             "n": len(self.samples.values), "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
             "sampling": asked.method, "by": asked.by, "evaluator": self.evaluator, "target": asked.target,
             "probability_of_failure": {

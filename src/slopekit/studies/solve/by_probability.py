@@ -17,7 +17,6 @@ from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import Advance, Outcome
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
@@ -100,7 +99,7 @@ class ProbabilitySolution(Outcome):
         """The solution as JSON values."""
         found = self.answer
         return {
-            **study_head("solve", self.design),
+            **self.head(self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"probability_of_failure": self.target},

@@ -13,7 +13,7 @@ from slopekit.errors import Fault, Notice
 from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key
-from slopekit.studies.points import Method, Point, point_record, study_head
+from slopekit.studies.points import Method, Point
 from slopekit.studies.protocol import Outcome
 
 #: What putting a value back may miss the target by.
@@ -135,12 +135,12 @@ class Solution(Outcome):
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
         found = self.answer
         return {
-            **study_head("solve", self.design),
+            **self.head(self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"fos": self.target, "from_acceptance": self.from_acceptance},
             "within": list(self.within),
-            "before": {"value": self.key.value} | point_record(self.before),
+            "before": {"value": self.key.value} | self.before.to_dict(),
             "value": None if found is None else self.key.reduced(found.value),
             "rounded": None
             if self.rounded is None
@@ -176,7 +176,7 @@ class Solution(Outcome):
             "how": found.how, "value": self.key.reduced(found.value), "fos": json_of(found.factor) if of_it else None,
             "status": found.status, "misses_by": json_of(abs(found.factor - self.target)) if of_it else None,
             "rises": found.rises, "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
-            "put_back": point_record(found.both) if of_it else None,
+            "put_back": found.both.to_dict() if of_it else None,
         }  # fmt: skip
 
 

@@ -15,7 +15,6 @@ from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Line, number
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import Outcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
@@ -381,7 +380,7 @@ class Support(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
         return {
-            **study_head("support", self.design), **record_of(self), "timing_s": {"total": self.seconds},
+            **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 

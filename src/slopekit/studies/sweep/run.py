@@ -24,17 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import (
-    GIVEN_UP,
-    Evaluation,
-    Method,
-    Point,
-    checked_target,
-    factor_at,
-    point_record,
-    status_of,
-    study_head,
-)
+from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -212,7 +202,7 @@ class Sweep(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
         return {
-            **study_head("sweep", self.design),
+            **self.head(self.design),
             "keys": [
                 {"key": key.path, "unit": key.unit, "now": key.value, "values": list(values)}
                 for key, values in zip(self.keys, self.values, strict=True)
@@ -220,7 +210,7 @@ class Sweep(Outcome):
             "methods": self.methods,
             "levels": [{"fos": level, "what": what} for level, what in self.levels],
             "points": [
-                {"values": list(place)} | point_record(point)
+                {"values": list(place)} | point.to_dict()
                 for place, point in zip(self.places, self.points, strict=True)
             ],
             "counts": self.counts,

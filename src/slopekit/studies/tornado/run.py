@@ -22,7 +22,7 @@ from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Method, Point, factor_at, point_record, status_of, study_head
+from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
@@ -123,15 +123,15 @@ class Tornado(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
         return {
-            **study_head("tornado", self.design),
+            **self.head(self.design),
             "methods": self.methods,
             "rule": RULE,
-            "base": point_record(self.base),
+            "base": self.base.to_dict(),
             "bars": [
                 {
                     "key": bar.key.path, "unit": bar.key.unit, "now": bar.key.value, "low": bar.low, "high": bar.high,
                     "shown": [bar.key.shown(bar.low, 5), bar.key.shown(bar.high, 5)],
-                    "how": bar.how, "at_low": point_record(bar.at_low), "at_high": point_record(bar.at_high),
+                    "how": bar.how, "at_low": bar.at_low.to_dict(), "at_high": bar.at_high.to_dict(),
                     "swing": json_of(bar.swings),
                 }
                 for bar in self.bars
