@@ -116,7 +116,7 @@ def key_of(design: Design, path: str) -> Key:
     below = [name for name in known if name.startswith(f"{path}.")]
     if node is not None or below:
         what = _what(node, below)
-        advice = f"Name one of {_listed(below)}." if below else ""
+        advice = f"Name one of {listed(below)}." if below else ""
         raise DesignError([Fault("E311", f"{path} is {what}: a study changes one number", path, advice)])
     advice = _nearest(path, known)
     message = f"{path or 'an empty text'} is no number of this {design.kind} design"
@@ -326,7 +326,8 @@ def _what(node: Node | None, below: Sequence[str]) -> str:
     return f"the text {node.text!r}"
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Names, or the first of them and how many there are."""
     more = f", … ({len(names)} in all)" if len(names) > _MOST_LISTED else ""
     return ", ".join(names[:_MOST_LISTED]) + more
 
@@ -350,10 +351,10 @@ def _nearest(path: str, known: Mapping[str, Key]) -> str:
         top = path.partition(".")[0]
         ends = [name for name in known if name.startswith(f"{top}.")]
     if ends:
-        return f"Did you mean {ends[0]}?" if len(ends) == 1 else f"Did you mean one of {_listed(ends)}?"
+        return f"Did you mean {ends[0]}?" if len(ends) == 1 else f"Did you mean one of {listed(ends)}?"
     numbers = [name for name, key in known.items() if key.role == "quantity"]
     missing = "It has no bolts. " if path.startswith("support") else ""
-    return f"{missing}There are {_listed(numbers)}."
+    return f"{missing}There are {listed(numbers)}."
 
 
 def in_words(key: Key) -> str:

@@ -5,7 +5,7 @@ A tail probability p is that of the nearer end, with the side it is of: 1 - p is
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -114,32 +114,11 @@ class Beyond:
         return self.below + self.above
 
 
-def shares_beyond(variables: Iterable[Variable], record: type[Design]) -> tuple[Beyond, ...]:
-    """The shares of every variable, exactly; none of an orientation, which beyond 90° is a plane written otherwise.
-
-    Parameters
-    ----------
-    record : the dataclass of the design
-
-    Limits that depend on other values (dilation below φ, a step lower than the columns) are seen in samples only.
-
-    >>> from slopekit.kinds.wedge.design import WedgeDesign
-    >>> cohesion = Variable("strength.weak.c", Distribution("uniform", {"min": -1.0, "max": 9.0}, "pressure"))
-    >>> shares_beyond([cohesion], WedgeDesign)[0].below
-    0.1
-    """
-    found = []
-    for variable in variables:
-        own, limits = variable.distribution, field_at(record, variable.path) or Field(variable.path)
-        ends = (0.0, 0.0)
-        if isinstance(own, Distribution) and not limits.turns:
-            ends = tails(own, limits.least, limits.most)
-        found.append(Beyond(variable, limits, *ends))
-    return tuple(found)
-
-
 def checked_limits(design: Design) -> tuple[Beyond, ...]:
-    """The shares of every variable of a design, each of them small.
+    """The shares of every variable of a design, each of them small, exactly.
+
+    Nothing of an orientation is beyond: past 90° it is a plane written otherwise. Limits that depend on other values
+    (dilation below φ, a step lower than the columns) are seen in samples only.
 
     Raises
     ------
@@ -156,11 +135,17 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
          design: strength.weak.c = {dist: …, mean: …, sd: …}
          Add min: 0 to the distribution, or make it narrower.
     """
-    found = shares_beyond(design.variables, type(design))
+    found = []
+    for variable in design.variables:
+        own, limits = variable.distribution, field_at(type(design), variable.path) or Field(variable.path)
+        ends = (0.0, 0.0)
+        if isinstance(own, Distribution) and not limits.turns:
+            ends = tails(own, limits.least, limits.most)
+        found.append(Beyond(variable, limits, *ends))
     faults = [_fault(one) for one in found if one.share > MOST_BEYOND]
     if faults:
         raise DesignError(faults)
-    return found
+    return tuple(found)
 
 
 def _fault(one: Beyond) -> Fault:

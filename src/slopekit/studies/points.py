@@ -7,18 +7,19 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.errors import SlopekitError
+from slopekit.errors import DesignError, Fault, SlopekitError
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
+from slopekit.orientation import number
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]
 _BUG = "E599"
 _BROKEN = (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError)
+_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
 #: The record of a task that kills every worker that takes it.
 GIVEN_UP: Record = [_BUG, "its worker died, three times"]
 
@@ -40,6 +41,11 @@ class Point:
     def is_in_doubt(self) -> bool:
         """Whether the methods disagree, or PRE-IE did not converge."""
         return self.factors is not None and (self.factors.agree is False or self.factors.status == "not_converged")
+
+    def to_dict(self) -> dict[str, Any]:
+        """What both methods say, as JSON values."""
+        found = _NO_FACTORS if self.factors is None else record_of(self.factors)
+        return found | {"code": self.code or None, "message": self.message or None}
 
     def to_record(self) -> Record:
         """As JSON values, for a journal and for the way between processes."""
@@ -69,15 +75,6 @@ def status_of(point: Point, method: Method) -> str:
     if point.factors is None:
         return point.code
     return point.factors.status if method == "pre_ie" else point.factors.closed_status or ""
-
-
-_NO_FACTORS: dict[str, Any] = dict.fromkeys(one.name for one in fields(Factors))
-
-
-def point_record(point: Point) -> dict[str, Any]:
-    """What both methods say at a value, as JSON values."""
-    found = _NO_FACTORS if point.factors is None else record_of(point.factors)
-    return found | {"code": point.code or None, "message": point.message or None}
 
 
 def point_from_record(record: Mapping[str, Any]) -> Point:
@@ -118,12 +115,11 @@ def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) 
         return Point(None, _BUG, f"{type(error).__name__}: {error}")
 
 
-def study_head(study: str, design: Design) -> dict[str, Any]:
-    """With what the JSON of every study of a design begins."""
-    return {
-        "slopekit": __version__, "study": study, "kind": design.kind, "title": design.title,
-        "input_sha256": design.input_hash(), **({"project": project} if (project := design.project.given()) else {}),
-    }  # fmt: skip
+def checked_target(fos: float, advice: str) -> None:
+    """Refuse a target that is no factor of safety: E314."""
+    if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
+        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
+        raise DesignError([Fault("E314", message, "", advice)])
 
 
 def falls_short(status: str, factor: float | None, target: float) -> bool:

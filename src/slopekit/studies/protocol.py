@@ -6,13 +6,17 @@ The command of a study is made of its function (`slopekit.cli.study_command`): e
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+from slopekit._version import __version__
 from slopekit.core.options import DESIGN, DESK, Advance, Argument, Bar, Desk, Option, as_it_is, documented, given_by
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault
 from slopekit.units import quantity
+
+if TYPE_CHECKING:
+    from slopekit.core.sheet import Sheet
 
 #: The functions of studies by the names of their commands, and where they stand.
 STUDIES: Mapping[str, str] = {
@@ -33,9 +37,33 @@ class Outcome(Shown):
     __slots__ = ()
 
     @property
+    def sheet(self) -> "Sheet":
+        """As `sheet_of` makes it, in the module `sheet` beside the study."""
+        found: Sheet = self._said("sheet_of")
+        return found
+
+    @property
+    def line(self) -> str:
+        """As `line_of` does."""
+        found: str = self._said("line_of")
+        return found
+
+    def _said(self, function: str) -> Any:
+        package = type(self).__module__.rpartition(".")[0]
+        return getattr(import_module(f"{package}.sheet"), function)(self)
+
+    @property
     def charts(self) -> tuple[str, ...]:
         """The pictures that are drawn of it, the first where one is asked for."""
         return ()
+
+    def head(self, design: Design) -> dict[str, Any]:
+        """With what the JSON of every study of a design begins."""
+        return {
+            "slopekit": __version__, "study": self.name, "kind": design.kind, "title": design.title,
+            "input_sha256": design.input_hash(),
+            **({"project": project} if (project := design.project.given()) else {}),
+        }  # fmt: skip
 
     def words(self) -> dict[str, Any]:
         """Its line and its sheet as JSON values: what every `to_dict` ends with, and pages are made of."""

@@ -10,7 +10,7 @@ import hashlib
 import json
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -182,14 +182,20 @@ def run_all(
     done: dict[int, Record] = {} if journal is None else dict(journal.records(len(tasks)))
     advance(len(done))
     open_tasks = [index for index in range(len(tasks)) if index not in done]
-    keep = _Keeper(done, journal, advance)
+
+    def keep(indices: Sequence[int], records: Sequence[Record]) -> None:
+        done.update(zip(indices, records, strict=True))
+        if journal is not None:
+            journal.keep(indices, records)
+        advance(len(indices))
+
     try:
         if open_tasks and crew == Crew():
             for index in open_tasks:
                 keep([index], [work(tasks[index])])
         elif open_tasks:
             chunks = [open_tasks[at : at + at_once] for at in range(0, len(open_tasks), at_once)]
-            _on_workers(work, tasks, chunks, crew, keep, given_up)
+            _on_workers(work, tasks, chunks, crew, done, keep, given_up)
     except KeyboardInterrupt:
         raise Interrupted([_interrupted(len(done), len(tasks), journal)]) from None
     except BaseException:
@@ -199,20 +205,6 @@ def run_all(
     if journal is not None and journal.streamed:
         journal.save()
     return [done[index] for index in range(len(tasks))]
-
-
-@dataclass(frozen=True, slots=True)
-class _Keeper:
-    done: dict[int, Record]
-    journal: Journal | None
-    advance: Advance
-
-    def __call__(self, indices: Sequence[int], records: Sequence[Record]) -> None:
-        for index, record in zip(indices, records, strict=True):
-            self.done[index] = record
-        if self.journal is not None:
-            self.journal.keep(indices, records)
-        self.advance(len(indices))
 
 
 def _interrupted(done: int, total: int, journal: Journal | None) -> Fault:
@@ -226,8 +218,8 @@ def _interrupted(done: int, total: int, journal: Journal | None) -> Fault:
 
 
 def _on_workers(
-    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew, keep: _Keeper,
-    given_up: Record | None,
+    work: Callable[[Any], Record], tasks: Sequence[Any], chunks: list[list[int]], crew: Crew,
+    done: Mapping[int, Record], keep: Callable[[Sequence[int], Sequence[Record]], None], given_up: Record | None,
 ) -> None:  # fmt: skip
     """Hand out the chunks; where workers die, hand out once more what they had not finished."""
     left, losses = chunks, 0
@@ -253,14 +245,14 @@ def _on_workers(
                             raise
                         lost.append(chunk)
             except BrokenExecutor:  # no more can be handed in
-                lost = [chunk for chunk in left if chunk[0] not in keep.done]
+                lost = [chunk for chunk in left if chunk[0] not in done]
             except BaseException:
                 for future in futures:
                     future.cancel()
                 raise
         losses = losses + 1 if len(lost) == len(left) else 0
         # one by one: what kills its worker does not take others along
-        left = [[index] for chunk in lost for index in chunk if index not in keep.done]
+        left = [[index] for chunk in lost for index in chunk if index not in done]
         if losses == _MOST_LOSSES:
             first = left.pop(0)
             if given_up is None:

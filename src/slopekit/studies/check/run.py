@@ -11,18 +11,14 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance
 from slopekit.result import Result
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import DESK, ADesign, Desk, Outcome, study
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
@@ -79,20 +75,6 @@ class Check(Outcome):
     normals: tuple[NormalsRung, ...] = ()
 
     @property
-    def sheet(self) -> "Sheet":
-        """Factors, what was looked at, the ladder, the verdict."""
-        from slopekit.studies.check.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The verdict on one line."""
-        from slopekit.studies.check.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def charts(self) -> tuple[str, ...]:
         """Time against error; of a curved surface its normals as well."""
         return ("speed-error", "normals") if self.normals else ("speed-error",)
@@ -120,7 +102,7 @@ class Check(Outcome):
         result = self.result.to_dict()
         as_it_is = ("status", "fos", "methods", "moments_govern", "accepted", "rules")
         return {
-            **study_head("check", self.result.design),
+            **self.head(self.result.design),
             **{key: result[key] for key in as_it_is},
             "consistent": self.consistent,
             "agree_within": self.result.design.agree_within,

@@ -71,7 +71,7 @@ def _figure(finding: Finding) -> str:
 
 
 _FINDING: tuple[Column[Finding], ...] = (
-    Column("met", attrgetter("met"), "met", show=lambda met: _MARKS[met], width=-4),
+    Column("met", attrgetter("met"), "met", show=_MARKS.__getitem__, width=-4),
     Column("what", attrgetter("name"), "name", width=-17),
     Column("figure", attrgetter("value"), "value", text=_figure, width=8),
     Column(

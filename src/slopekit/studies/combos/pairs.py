@@ -26,6 +26,7 @@ from slopekit.design.joint_lists import JointList, joint_list, own_or_given, pla
 from slopekit.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Plane, number
+from slopekit.studies.surveys import range_of
 from slopekit.units import quantity
 
 #: What made a wedge smaller.
@@ -207,8 +208,8 @@ class PairInputs:
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3,
             "seismic": {"k": slope.seismic.coefficient, "trend_deg": slope.seismic.trend_deg},
             "agree_within": slope.agree_within,
-            "cohesion_kpa": _range(self.cohesion_kpa, self.own[0]),
-            "friction_deg": _range(self.friction_deg, self.own[1]),
+            "cohesion_kpa": range_of(self.cohesion_kpa, self.own[0]),
+            "friction_deg": range_of(self.friction_deg, self.own[1]),
             "limits": json_of(self.limits), "fos": self.target, "top": ALL if self.top is None else self.top,
         }  # fmt: skip
 
@@ -314,10 +315,6 @@ def _top(value: object, option: str) -> int | None:
             [Fault("E335", f"top is {number(found)}, a whole number is needed", f"{option} {value}", advice)]
         )
     return int(found)
-
-
-def _range(values: Floats, own: int) -> dict[str, float | int]:
-    return {"least": float(values.min()), "most": float(values.max()), "own": own, "given": len(values) - own}
 
 
 @dataclass(frozen=True, slots=True)

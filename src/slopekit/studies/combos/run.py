@@ -12,51 +12,38 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.arrays import Bools
-from slopekit.core.codec import json_of
+from slopekit.core.codec import json_of, record_of
 from slopekit.design.joint_lists import JointList
 from slopekit.errors import Notice
+from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.orientation import Plane
 from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
 
 _NOTHING_HOLDS = ("lifted", "falls", "topples")
 
 
 @dataclass(frozen=True, slots=True)
-class PairCheck:
-    """A pair that PRE-IE has looked at.
+class PairCheck(Factors):
+    """A pair that PRE-IE has looked at: what both methods say of it.
 
     Attributes
     ----------
     index : among all pairs; names, planes : of its joints
-    status : of PRE-IE; limit : its factor, moments included; closed_status, closed_form : of the closed form
-    difference, agree : on the same assumptions, None where they are not compared
-    moments_govern : the limit lies below what forces alone give: it is the number to use
     height_m : at the trace of the first joint; volume_m3, scale, limited_by, trend_deg, plunge_deg : of the wedge
     """
 
     index: int
     names: tuple[str, str]
     planes: tuple[Plane, Plane]
-    status: str
-    limit: float | None
-    closed_status: str
-    closed_form: float | None
-    difference: float | None
-    agree: bool | None
-    moments_govern: bool
-    settled: bool
     height_m: float
     volume_m3: float
     scale: float
@@ -75,10 +62,9 @@ class PairCheck:
 
     def severity(self) -> tuple[int, float, float]:
         """Where it stands among others by PRE-IE: what nothing holds, then by factor, then what stands."""
-        factor = self.closed_form if self.limit is None else self.limit
         if self.status in _NOTHING_HOLDS:
             return 0, 0.0, -self.volume_m3
-        return (2, 0.0, -self.volume_m3) if factor is None else (1, factor, -self.volume_m3)
+        return (2, 0.0, -self.volume_m3) if self.factor is None else (1, self.factor, -self.volume_m3)
 
     def to_dict(self) -> dict[str, Any]:
         """The pair as JSON values."""
@@ -139,20 +125,6 @@ class Combos(Outcome):
     pairs: Pairs
     worst: tuple[PairCheck, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
-
-    @property
-    def sheet(self) -> "Sheet":
-        """What became of the pairs, and the worst of them twice."""
-        from slopekit.studies.combos.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """What became of the pairs, on one line."""
-        from slopekit.studies.combos.sheet import line_of
-
-        return line_of(self)
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -227,12 +199,8 @@ class Combos(Outcome):
 
     def partners(self) -> tuple[tuple[str, int], ...]:
         """Joints by how many pairs below the target (else below 1) they take part in, most first."""
-        below = self.below(1.0 if self.given.target is None else self.given.target)
-        n = len(self.joints)
-        times = np.bincount(self.pairs.shapes.first[below], minlength=n)
-        times += np.bincount(self.pairs.shapes.second[below], minlength=n)
-        order = np.argsort(-times, kind="stable")
-        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+        below, shapes = self.below(1.0 if self.given.target is None else self.given.target), self.pairs.shapes
+        return partners(self.joints, shapes.first[below], shapes.second[below])
 
     def to_dict(self) -> dict[str, Any]:
         """The result as JSON values; times stand in a block of their own."""
@@ -343,7 +311,7 @@ def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple
     journal.remove()
     found = tuple(
         PairCheck(
-            int(k), design.joint_names, design.joints, **record, height_m=design.height_m,
+            **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
             volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.shapes.scale[k]),
             limited_by=LIMITED_BY[pairs.shapes.limited_by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),
@@ -358,8 +326,5 @@ def both_methods(design: WedgeDesign) -> dict[str, Any]:
     from slopekit.kinds import factors_of
 
     found = factors_of(design)
-    return {
-        "status": found.status, "limit": found.limit, "closed_status": found.closed_status or "",
-        "closed_form": found.closed_form, "difference": found.difference, "agree": found.agree,
-        "moments_govern": found.moments_govern, "settled": found.settled and found.status != "not_converged",
-    }  # fmt: skip
+    settled = found.settled and found.status != "not_converged"
+    return record_of(found) | {"closed_status": found.closed_status or "", "settled": settled}

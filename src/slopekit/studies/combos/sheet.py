@@ -12,7 +12,7 @@ from slopekit.kinds.words import WEIGHT_ONLY, size_number
 from slopekit.orientation import number
 from slopekit.studies.combos.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
-from slopekit.studies.surveys import head, survey_entry
+from slopekit.studies.surveys import head, partners_entry, survey_entry
 
 _WHY = {
     "parallel": "the joints are parallel",
@@ -64,8 +64,7 @@ def line_of(found: Combos) -> str:
     parts = [f"{found.removable} of {len(found.pairs)} pairs removable"]
     if found.worst:
         first = found.worst[0]
-        factor = first.closed_form if first.limit is None else first.limit
-        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(factor).strip()}")
+        parts.append(f"worst {' x '.join(first.names)} {first.status} {factor_text(first.factor).strip()}")
     if found.target is not None:
         parts.append(f"{found.target.below} below {found.target.fos:g} by {_judges(found.target)}")
     if found.worst:
@@ -282,10 +281,7 @@ def _again(found: Combos) -> list[str]:
 
 def _joints(found: Combos) -> list[str]:
     target = 1.0 if found.target is None else found.target.fos
-    most = found.partners()[:_MOST_JOINTS]
-    if not most:
-        return []
-    return [f"in pairs below {target:g}: " + ", ".join(f"{name} ({times})" for name, times in most)]
+    return partners_entry(f"in pairs below {target:g}", found.partners()[:_MOST_JOINTS])
 
 
 def _defaults(found: Combos) -> list[str]:

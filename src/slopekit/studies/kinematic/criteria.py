@@ -31,12 +31,13 @@ everywhere in slopekit: a joint parallel to the face does not daylight.
 """
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.arrays import Bools, Floats, Ints
+from slopekit.design.joint_lists import JointList
 from slopekit.orientation import Plane, normals
 
 #: Wedges by how they would slide: primary on both joints or on one, secondary.
@@ -53,24 +54,6 @@ _TOUCHES = 1e-12  # cosine, as in geometry.rockmass
 _PARALLEL = 1e-6  # sine, likewise
 
 Words = NDArray[np.int8]
-
-
-class Joints(Protocol):
-    """What the tests need of joints (n): a `JointList` has it."""
-
-    @property
-    def dips_deg(self) -> Floats:
-        """(n,) dips."""
-
-    @property
-    def dip_directions_deg(self) -> Floats:
-        """(n,) dip directions."""
-
-    def normals(self) -> Floats:
-        """(n, 3) upward unit normals."""
-
-    def pairs(self) -> tuple[NDArray[Any], NDArray[Any]]:
-        """The first and second joint of every pair."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +127,7 @@ class Modes:
         }
 
 
-def lines_of(joints: Joints) -> Lines:
+def lines_of(joints: "JointList | Planes") -> Lines:
     """The lines of intersection of all pairs that are not parallel."""
     normals = joints.normals()
     first, second = joints.pairs()
@@ -155,13 +138,16 @@ def lines_of(joints: Joints) -> Lines:
     first, second, line = first[crossing], second[crossing], line[crossing] / sine[crossing, None]
     turn = np.where(line[:, 2] > 0.0, -1.0, 1.0)
     line *= turn[:, None]
-    trend = np.degrees(np.arctan2(line[:, 0], line[:, 1])) % 360.0
-    plunge = np.degrees(np.arctan2(-line[:, 2], np.hypot(line[:, 0], line[:, 1])))
-    return Lines(first, second, line, trend, plunge, np.einsum("ij,ij->i", a[crossing], b[crossing]), turn)
+    return Lines(first, second, line, *_trend_plunge(line), np.einsum("ij,ij->i", a[crossing], b[crossing]), turn)
 
 
 def modes_of(
-    joints: Joints, lines: Lines, face: Plane, friction_deg: Floats, lateral_deg: float, lateral_toppling_deg: float
+    joints: "JointList | Planes",
+    lines: Lines,
+    face: Plane,
+    friction_deg: Floats,
+    lateral_deg: float,
+    lateral_toppling_deg: float,
 ) -> Modes:
     """What could move in a slope with this face; the criteria stand above."""
     dip, direction, normals = joints.dips_deg, joints.dip_directions_deg, joints.normals()
@@ -252,6 +238,12 @@ def _wedges(
     return wedge, by_friction, zone
 
 
+def _trend_plunge(down: Floats) -> tuple[Floats, Floats]:
+    """Trend and plunge (m,) of downward vectors (m, 3), degrees."""
+    trend: Floats = np.degrees(np.arctan2(down[:, 0], down[:, 1])) % 360.0
+    return trend, np.degrees(np.arctan2(-down[:, 2], np.hypot(down[:, 0], down[:, 1])))
+
+
 def _apart(direction: Floats, from_deg: float) -> Floats:
     """How far directions lie from another, 0 to 180°."""
     apart: Floats = np.abs((direction - from_deg + 180.0) % 360.0 - 180.0)
@@ -308,14 +300,11 @@ def zones_of_lines(
     the secondary zone depends on its joints.
     """
     any_two, count = Planes(np.array([45.0, 45.0]), np.array([115.0, 245.0])), len(down)
-    trend = np.degrees(np.arctan2(down[:, 0], down[:, 1])) % 360.0
-    plunge = np.degrees(np.arctan2(-down[:, 2], np.hypot(down[:, 0], down[:, 1])))
     first = np.zeros(count, dtype=np.intp)
-    lines = Lines(first, first + 1, down, trend, plunge, np.zeros(count), np.ones(count))
+    lines = Lines(first, first + 1, down, *_trend_plunge(down), np.zeros(count), np.ones(count))
     modes: Modes = modes_of(any_two, lines, face, np.full(2, friction_deg), lateral_deg, lateral_toppling_deg)
     found = modes.of_lines()
     return {
-        "wedge_primary": (modes.wedge != NO_WEDGE) & (modes.wedge != SECONDARY),
+        **{kind: found[kind] for kind in ("wedge_primary", "direct", "oblique")},
         "wedge_secondary_of_dips": modes.secondary_of_dips,
-        "direct": found["direct"], "oblique": found["oblique"],
-    }  # fmt: skip
+    }

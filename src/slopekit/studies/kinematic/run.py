@@ -14,7 +14,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -29,11 +29,8 @@ from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
 from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
 from slopekit.studies.ranges import as_steps, parse_values
-from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, survey_head
+from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
 from slopekit.units import quantity
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 _MOST_FACES = 200
@@ -70,20 +67,6 @@ class Kinematic(Outcome):
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """Which joints and pairs could move, by set and by face."""
-        from slopekit.studies.kinematic.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The counts on one line."""
-        from slopekit.studies.kinematic.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def charts(self) -> tuple[str, ...]:
         """Its stereonets."""
         return ("stereonet",)
@@ -113,10 +96,7 @@ class Kinematic(Outcome):
     def partners(self, what: str) -> tuple[tuple[str, int], ...]:
         """Joints by how many critical lines (`OF_LINES`) they take part in, most first; none that is in none."""
         found = self.modes.of_lines()[what]
-        times = np.bincount(self.lines.first[found], minlength=len(self.joints))
-        times += np.bincount(self.lines.second[found], minlength=len(self.joints))
-        order = np.argsort(-times, kind="stable")
-        return tuple((self.joints.joints[k].name, int(times[k])) for k in order if times[k])
+        return partners(self.joints, self.lines.first[found], self.lines.second[found])
 
     def by_set(self) -> dict[str, dict[str, int]]:
         """Joints of each set, and those of them that could move; joints without a set stand under an empty name."""
@@ -166,10 +146,7 @@ class Kinematic(Outcome):
             **survey_head("kinematic", self.joints, self.input_hash()),
             "inputs": {
                 "face": str(self.face),
-                "friction_deg": {
-                    "least": float(self.friction_deg.min()), "most": float(self.friction_deg.max()),
-                    "own": self.measured, "given": n - self.measured,
-                },
+                "friction_deg": range_of(self.friction_deg, self.measured),
                 "lateral_deg": self.lateral_deg, "lateral_toppling_deg": self.lateral_toppling_deg,
             },
             "defaults": list(self.defaults),

@@ -18,7 +18,7 @@ from slopekit.studies.kinematic.criteria import (
     SLIDING_BASE,
 )
 from slopekit.studies.kinematic.run import Kinematic
-from slopekit.studies.surveys import head, survey_entry
+from slopekit.studies.surveys import head, partners_entry, survey_entry
 
 _MOST_NAMES = 24
 _NONE = "single"  # joints of no set
@@ -148,10 +148,7 @@ def _wedge(found: Kinematic, of: _Shares) -> list[str]:
 
 
 def _partners(found: Kinematic, kind: str) -> list[str]:
-    most = found.partners(kind)[:8]
-    if not most:
-        return []
-    return ["most often: " + ", ".join(f"{name} ({times})" for name, times in most)]
+    return partners_entry("most often", found.partners(kind)[:8])
 
 
 def _direct(found: Kinematic, of: _Shares) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -21,11 +21,20 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
 from slopekit.orientation import number
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of, study_head
-from slopekit.studies.prob.confirmation import Confirmation, chosen, confirmation_of
+from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
-from slopekit.studies.prob.judged import IMPOSSIBLE, UNJUDGED, Judged, failing, notices_of, sensitivities
-from slopekit.studies.prob.sampling import METHODS, Samples
+from slopekit.studies.prob.judged import (
+    IMPOSSIBLE,
+    UNJUDGED,
+    Confirmation,
+    Judged,
+    chosen,
+    confirmation_of,
+    failing,
+    notices_of,
+    sensitivities,
+)
+from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
 from slopekit.studies.prob.vectorised import vectorised
 from slopekit.studies.protocol import (
@@ -42,9 +51,6 @@ from slopekit.studies.protocol import (
     whole_number,
 )
 from slopekit.studies.running import Crew, Journal, checked_crew, crew_in_words, run_all
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 By = Literal["closed-form", "pre-ie"]
 #: Samples where the closed form does the work, and where PRE-IE has to.
@@ -69,7 +75,7 @@ class Asked:
 
     n: int
     seed: int
-    method: str
+    method: Method
     by: By
     target: float
     confirm: int
@@ -122,20 +128,6 @@ class Probability(Outcome):
     journals: tuple[Journal, ...] = field(default=(), compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """The estimate, what it rests on, what PRE-IE says of it."""
-        from slopekit.studies.prob.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The estimate on one line, with its limits."""
-        from slopekit.studies.prob.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def charts(self) -> tuple[str, ...]:
         """Its histogram."""
         return ("histogram",)
@@ -177,7 +169,7 @@ class Probability(Outcome):
         """The study as JSON values; the samples themselves are in the CSV."""
         asked, summary = self.asked, self.summary
         return {
-            **study_head("prob", self.design),
+            **self.head(self.design),
             "n": len(self.samples.values), "replicates": int(self.samples.replicate.max()) + 1, "seed": asked.seed,
             "sampling": asked.method, "by": asked.by, "evaluator": self.evaluator, "target": asked.target,
             "probability_of_failure": {
@@ -242,7 +234,7 @@ def prob(
     design: ADesign,
     n: Annotated[int | None, Option("Samples [20000; 1000 where PRE-IE does them all].", whole_number, "-n")] = None,
     *,
-    method: Annotated[str, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
+    method: Annotated[Method, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
     by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
     target: Annotated[float, Option("What fails has a factor of safety below this [1].", number_of, "--fos")] = 1.0,
     confirm: Annotated[int, Option("Samples at random that PRE-IE looks at too [200].", whole_number)] = 200,
@@ -335,7 +327,7 @@ class _AtWork:
 
 
 def _asked(
-    design: Design, n: int | None, seed: int, method: str, by: str | None, target: float, confirm_count: int,
+    design: Design, n: int | None, seed: int, method: Method, by: By | None, target: float, confirm_count: int,
     near: float | None, confidence: float, accept: float | None,
 ) -> Asked:  # fmt: skip
     """What was asked for, checked."""

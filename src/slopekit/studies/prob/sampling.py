@@ -1,12 +1,10 @@
 """Samples of what scatters in a design: Monte Carlo, Latin hypercube or Sobol, correlated by a Gaussian copula.
 
-A plan says what is drawn; every part of it can be drawn by itself, in any order and on any machine, and is always the
-same.
+A plan says what is drawn: blocks, each with random numbers of its own.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import partial
 from typing import Literal, TypeAlias
 
@@ -45,14 +43,12 @@ class Samples:
         `<path>.dip_direction` (of a line `<path>.trend` and `<path>.plunge`), also where only one of them scatters
     values : (n, k), each column contiguous, read-only
     replicate : (n,) int16, which of the independent replicates each sample belongs to; Monte Carlo: all 0
-    first : the number of the first of these samples in their plan
     """
 
     variables: tuple[Variable, ...]
     names: tuple[str, ...]
     values: Floats
     replicate: NDArray[np.int16]
-    first: int
 
     def settings(self, row: int) -> dict[str, float | str]:
         """A sample as values by dotted path, as `slopekit.design.files.with_values` takes them."""
@@ -107,20 +103,9 @@ class Plan:
         size, larger = divmod(self.n, self.replicates)
         return block * size + min(block, larger), (block + 1) * size + min(block + 1, larger)
 
-    def replicate_of(self, block: int) -> int:
-        """The replicate that the samples of a block are of."""
-        return 0 if self.method == "monte-carlo" else block
-
-    def block_of(self, sample: int) -> int:
-        """The block that a sample is of."""
-        if self.method == "monte-carlo":
-            return sample // BLOCK
-        size, larger = divmod(self.n, self.replicates)
-        return sample // (size + 1) if sample < larger * (size + 1) else (sample - larger) // size
-
 
 def planned(
-    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: str = "monte-carlo"
+    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: Method = "monte-carlo"
 ) -> Plan:
     """How samples are drawn.
 
@@ -131,34 +116,28 @@ def planned(
         where a replicate would pass 8192 (Sobol: 32768; of larger ones a probability gains with two or three inputs
         only). Sobol rounds n up to whole replicates of a power of two
     seed : whole number from 0
-    method : monte-carlo, latin-hypercube or sobol
 
     Raises
     ------
     DesignError
-        E168 for a correlation of what does not scatter, E183 for one that cannot be, E302 no variables, E307 for n or
-        seed, E308 an unknown method.
+        E168 for a correlation of what does not scatter, E183 for one that cannot be, E307 for n or seed.
     """
-    chosen = _method(method)
     faults = _faults_of_numbers(n, seed)
     made, pairs = tuple(variables), tuple(correlation)
     coordinates = [name for variable in made for name in variable.coordinates]
     unknown = dict.fromkeys(name for pair in pairs for name in pair[:2] if name not in coordinates)
     faults += [Fault("E168", f"{name} is not a value that scatters in this design") for name in unknown]
     faults += contradictions(pairs, [f"{a}/{b}" for a, b, _ in pairs], "")
-    if not made:
-        advice = "Give some of its numbers as distributions: phi: {dist: normal, mean: 20, sd: 2}."
-        faults.append(Fault("E302", "nothing in this design scatters: no number is a distribution", "", advice))
     if faults:
         raise DesignError(faults)
-    count, replicates = _divided(n, chosen)
+    count, replicates = _divided(n, method)
     marginals = tuple(one for variable in made for one in _marginals(variable))
-    source = sources.source(chosen, coordinates, pairs, seed)
-    return Plan(made, pairs, chosen, seed, n, count, replicates, source, marginals)
+    source = sources.source(method, coordinates, pairs, seed)
+    return Plan(made, pairs, method, seed, n, count, replicates, source, marginals)
 
 
 def samples(
-    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: str = "monte-carlo"
+    variables: Iterable[Variable], correlation: Iterable[Pair], n: int, seed: int, method: Method = "monte-carlo"
 ) -> Samples:
     """All samples of a plan; the parameters and errors of `planned`.
 
@@ -172,50 +151,23 @@ def samples(
     return draw(planned(variables, correlation, n, seed, method))
 
 
-def draw(plan: Plan, first: int = 0, count: int | None = None) -> Samples:
-    """Some of the samples of a plan: the same ones, however they are divided.
-
-    Parameters
-    ----------
-    first, count : which; all that follow where no count is given. What begins and ends where blocks do
-        (`Plan.bounds`) costs nothing in addition
-    """
-    first = min(max(first, 0), plan.n)
-    last = plan.n if count is None else min(first + max(count, 0), plan.n)
-    columns, replicate = np.empty((len(plan.names), last - first)), np.zeros(last - first, dtype=np.int16)
-    for block in range(plan.block_of(first), plan.block_of(last - 1) + 1) if last > first else ():
-        for begin, end, column in _pieces(plan, block):
-            left, right = max(begin, first), min(end, last)
-            if left < right:
-                here = slice(left - first, right - first)
-                _fill(columns[:, here], plan, column, slice(left - begin, right - begin))
-                replicate[here] = plan.replicate_of(block)
-    return _samples(plan, columns, replicate, first)
-
-
-def chunks(plan: Plan) -> Iterator[Samples]:
-    """All samples of a plan, up to 8192 of them at a time: the way to draw more than are kept.
-
-    >>> plan = planned([Variable("x", Distribution("uniform", {"min": 0.0, "max": 1.0}, "ratio"))], (), 20000, 1)
-    >>> [len(part.values) for part in chunks(plan)]
-    [8192, 8192, 3616]
-    """
+def draw(plan: Plan) -> Samples:
+    """The samples of a plan."""
+    columns, replicate = np.empty((len(plan.names), plan.n)), np.zeros(plan.n, dtype=np.int16)
     for block in range(plan.blocks):
-        for begin, end, column in _pieces(plan, block):
-            columns = np.empty((len(plan.names), end - begin))
-            _fill(columns, plan, column, slice(0, end - begin))
-            yield _samples(plan, columns, np.full(end - begin, plan.replicate_of(block), dtype=np.int16), begin)
+        start, stop = plan.bounds(block)
+        size = BLOCK if plan.method == "monte-carlo" else stop - start
+        # a block of Monte Carlo is drawn whole: a longer run begins with a shorter one
+        for first, last, column in plan._source(block, size):
+            count = min(last, stop - start) - first
+            _fill(columns[:, start + first : start + first + count], plan, column, count)
+        replicate[start:stop] = 0 if plan.method == "monte-carlo" else block
+    columns.setflags(write=False)
+    replicate.setflags(write=False)
+    return Samples(plan.variables, plan.names, columns.T, replicate)
 
 
 # -- small things -----------------------------------------------------------------------------------------------------
-
-
-def _method(name: str) -> Method:
-    if name in METHODS:
-        return name
-    near = get_close_matches(name.lower().replace("_", "-"), METHODS, n=1)
-    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(METHODS)}."
-    raise DesignError([Fault("E308", f"{name} is not a way to draw samples", "", advice)])
 
 
 def _faults_of_numbers(n: int, seed: int) -> list[Fault]:
@@ -254,23 +206,9 @@ def _marginals(variable: Variable) -> Sequence[Marginal]:
     return [marginal(angle) for angle in (own.steep, own.direction) if isinstance(angle, Distribution)]
 
 
-def _pieces(plan: Plan, block: int) -> Iterator[tuple[int, int, sources.Column]]:
-    """The pieces of a block: first sample, end, and where their columns come from."""
-    start, stop = plan.bounds(block)
-    size = BLOCK if plan.method == "monte-carlo" else stop - start
-    for first, last, column in plan._source(block, size):
-        yield start + first, min(start + last, stop), column
-
-
-def _samples(plan: Plan, columns: Floats, replicate: NDArray[np.int16], first: int) -> Samples:
-    columns.setflags(write=False)
-    replicate.setflags(write=False)
-    return Samples(plan.variables, plan.names, columns.T, replicate, first)
-
-
-def _fill(columns: Floats, plan: Plan, column: sources.Column, kept: slice) -> None:
-    """Columns (k, n) of what is kept of a piece."""
-    drawn = (column(k, own)[kept] for k, own in enumerate(plan._marginals))
+def _fill(columns: Floats, plan: Plan, column: sources.Column, count: int) -> None:
+    """Columns (k, count) of the first samples of a piece."""
+    drawn = (column(k, own)[:count] for k, own in enumerate(plan._marginals))
     k = 0
     for variable in plan.variables:
         own = variable.distribution
@@ -279,7 +217,6 @@ def _fill(columns: Floats, plan: Plan, column: sources.Column, kept: slice) -> N
         else:
             steep, direction = (k, k + 1) if variable.of == "plane" else (k + 1, k)
             turn, parts = _turning(own)
-            count = kept.stop - kept.start
             first, second = (next(drawn) if part is None else np.full(count, part) for part in parts)
             for begin in range(0, count, _PIECE):
                 piece = slice(begin, begin + _PIECE)

@@ -11,8 +11,8 @@ from slopekit.kinds import status_text
 from slopekit.orientation import number
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
-from slopekit.studies.prob.confirmation import Confirmation
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
+from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
 from slopekit.studies.words import head
 

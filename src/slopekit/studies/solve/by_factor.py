@@ -14,9 +14,8 @@ from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import Evaluation, Method, Point, factor_at, status_of
+from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import ALONE, Crew, run_all
@@ -165,17 +164,18 @@ def _look_closely(search: Search[Point], asked: _Asked) -> None:
     search.add(asked.grid(*_FINE))
     search.find_edges(_EDGE)
     search.find_changes(_EDGE)
-    for low, high in list(_branches(search.samples)):  # a narrow one may have no place of the grid
+    # a narrow stretch of one kind may have no place of the grid
+    for run in list(_runs(search.samples, lambda sample: "" if sample.level is None else sample.label)):
+        low, high = run[0].at, run[-1].at
         search.add(low + (high - low) * k / _EACH_BRANCH for k in range(1, _EACH_BRANCH))
     search.find_extremes(_SECTIONS)
 
 
-def _branches(samples: _Samples) -> Iterator[tuple[float, float]]:
-    """The stretches over which the closed form is of one kind."""
-    for label, run in groupby(samples, key=lambda sample: "" if sample.level is None else sample.label):
-        stretch = [sample.at for sample in run]
-        if label:
-            yield stretch[0], stretch[-1]
+def _runs(samples: _Samples, kind: Callable[[Sample[Point]], object]) -> Iterator[_Samples]:
+    """Neighbouring samples of one kind together; not those of which nothing is said."""
+    for found, run in groupby(samples, key=kind):
+        if found:
+            yield list(run)
 
 
 def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Crossing[Point]], asked: _Asked) -> None:
@@ -195,7 +195,9 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
         if abs(_level(sample)) < _BESIDE:
             taken |= {place for place in (root - width, root + width) if asked.low <= place <= asked.high}
     everywhere = dilates(asked.design) or asked.key.path.endswith(".dilation") or not crossings
-    stretches = list(_stretches(quick.samples, everywhere))
+    # where the closed form lies above the target without a break, or wherever it has a factor
+    above = _runs(quick.samples, lambda sample: sample.level is not None and (everywhere or sample.level >= -ALIKE))
+    stretches = [(run[0].at, run[-1].at) for run in above]
     if not crossings and stretches:
         taken |= {min(quick.defined, key=_level).at, max(quick.defined, key=_level).at}
     grid = set(asked.grid(*_FINE))
@@ -208,20 +210,6 @@ def _look_again(search: Search[Point], quick: Search[Point], crossings: list[Cro
         _towards_ends(search, quick, a, b)
     if any(_moments(sample) for sample in search.samples):
         search.find_extremes(_SECTIONS // 3, within=_TURNS_WITHIN, ends=False)
-
-
-def _stretches(samples: _Samples, everywhere: bool) -> Iterator[tuple[float, float]]:
-    """Where the closed form lies above the target without a break, or wherever it has a factor."""
-    inside: list[float] = []
-    for sample in samples:
-        if sample.level is not None and (everywhere or sample.level >= -ALIKE):
-            inside.append(sample.at)
-            continue
-        if inside:
-            yield inside[0], inside[-1]
-        inside = []
-    if inside:
-        yield inside[0], inside[-1]
 
 
 def _towards_ends(search: Search[Point], quick: Search[Point], a: float, b: float) -> None:
@@ -313,19 +301,15 @@ def _answers(
     return Answers(method, roots, others, least, most, refused, looked, len(search.samples), reason)
 
 
-def _together(found: list[Found], span: float) -> Iterator[Found]:
+def _together(found: list[Found], span: float) -> list[Found]:
     """Jumps so near to each other that they are one: beside an edge rounding makes many."""
-    last: Found | None = None
+    kept: list[Found] = []
     for one in sorted(found, key=lambda one: one.value):
-        near = last is not None and one.value - last.value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span)
-        if last is not None and near:
-            last = replace(last, value=one.value, bracket=(last.bracket[0], one.bracket[1]))
-            continue
-        if last is not None:
-            yield last
-        last = one
-    if last is not None:
-        yield last
+        if kept and one.value - kept[-1].value <= _ONE_JUMP * max(abs(one.value), 1e-6 * span):
+            kept[-1] = replace(kept[-1], value=one.value, bracket=(kept[-1].bracket[0], one.bracket[1]))
+        else:
+            kept.append(one)
+    return kept
 
 
 def _found(method: Method, asked: _Asked, crossing: Crossing[Point]) -> Found:
@@ -337,12 +321,10 @@ def _found(method: Method, asked: _Asked, crossing: Crossing[Point]) -> Found:
 
 def _refused(samples: _Samples) -> Iterator[tuple[float, float, str, str]]:
     """Stretches of neighbouring values that are refused for the same reason, with what is said in their middle."""
-    for code, run in groupby(samples, key=lambda sample: "" if sample.level is not None else sample.label):
-        stretch = list(run)
-        if code:
-            low, high = stretch[0].at, stretch[-1].at
-            middle = min(stretch, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
-            yield low, high, code, middle.found.message
+    for run in _runs(samples, lambda sample: "" if sample.level is not None else sample.label):
+        low, high = run[0].at, run[-1].at
+        middle = min(run, key=lambda sample: abs(sample.at - 0.5 * (low + high)))
+        yield low, high, middle.label, middle.found.message
 
 
 def _rounded(solution: Solution, asked: _Asked) -> tuple[float, float] | None:
@@ -367,7 +349,5 @@ def _target(design: Design, fos: float | None) -> tuple[float, bool]:
         if not wanted:
             raise DesignError([Fault("E314", "no target is given, and the design has no acceptance rule", "", advice)])
         return max(wanted), True
-    if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
-        message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
-        raise DesignError([Fault("E314", message, "", advice)])
+    checked_target(fos, advice)
     return fos, False

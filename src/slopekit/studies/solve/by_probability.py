@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from slopekit.core.codec import json_of
 from slopekit.design.common import Design
@@ -17,14 +17,10 @@ from slopekit.design.files import with_values
 from slopekit.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import Advance, Outcome
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.solve.roots import Crossing, Sample, Search, near_by, places
 from slopekit.studies.solve.solutions import end_advice
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
@@ -90,20 +86,6 @@ class ProbabilitySolution(Outcome):
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """The value, the probability there, its bracket, or why there is none."""
-        from slopekit.studies.solve.sheet import probability_sheet_of
-
-        return probability_sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """Value, probability and its limits on one line."""
-        from slopekit.studies.solve.sheet import probability_line_of
-
-        return probability_line_of(self)
-
-    @property
     def answer(self) -> ProbableValue | None:
         """The value nearest to the present one, None where there is none."""
         return self.roots[0] if self.roots else None
@@ -117,7 +99,7 @@ class ProbabilitySolution(Outcome):
         """The solution as JSON values."""
         found = self.answer
         return {
-            **study_head("solve", self.design),
+            **self.head(self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"probability_of_failure": self.target},

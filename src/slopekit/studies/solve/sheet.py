@@ -14,15 +14,38 @@ from slopekit.studies.words import BRIEF, head, status_words
 _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
 
-def sheet_of(solution: Solution) -> Sheet:
-    """The sheet of a value at which the factor of safety is a target."""
+def sheet_of(solution: Solution | ProbabilitySolution) -> Sheet:
+    """The sheet of a value that was solved for."""
+    own = _of_factor(solution) if isinstance(solution, Solution) else _of_probability(solution)
+    return Sheet(head(solution.design, "solve"), (
+        Section("KEY", [_asked(solution.key, solution.within)]),
+        *own,
+        Section("TIME", [f"{solution.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in solution.warnings]),
+    ))  # fmt: skip
+
+
+def line_of(solution: Solution | ProbabilitySolution) -> str:
+    """The value, what it gives, and codes of notices on one line."""
+    if solution.answer is None:
+        parts = ["none", str(solution.reason).splitlines()[0]]
+    elif isinstance(solution, ProbabilitySolution):
+        parts = [solution.key.shown(solution.answer.value), _estimate(solution.answer.estimate)]
+    else:
+        found, agree = solution.answer, {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
+        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
+        parts += ["moments_govern"] if solution.moments_govern else []
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
+
+
+def _of_factor(solution: Solution) -> tuple[Section, ...]:
+    """Of a value at which the factor of safety is a target."""
     key, found = solution.key, solution.answer
     from_rule = " (the design's acceptance rule)" if solution.from_acceptance else ""
     put_back = [one for one in _all(solution) if one.roots and one.roots[0].put_back and found is not None]
     searched = [one for one in _all(solution) if all(root.put_back for root in one.roots)]  # else there is no reach
     reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
-    return Sheet(head(solution.design, "solve"), (
-        Section("KEY", [_asked(key, solution.within)]),
+    return (
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
         Section("NOW", [_now(solution.design.kind, solution.before)]),
         Section("VALUE", _value(solution)),
@@ -32,31 +55,16 @@ def sheet_of(solution: Solution) -> Sheet:
         Section("REACH", [f"{_name(one)} {_reach(key, one)}" for one in reached], hang=13),
         Section("REFUSED", _refused(solution)),
         Section("ASKED", [", ".join(f"{BRIEF[one.method]} {one.evaluations} times" for one in _all(solution))]),
-        Section("TIME", [f"{solution.seconds:.2f} s"]),
-        Section("NOTE", [str(notice) for notice in solution.warnings]),
-    ))  # fmt: skip
+    )
 
 
-def line_of(solution: Solution) -> str:
-    """Value, status, factor and check on one line."""
-    found = solution.answer
-    if found is None:
-        parts = ["none", str(solution.pre_ie.reason).splitlines()[0]]
-    else:
-        agree = {True: "agree", False: "disagree", None: "not compared"}[solution.agree]
-        parts = [solution.key.shown(found.value), found.status, factor_text(found.factor).strip(), agree]
-        parts += ["moments_govern"] if solution.moments_govern else []
-    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
-
-
-def probability_sheet_of(solution: ProbabilitySolution) -> Sheet:
-    """The sheet of a value at which the probability of failure is a target."""
+def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
+    """Of a value at which the probability of failure is a target."""
     key, found = solution.key, solution.answer
     now = "not known" if solution.before is None else _estimate(solution.before)
     bracket = [] if found is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
     reach = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most) if end is not None]
-    return Sheet(head(solution.design, "solve"), (
-        Section("KEY", [_asked(key, solution.within)]),
+    return (
         Section("TARGET", [f"probability of failure {number(solution.target)}"]),
         Section("NOW", [f"probability of failure {now}"]),
         Section("VALUE", _no_value(solution.reason) if found is None else _probable(key, found)),
@@ -64,19 +72,7 @@ def probability_sheet_of(solution: ProbabilitySolution) -> Sheet:
         Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
         Section("REACH", [f"from {' to '.join(reach)}"] if reach else []),
         Section("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"]),
-        Section("TIME", [f"{solution.seconds:.2f} s"]),
-        Section("NOTE", [str(notice) for notice in solution.warnings]),
-    ))  # fmt: skip
-
-
-def probability_line_of(solution: ProbabilitySolution) -> str:
-    """Value, probability and its limits on one line."""
-    found = solution.answer
-    if found is None:
-        parts = ["none", str(solution.reason).splitlines()[0]]
-    else:
-        parts = [solution.key.shown(found.value), _estimate(found.estimate)]
-    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in solution.warnings)])
+    )
 
 
 # -- entries -----------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ is no value that gives the target.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
 from slopekit.design.common import Design
@@ -13,11 +13,8 @@ from slopekit.errors import Fault, Notice
 from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key
-from slopekit.studies.points import Method, Point, point_record, study_head
+from slopekit.studies.points import Method, Point
 from slopekit.studies.protocol import Outcome
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 #: What putting a value back may miss the target by.
 TOLERANCE: dict[Method, float] = {"closed_form": 1e-9, "pre_ie": 1e-6}
@@ -105,20 +102,6 @@ class Solution(Outcome):
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """The value put back by both methods, its bracket, other values, or why there is none."""
-        from slopekit.studies.solve.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """Value, status, factor and check on one line."""
-        from slopekit.studies.solve.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def answer(self) -> Found | None:
         """The root of PRE-IE nearest to the present value, None where there is none."""
         return self.pre_ie.roots[0] if self.pre_ie.roots else None
@@ -152,12 +135,12 @@ class Solution(Outcome):
         """The solution as JSON values; infinite factors, where nothing drives the block, are null beside a status."""
         found = self.answer
         return {
-            **study_head("solve", self.design),
+            **self.head(self.design),
             "key": self.key.path,
             "unit": self.key.unit,
             "target": {"fos": self.target, "from_acceptance": self.from_acceptance},
             "within": list(self.within),
-            "before": {"value": self.key.value} | point_record(self.before),
+            "before": {"value": self.key.value} | self.before.to_dict(),
             "value": None if found is None else self.key.reduced(found.value),
             "rounded": None
             if self.rounded is None
@@ -193,7 +176,7 @@ class Solution(Outcome):
             "how": found.how, "value": self.key.reduced(found.value), "fos": json_of(found.factor) if of_it else None,
             "status": found.status, "misses_by": json_of(abs(found.factor - self.target)) if of_it else None,
             "rises": found.rises, "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
-            "put_back": point_record(found.both) if of_it else None,
+            "put_back": found.both.to_dict() if of_it else None,
         }  # fmt: skip
 
 

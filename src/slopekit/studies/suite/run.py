@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
@@ -21,9 +21,6 @@ from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
 from slopekit.studies.protocol import DESK, Desk, Outcome, study
 from slopekit.studies.suite.references import Case, Reference, chosen, document, half_unit
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
 BOUND_SLACK = 1e-6
@@ -83,20 +80,6 @@ class Verification(Outcome):
     sources: Mapping[str, str]
     versions: Mapping[str, str]
     seconds: float
-
-    @property
-    def sheet(self) -> "Sheet":
-        """The rows by case, what is wrong, the counts."""
-        from slopekit.studies.suite.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The counts on one line."""
-        from slopekit.studies.suite.sheet import line_of
-
-        return line_of(self)
 
     def files(self) -> dict[str, str]:
         """The page docs/verification.md."""

@@ -136,10 +136,6 @@ def _within(row: Row) -> str:
     return "not judged" if row.ok is None else _MARKS[row.ok]
 
 
-def _mark(ok: bool | None) -> str:
-    return _MARKS[ok]
-
-
 #: On a terminal.
 _SHORT: tuple[Column[Row], ...] = (
     Column("  source", attrgetter("reference.source"), show="  {}".format, width=-18),
@@ -147,7 +143,7 @@ _SHORT: tuple[Column[Row], ...] = (
     Column("against", against, show=value_text, width=17),
     Column("slopekit", attrgetter("value"), show=value_text, width=17),
     Column("error", attrgetter("error"), text=_error, width=9),
-    Column("ok", attrgetter("ok"), show=_mark, width=4),
+    Column("ok", attrgetter("ok"), show=_MARKS.__getitem__, width=4),
 )
 #: Of the page, and of the CSV.
 COLUMNS: tuple[Column[Row], ...] = (

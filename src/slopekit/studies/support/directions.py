@@ -6,6 +6,7 @@ The forces come from `forces`; each is put back into the closed form itself befo
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -93,7 +94,7 @@ class Way:
     ----------
     direction : (3,) local axes, unit length in space
     force : kN, None where no force that way reaches the target; most : above it the factor falls below again
-    answer : at that force; without one the best that the direction gives, at `best_force`
+    answer : at that force; without one the best that the direction gives
     below : the factor just under the force, where it jumps over the target; None where it rises to it
     notice : why not, or what to know
     """
@@ -102,7 +103,6 @@ class Way:
     force: float | None
     most: float
     answer: Answer
-    best_force: float
     below: float | None
     notice: Notice | None
 
@@ -135,7 +135,7 @@ class BoltDirections:
         self.site, self.factor, self.passive = site, factor, passive
         self.held: BoltedBlock = site.held(factor)
         self.times = factor if passive else 1.0
-        self.acts: str = "passive" if passive else "active"
+        self.acts: Literal["active", "passive"] = "passive" if passive else "active"
         world = sphere(SCANNED)
         if site.in_section:
             turn = 2.0 * math.pi * np.arange(_IN_SECTION) / _IN_SECTION
@@ -155,22 +155,17 @@ class BoltDirections:
 
     def bolt(self, line: Line, force: float) -> Bolt:
         """A bolt without a head."""
-        return Bolt(force, line, "passive" if self.passive else "active")
+        return Bolt(force, line, self.acts)
 
     # -- the best direction -------------------------------------------------------------------------------
 
     def best(self, target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
         """The direction of the least force, with its evidence; None where no direction has one."""
-        found = None
         if self._balances_only():
             return None, None
-        for way in nearest(self.held, self.passive)[:_CANDIDATES]:
-            size = math.sqrt(float(way @ way))
-            tried = self._put_back(*self._rounded(way / size, size * self.times), target, at_zero)
-            if tried.force is not None and (found is None or tried.force < (found.force or math.inf)):
-                found = tried
-            if found is not None and found.force is not None and found.force <= size * self.times * (1.0 + _SAME):
-                break  # the others are longer
+        sizes = [(way, math.sqrt(float(way @ way))) for way in nearest(self.held, self.passive)[:_CANDIDATES]]
+        # where one is met by its own force the others are longer
+        found = self._first_met([(way / size, size * self.times) for way, size in sizes], None, target, at_zero)
         scan = self._scan()
         least = float(scan.min())
         if math.isfinite(least) and (found is None or found.force is None or least < found.force * (1.0 - _SAME)):
@@ -178,13 +173,21 @@ class BoltDirections:
             polish = polished(lambda some: self.forces(_vectors(some)), angles, (-1e9, -90.0), (1e9, 90.0))
             ends = [] if polish is None else [(self._direction(polish[0]), polish[1])]
             ends += [(self.site.axes @ self._sphere[k], float(scan[k])) for k in np.argsort(scan)[:_STARTS]]
-            for direction, force in ends:  # the second to the last only where the closed form refuses the first
-                other = self._put_back(*self._rounded(direction, force), target, at_zero)
-                if other.force is not None and (found is None or other.force < (found.force or math.inf)):
-                    found = other
-                if found is not None and found.force is not None and found.force <= force * (1.0 + _SAME):
-                    break
+            # the second to the last only where the closed form refuses the first
+            found = self._first_met(ends, found, target, at_zero)
         return found, None if found is None else self._evidence(found, np.ones(len(scan), dtype=bool))
+
+    def _first_met(
+        self, ends: Sequence[tuple[Floats, float]], found: Way | None, target: float, at_zero: Answer
+    ) -> Way | None:
+        """The way of the least force, put back, among directions with their forces, up to one that needs no more."""
+        for direction, force in ends:
+            tried = self._put_back(*self._rounded(direction, force), target, at_zero)
+            if tried.force is not None and (found is None or tried.force < (found.force or math.inf)):
+                found = tried
+            if found is not None and found.force is not None and found.force <= force * (1.0 + _SAME):
+                break
+        return found
 
     def within(self, plunges: tuple[float, float], target: float, at_zero: Answer) -> tuple[Way | None, Optimum | None]:
         """The same among the directions that plunge between limits (degrees) and point into the face."""
@@ -268,7 +271,7 @@ class BoltDirections:
     def along(self, direction: Floats, target: float, at_zero: Answer) -> Way:
         """The least force along one direction (local axes)."""
         if self._balances_only():
-            return Way(direction, None, math.inf, at_zero, 0.0, None, NO_STRENGTH)
+            return Way(direction, None, math.inf, at_zero, None, NO_STRENGTH)
         force = float(self.forces(self.site.world(direction)[None, :])[0])
         if math.isfinite(force):
             found = self._put_back(direction, force, target, at_zero)
@@ -283,20 +286,23 @@ class BoltDirections:
             most = most_along(self.held, self.site.local(self.site.world(direction)[None, :])[0], force)
         answer = self.ask(direction, force)
         if abs(answer.level / self.factor - 1.0) <= _SAME:
-            return Way(direction, force, most, answer, force, None, None)
+            return Way(direction, force, most, answer, None, None)
         found = least_force(
             lambda tried: self.ask(direction, tried), target, self.factor / target - 1.0, force, at_zero.level, most
         )
         if found.force is None:
-            return Way(direction, None, math.inf, found.answer, found.best_force, None, None)
+            return Way(direction, None, math.inf, found.answer, None, None)
         return self._found(direction, found, most)
 
     def _found(self, direction: Floats, found: Found, most: float) -> Way:
         assert found.force is not None
         notice = None
         if found.below is not None:
-            notice = jump_notice(found.below, found.answer, found.force, self.site.unit)
-        return Way(direction, found.force, most, found.answer, found.force, found.below, notice)
+            from_ = f"{found.below:.4g}" if found.below > 0.0 else "none (the block has no hold)"
+            to = "no driving force" if math.isinf(found.answer.level) else f"{found.answer.level:.4g}"
+            notice = Notice("E325", f"FoS jumps over the target at {found.force:.6g} {self.site.unit}, from {from_} to "
+                            f"{to}: contact is won there. A little less force loses it: go above")  # fmt: skip
+        return Way(direction, found.force, most, found.answer, found.below, notice)
 
     def _out_of_reach(self, direction: Floats, target: float, at_zero: Answer) -> Way:
         """The best that a direction gives, and what stands against more."""
@@ -323,7 +329,7 @@ class BoltDirections:
                 if not gained
                 else f"they pull no more than stops the movement along them: at best FoS {shown}"
             )
-            return Way(direction, None, math.inf, best, best_force, None, Notice("E323", why))
+            return Way(direction, None, math.inf, best, None, Notice("E323", why))
         if not gained:
             why = "force that way drives the block, or lifts it, as much as it holds it: it adds nothing"
         elif best_force >= _SAMPLES[-2] * size:
@@ -332,18 +338,7 @@ class BoltDirections:
             why = f"at best FoS {shown} at {best_force:.4g} {unit}; more force lowers it again"
         if last in ("lifted", "falls") and level[-1] == 0.0:
             why += ", and in the end lifts the block off"
-        return Way(direction, None, math.inf, best, best_force, None, Notice("E322", why))
-
-
-def jump_notice(below: float, answer: Answer, force: float, unit: str) -> Notice:
-    """A factor that jumps over the target where contact is won or lost."""
-    from_ = f"{below:.4g}" if below > 0.0 else "none (the block has no hold)"
-    to = "no driving force" if math.isinf(answer.level) else f"{answer.level:.4g}"
-    message = (
-        f"FoS jumps over the target at {force:.6g} {unit}, from {from_} to {to}: contact is won there. A little less "
-        "force loses it: go above"
-    )
-    return Notice("E325", message)
+        return Way(direction, None, math.inf, best, None, Notice("E322", why))
 
 
 def _angles(world: Floats) -> Floats:

@@ -4,7 +4,6 @@ A head is taken only where its bolt, drawn on through the block, leaves it throu
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +19,9 @@ _FINER = 0.98  # of the spacing, from one try to the next
 _STARTS = np.array([(a, b) for a in (0.0, 0.25, 0.5, 0.75) for b in (0.0, 0.25, 0.5, 0.75)])  # of the spacing
 _PLACES = 401  # along the face of a section that are looked at
 _CLEAR = 1e-9  # of the size of the block
+_NO_PLACE = Notice(
+    "E326", "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,8 +123,7 @@ def _face_layout(
         if enough:
             return grid.layout(max(enough, key=lambda one: one.rank(needed)), needed)
         tried *= _FINER
-    message = "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
-    return Notice("E326", message)
+    return _NO_PLACE
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,10 +214,7 @@ def _section_layout(
     shares = np.linspace(0.0, 1.0, _PLACES)[1:-1]
     _, anchored = depths(site, foot + shares[:, None] * (top - foot), direction)
     if not anchored.any():
-        message = (
-            "no place on the face is left: bolts that way leave the block through a free face, anchored in nothing"
-        )
-        return Notice("E326", message)
+        return _NO_PLACE
     step = 1.0 / (_PLACES - 1)
     low, high = float(shares[anchored][0]), float(shares[anchored][-1])
     reach = (high - low) * length
@@ -271,12 +269,3 @@ def groups(site: Site, laid: Layout, direction: Floats, most: int) -> tuple[Floa
         own = laid.local_m[member == k]
         heads[k] = own[((own - heads[k]) ** 2).sum(axis=1).argmin()]
     return heads, counts
-
-
-def too_short(lengths: Sequence[float] | Floats, needed: Floats, name: str) -> Notice | None:
-    """Say which bolts are too short."""
-    short = int((np.asarray(lengths) < needed * (1.0 - 1e-12)).sum())
-    if not short:
-        return None
-    message = f"{short} of {len(needed)} bolts are too short at {name}: the longest needs {float(needed.max()):.4g} m"
-    return Notice("E327", message)

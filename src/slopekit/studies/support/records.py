@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -15,15 +15,11 @@ from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
 from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.orientation import Line, number
-from slopekit.studies.points import study_head
 from slopekit.studies.protocol import Outcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer
 from slopekit.units import quantity
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 _UP = Context(prec=5, rounding=ROUND_CEILING)
 Which = Literal["best", "given", "practical"]
@@ -241,13 +237,9 @@ class Case:
 
         With heads on the face it is PRE-IE's with their moments, through the centroid the larger of both methods'.
         """
-        if self.closed_form.force is None:
-            return None
-        if self.pattern is not None and self.pattern.reached:
+        if self.closed_form.force is not None and self.pattern is not None and self.pattern.reached:
             return self.pattern.force
-        if self.pre_ie is None or self.pre_ie.force is None:
-            return None
-        return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
+        return _larger(self)
 
     @property
     def use_kn(self) -> float | None:
@@ -284,9 +276,7 @@ class Pressure:
     @property
     def use(self) -> float | None:
         """The pressure to use, kPa: the larger (of dilating joints PRE-IE's), None where a method has none."""
-        if self.pre_ie is None or self.pre_ie.force is None or self.closed_form.force is None:
-            return None
-        return self.pre_ie.force if self.dilates else max(self.closed_form.force, self.pre_ie.force)
+        return _larger(self)
 
     @property
     def force(self) -> dict[str, Any] | None:
@@ -302,6 +292,14 @@ class Pressure:
             if found[method] is not None:
                 found[method] = {"pressure_kpa": found[method].pop("force_kn")} | found[method]
         return found
+
+
+def _larger(needs: Case | Pressure) -> float | None:
+    """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
+    closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
+    if closed is None or limit is None:
+        return None
+    return limit if needs.dilates else max(closed, limit)
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -332,20 +330,6 @@ class Support(Outcome):
     warnings: tuple[Notice, ...]
     dilates: bool = False
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
-
-    @property
-    def sheet(self) -> "Sheet":
-        """What each method needs, how it is built, and which number to use."""
-        from slopekit.studies.support.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """A line for each way the bolts act."""
-        from slopekit.studies.support.sheet import line_of
-
-        return line_of(self)
 
     @property
     def stands(self) -> bool:
@@ -396,7 +380,7 @@ class Support(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
         return {
-            **study_head("support", self.design), **record_of(self), "timing_s": {"total": self.seconds},
+            **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 

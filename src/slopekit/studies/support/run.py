@@ -25,9 +25,8 @@ from slopekit.notices import common_notices
 from slopekit.orientation import Line
 from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
-from slopekit.studies.support.pattern import Layout, centre_of, groups, layout, too_short
+from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
-    Acts,
     Case,
     Need,
     Options,
@@ -115,6 +114,12 @@ def support(
     )  # fmt: skip
 
 
+def _need_of(way: Way, area: float = 1.0) -> Need:
+    """What the closed form needs along a way, on each of so many m²."""
+    force = None if way.force is None else way.force / area
+    return Need(force, way.answer.factor, way.answer.status, way.below, notice=way.notice)
+
+
 class _Asked:
     """PRE-IE's answers to a design with more force, each asked once."""
 
@@ -141,7 +146,9 @@ class _Search:
         self.dilates = dilates(site.design)
         self.aim = self.target * (1.0 + _AIM)
         self.factor = self.aim  # that the forces alone have to reach
-        if bare.level >= self.target:
+        # what the forces alone need where they have the target already
+        self.as_it_is = Need(0.0, bare.factor, bare.status) if bare.level >= self.target else None
+        if self.as_it_is is not None:
             # they have it already, PRE-IE has not: ask them for as much more as it lacks, for a direction
             lacks = self.aim / bare_limit.level if bare_limit.level > 0.0 else 2.0
             self.factor = (bare.level if math.isfinite(bare.level) else self.aim) * max(lacks, 1.0 + _AIM)
@@ -161,22 +168,18 @@ class _Search:
         return found
 
     def _case(self, ways: BoltDirections, which: Which, way: Way | None, optimum: Optimum | None) -> Case:
-        acts: Acts = "passive" if ways.passive else "active"
         if way is None:
-            return Case(acts, which, None, Need(None, None, self.bare.status, notice=self._nowhere(ways, which)), None)
-        stands = self.bare.level >= self.target
+            nowhere = Need(None, None, self.bare.status, notice=self._nowhere(ways, which))
+            return Case(ways.acts, which, None, nowhere, None)
         line = self.options.toward if which == "given" and self.options.toward else self.site.line(way.direction)
-        closed = Need(way.force, way.answer.factor, way.answer.status, way.below, notice=way.notice)
-        if stands:
-            closed = Need(0.0, self.bare.factor, self.bare.status)
-            optimum = None
+        own, stands = _need_of(way), self.as_it_is is not None
+        closed = self.as_it_is or own
         if way.force is None:
-            lacks = Need(None, way.answer.factor, way.answer.status, notice=way.notice) if stands else None
-            return Case(acts, which, line, closed, lacks)
+            return Case(ways.acts, which, line, closed, own if stands else None)
         found = self._least(_Asked(lambda force: self.site.with_bolts(ways.bolt(line, force))), way.force, way.most)
         limit = self._need(found, "through the centroid")
         most = None if math.isinf(way.most) or stands else way.most
-        case = Case(acts, which, line, closed, limit, most, optimum, dilates=self.dilates)
+        case = Case(ways.acts, which, line, closed, limit, most, None if stands else optimum, dilates=self.dilates)
         if which == built_way(self.options):
             force = case.force or max(closed.force or 0.0, way.force)
             least = 0.0 if self.dilates else closed.force or 0.0
@@ -309,8 +312,9 @@ class _Search:
         taken = np.ceil(lengths * 100.0 - 1e-9) / 100.0
         if options.length is not None:
             taken = np.full(len(laid), options.length)
-            short = too_short(taken, lengths, f"{options.length:g} m")
-            notices += [short] if short else []
+            short = int((taken < lengths * (1.0 - 1e-12)).sum())
+            message = f"{short} of {len(laid)} bolts are too short at {options.length:g} m"
+            notices += [Notice("E327", f"{message}: the longest needs {lengths.max():.4g} m")] if short else []
         force = each = None
         if found.force is not None:
             force = max(found.force, least)  # with heads PRE-IE needs no less than the forces alone
@@ -345,10 +349,9 @@ class _Search:
         laid = pattern.layout
         assert laid is not None
         assert pattern.force is not None
-        acts: Acts = "passive" if ways.passive else "active"
         return tuple(
-            Bolt(pattern.force / len(laid), line, acts, (float(head[0]), float(head[1]), float(head[2])), float(length))
-            for head, length in zip(laid.heads_m, pattern.taken, strict=True)
+            Bolt(pattern.force / len(laid), line, ways.acts, (east, north, up), length)
+            for (east, north, up), length in zip(laid.heads_m.tolist(), pattern.taken.tolist(), strict=True)
         )
 
     # -- pressure -----------------------------------------------------------------------------------------------
@@ -361,11 +364,10 @@ class _Search:
         middle = centre_of(site.face)
         place = site.place(middle)
         line = site.line(site.inward)
-        none = Need(0.0, self.bare.factor, self.bare.status) if self.bare.level >= self.target else None
+        own = _need_of(way, area)
+        closed = self.as_it_is or own
         if way.force is None:
-            lacks = Need(None, way.answer.factor, way.answer.status, notice=way.notice)
-            return Pressure(none or lacks, lacks if none else None, area, line, place)
-        closed = none or Need(way.force / area, way.answer.factor, way.answer.status, way.below, notice=way.notice)
+            return Pressure(closed, own if self.as_it_is else None, area, line, place)
         found = self._least(_Asked(lambda force: site.with_force(force * site.inward, middle)), way.force, math.inf)
         need = self._need(found, "with the pressure on the face")
         if need.force is not None:

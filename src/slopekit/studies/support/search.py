@@ -122,11 +122,10 @@ class Site:
         """The design with more bolts."""
         return replace(self.design, bolts=(*self.design.bolts, *bolts))
 
-    def with_force(self, force: Floats, at: Floats | None) -> Design:
+    def with_force(self, force: Floats, at: Floats) -> Design:
         """The design with one more force (3,) kN, through a point (3,) in local axes."""
         east, north, up = (float(part) for part in self.world(force))
-        place = None if at is None else self.place(at)
-        return replace(self.design, forces=(*self.design.forces, Force((east, north, up), place)))
+        return replace(self.design, forces=(*self.design.forces, Force((east, north, up), self.place(at))))
 
     def place(self, point: Floats) -> tuple[float, float, float]:
         """A point in local axes in the coordinates of the user."""
@@ -185,12 +184,8 @@ def site_of(design: Design) -> Site:
     return Site(
         design, block, block.faces[made.face], block.areas[made.face], made.joints, -_outward(block.faces[made.face]),
         np.eye(3) if made.axes is None else made.axes, made.origin, model.translations == 2, model, closed_form,
-        _normals(block),
+        {plane: _outward(polygon) for plane, polygon in block.faces.items()},
     )  # fmt: skip
-
-
-def _normals(block: Block) -> dict[int, Floats]:
-    return {plane: _outward(polygon) for plane, polygon in block.faces.items()}
 
 
 def _outward(polygon: Floats) -> Floats:

@@ -3,7 +3,6 @@
 import math
 
 from slopekit.core.sheet import Entry, Section, Sheet, Verbatim, counted, factor_text
-from slopekit.errors import Notice
 from slopekit.kinds import status_text
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
@@ -49,14 +48,15 @@ def line_of(found: Support) -> str:
         pattern = case.pattern
         if pattern is not None and pattern.layout is not None:
             parts.append(f"{len(pattern.layout)} {'rows' if found.unit == 'kN/m' else 'bolts'}")
-        parts += list(dict.fromkeys(notice.code for notice in _notices(case)))
+        needs = [need.notice for need in (case.closed_form, case.pre_ie) if need and need.notice]
+        parts += list(dict.fromkeys(notice.code for notice in (*needs, *(pattern.notices if pattern else ()))))
         lines.append("  ".join(parts))
     return "\n".join(lines)
 
 
-def _notices(case: Case) -> list[Notice]:
-    own = [case.closed_form.notice, case.pre_ie.notice if case.pre_ie else None]
-    return [notice for notice in own if notice] + list(case.pattern.notices if case.pattern else ())
+def _of_both(one: Case | Pressure) -> list[str]:
+    """What is to be known of what each method needs."""
+    return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
 
 
 def _level(answer: Answer) -> str:
@@ -84,9 +84,7 @@ def _case(found: Support, case: Case) -> list[str]:
         f"{head} {line_in_words(case.toward)}: {_need(case.closed_form, found.unit, 'closed form')};  "
         f"{_need(case.pre_ie, found.unit, 'PRE-IE')}"
     ]
-    lines += [
-        str(notice) for notice in (case.closed_form.notice, case.pre_ie.notice if case.pre_ie else None) if notice
-    ]
+    lines += _of_both(case)
     best, other = case.optimum, case.pre_ie
     if (
         case.which != "given"
@@ -140,7 +138,6 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
     laid, unit = pattern.layout, found.unit
     if laid is None:
         return [f"on the face: none.  {notice}" for notice in pattern.notices]
-    capacity = found.options.capacity
     lines = []
     if pattern.first is not None and pattern.asked is not None:
         force = pattern.asked
@@ -155,18 +152,14 @@ def _pattern(found: Support, case: Case, pattern: Pattern) -> list[str]:
     if pattern.each is not None:
         if found.unit == "kN/m":
             rows = "1 row" if laid.rows == 1 else f"{laid.rows} rows, {laid.up_m:.3g} m from row to row"
-            lines.append(
-                f"{rows}, a bolt every {laid.across_m:.4g} m along the slope, {size_number(pattern.each)} of "
-                f"{capacity:g} kN in each; {pattern.per_m2:.4g} kN on a m² of face"
-            )
+            bolts = f"{rows}, a bolt every {laid.across_m:.4g} m along the slope"
         else:
             asked = "" if laid.needed == len(laid) else f" ({laid.needed} would do by their capacity)"
             rows = f"{counted(laid.rows, 'row')} and {counted(laid.columns, 'column')}"
             apart = f", {laid.across_m:.4g} m apart" if len(laid) > 1 else ""
-            lines.append(
-                f"{counted(len(laid), 'bolt')}{asked} in {rows}{apart}, {size_number(pattern.each)} of "
-                f"{capacity:g} kN in each; {pattern.per_m2:.4g} kN on a m² of face"
-            )
+            bolts = f"{counted(len(laid), 'bolt')}{asked} in {rows}{apart}"
+        in_each = f"{size_number(pattern.each)} of {found.options.capacity:g} kN in each"
+        lines.append(f"{bolts}, {in_each}; {pattern.per_m2:.4g} kN on a m² of face")
     if laid.left_out:
         lines.append(
             f"{counted(laid.left_out, 'place')} on the face left out: bolts from there leave the block "
@@ -189,7 +182,7 @@ def _pressure(pressure: Pressure, unit: str) -> list[str]:
         f"even on the face, {size_number(pressure.area)} m²{' per metre' if unit == 'kN/m' else ''}, square to it "
         f"({line_in_words(pressure.toward)}): {_need(need, 'kPa', 'closed form')};  {_need(other, 'kPa', 'PRE-IE')}"
     ]
-    lines += [str(one.notice) for one in (need, other) if one is not None and one.notice is not None]
+    lines += _of_both(pressure)
     if pressure.use is not None:
         lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
     return lines

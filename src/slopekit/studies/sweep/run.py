@@ -14,8 +14,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
+from slopekit.core.codec import json_of
 from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
 from slopekit.errors import DesignError, Fault, Faults, Notice
@@ -23,7 +24,7 @@ from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
-from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, factor_at, point_record, status_of, study_head
+from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -38,9 +39,6 @@ from slopekit.studies.protocol import (
 )
 from slopekit.studies.ranges import MOST, how_written, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
 
 Methods = Literal["both", "closed-form", "pre-ie"]
 _SAME = 1e-9  # factors that differ by less do not rise or fall
@@ -58,7 +56,7 @@ class Critical:
     how : interpolated, at a point, across a change of status, or to where there is no number
     """
 
-    level: float
+    level: float = field(metadata={"json": "fos"})
     what: str
     method: Method
     line: float | None
@@ -98,20 +96,6 @@ class Sweep(Outcome):
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """Its curve or grid, where levels are passed, changes of status."""
-        from slopekit.studies.sweep.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """Points, factors between which they lie, disagreements and notices on one line."""
-        from slopekit.studies.sweep.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def charts(self) -> tuple[str, ...]:
         """A curve, or contours."""
         return ("curve" if len(self.keys) == 1 else "contour",)
@@ -124,10 +108,7 @@ class Sweep(Outcome):
     @property
     def asked(self) -> tuple[Method, ...]:
         """The methods that were asked and are there, the one that counts first."""
-        if self.methods == "closed-form":
-            return ("closed_form",)
-        both = self.methods == "both" and any(point.has_closed_form for point in self.points)
-        return ("pre_ie", "closed_form") if both else ("pre_ie",)
+        return asked_of(self.methods, self.points)
 
     def status(self, point: Point) -> str:
         """The status of a point by the method that counts, or the code of why there is no block."""
@@ -221,7 +202,7 @@ class Sweep(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The sweep as JSON values."""
         return {
-            **study_head("sweep", self.design),
+            **self.head(self.design),
             "keys": [
                 {"key": key.path, "unit": key.unit, "now": key.value, "values": list(values)}
                 for key, values in zip(self.keys, self.values, strict=True)
@@ -229,24 +210,15 @@ class Sweep(Outcome):
             "methods": self.methods,
             "levels": [{"fos": level, "what": what} for level, what in self.levels],
             "points": [
-                {"values": list(place)} | point_record(point)
+                {"values": list(place)} | point.to_dict()
                 for place, point in zip(self.places, self.points, strict=True)
             ],
             "counts": self.counts,
             "disagree": self.disagree,
-            "changes": [
-                {"line": change.line, "between": list(change.between), "statuses": list(change.statuses)}
-                for change in self.changes
-            ],
-            "critical": [
-                {
-                    "fos": one.level, "what": one.what, "method": one.method, "line": one.line,
-                    "between": list(one.between), "at": one.at, "how": one.how,
-                }
-                for one in self.critical
-            ],
+            "changes": json_of(self.changes),
+            "critical": json_of(self.critical),
             "shape": {method: self.shape(method) or None for method in self.asked},
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -342,6 +314,14 @@ def evaluated(
     return points if methods != "pre-ie" else [_by_pre_ie(point) for point in points]
 
 
+def asked_of(methods: Methods, points: Sequence[Point]) -> tuple[Method, ...]:
+    """The methods of a choice that said something at some points, the one that counts first."""
+    if methods == "closed-form":
+        return ("closed_form",)
+    both = methods == "both" and any(point.has_closed_form for point in points)
+    return ("pre_ie", "closed_form") if both else ("pre_ie",)
+
+
 def one_or_two(keys: Mapping[str, object]) -> None:
     """Refuse no keys, text in their place, or more than two: E313."""
     if isinstance(keys, str):
@@ -380,9 +360,7 @@ def levels_of(design: Design, fos: float | None) -> tuple[tuple[float, str], ...
         if rule.name in ("fos", "fos.limit", "fos.closed_form"):
             found.setdefault(rule.value, f"acceptance, {rule}")
     if fos is not None:
-        if not (math.isfinite(fos) and 1e-6 <= fos <= 1e6):
-            message = f"the target is a factor of safety of {number(fos)}, it lies between 1e-6 and 1e6"
-            raise DesignError([Fault("E314", message, "", "Write --fos 1.5")])
+        checked_target(fos, "Write --fos 1.5")
         found.setdefault(fos, f"target, FoS {number(fos)}")
     return tuple(found.items())
 

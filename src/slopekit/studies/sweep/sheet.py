@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.orientation import number
 from slopekit.studies.keys import Key, in_words
-from slopekit.studies.points import Method, Point, factor_at, point_record
+from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Critical, Sweep
 from slopekit.studies.words import BRIEF, METHODS, cell, check_word, head, status_words
 
@@ -58,10 +58,10 @@ def _every_point(swept: Sweep) -> Table[dict[str, Any]]:
     columns: list[Column[dict[str, Any]]] = [
         Column(key.path, itemgetter(key.path), f"{key.path}{_unit(key)}", key.unit) for key in swept.keys
     ]
-    columns += [Column(name, itemgetter(name), name) for name in point_record(Point(None))]
+    columns += [Column(name, itemgetter(name), name) for name in Point(None).to_dict()]
     paths = [key.path for key in swept.keys]
     rows = [
-        dict(zip(paths, place, strict=True)) | point_record(point)
+        dict(zip(paths, place, strict=True)) | point.to_dict()
         for place, point in zip(swept.places, swept.points, strict=True)
     ]
     return Table(columns, rows)

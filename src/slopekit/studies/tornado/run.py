@@ -11,24 +11,22 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from slopekit.core.codec import json_of
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
-from slopekit.studies.points import Method, Point, factor_at, point_record, status_of, study_head
+from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.protocol import DESK, ADesign, Desk, Jobs, Outcome, Scheduler, study
 from slopekit.studies.ranges import Within, parse_within
 from slopekit.studies.running import checked_crew
-from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, check_methods, evaluated
-
-if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
+from slopekit.studies.sweep.run import KEYS, Methods, MethodsAsked, asked_of, check_methods, evaluated
 
 ANGLE, PART, FILL, TAIL = 2.0, 0.10, 0.1, 0.05
 RULE = (
@@ -80,20 +78,6 @@ class Tornado(Outcome):
     seconds: float = field(default=0.0, compare=False)
 
     @property
-    def sheet(self) -> "Sheet":
-        """Its bars, what does nothing, what changes the status."""
-        from slopekit.studies.tornado.sheet import sheet_of
-
-        return sheet_of(self)
-
-    @property
-    def line(self) -> str:
-        """The three that do most on one line."""
-        from slopekit.studies.tornado.sheet import line_of
-
-        return line_of(self)
-
-    @property
     def charts(self) -> tuple[str, ...]:
         """Its bars."""
         return ("tornado",)
@@ -101,9 +85,7 @@ class Tornado(Outcome):
     @property
     def asked(self) -> tuple[Method, ...]:
         """The methods that were asked and are there, the one that counts first."""
-        if self.methods == "closed-form":
-            return ("closed_form",)
-        return ("pre_ie", "closed_form") if self.base.has_closed_form else ("pre_ie",)
+        return asked_of(self.methods, [self.base])
 
     @property
     def points(self) -> list[Point]:
@@ -141,22 +123,22 @@ class Tornado(Outcome):
     def to_dict(self) -> dict[str, Any]:
         """The study as JSON values; a swing without bounds is null."""
         return {
-            **study_head("tornado", self.design),
+            **self.head(self.design),
             "methods": self.methods,
             "rule": RULE,
-            "base": point_record(self.base),
+            "base": self.base.to_dict(),
             "bars": [
                 {
                     "key": bar.key.path, "unit": bar.key.unit, "now": bar.key.value, "low": bar.low, "high": bar.high,
                     "shown": [bar.key.shown(bar.low, 5), bar.key.shown(bar.high, 5)],
-                    "how": bar.how, "at_low": point_record(bar.at_low), "at_high": point_record(bar.at_high),
-                    "swing": {name: swing if math.isfinite(swing) else None for name, swing in bar.swings.items()},
+                    "how": bar.how, "at_low": bar.at_low.to_dict(), "at_high": bar.at_high.to_dict(),
+                    "swing": json_of(bar.swings),
                 }
                 for bar in self.bars
             ],
             "left_out": [{"key": path, "why": why} for path, why in self.left_out],
             "disagree": self.disagree,
-            "warnings": [notice.to_dict() for notice in self.warnings],
+            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -206,9 +188,7 @@ def tornado(
     tasks += [values_of(design, [key], [value]) for key, low, high, _ in chosen for value in (low, high)]
     points = evaluated(design, "tornado", tasks, methods, crew, desk)
     study = Tornado(design, points[0], (), tuple(left_out), methods)
-    bars = [
-        _bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)
-    ]  # fmt: skip
+    bars = [_bar(study, one, points[1 + 2 * k], points[2 + 2 * k]) for k, one in enumerate(chosen)]
     first = study.asked[0]
     bars.sort(key=lambda made: (-made.swings[first], made.key.path))
     return replace(study, bars=tuple(bars), seconds=time.perf_counter() - began)

@@ -4,11 +4,10 @@ import math
 from collections.abc import Callable
 
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, is_number
+from slopekit.studies.keys import listed
 from slopekit.studies.points import Method, Point, factor_at, status_of
 from slopekit.studies.tornado.run import RULE, Tornado, TornadoBar
 from slopekit.studies.words import METHODS, cell, check_word, head, status_words
-
-_MOST_LISTED = 12
 
 
 def sheet_of(study: Tornado) -> Sheet:
@@ -113,8 +112,4 @@ def _left_out(study: Tornado) -> list[str]:
     by_reason: dict[str, list[str]] = {}
     for path, why in study.left_out:
         by_reason.setdefault(why, []).append(path)
-    entries = []
-    for why, paths in by_reason.items():
-        more = f", … ({len(paths)} in all)" if len(paths) > _MOST_LISTED else ""
-        entries.append(f"{why}: {', '.join(paths[:_MOST_LISTED])}{more}")
-    return entries
+    return [f"{why}: {listed(paths)}" for why, paths in by_reason.items()]
