@@ -1,15 +1,20 @@
 """The command as a user runs it: output, JSON, exit codes, what it loads."""
 
+import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 
 import pytest
 
+import slopekit as sk
+from slopekit.core.options import given_by
 from tests.commands import slopekit
 
 PAPER = ["wedge", "--dips", "45/115", "45/245"]
+QUIET = "slides_on_both  1.5574  agree  W378 (face, upper, height, c, phi, density)"
 
 
 def started(*arguments: str, **more) -> subprocess.CompletedProcess:
@@ -103,9 +108,24 @@ def test_faults_go_to_stderr_and_into_the_json() -> None:
     assert "E113 phi of J1 is 0.35°, that looks like radians\n     --phi 0.35\n" in run.stderr
 
 
+def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
+    """What the command takes is what `sk.wedge` takes, in its order; a fault names each as its user wrote it."""
+    taken = [name for name, one in inspect.signature(sk.wedge).parameters.items() if given_by(one) is not None]
+    shown = re.findall(r"^  --([\w-]+)", slopekit("wedge", "--help").stdout, re.MULTILINE)
+    names = {"forces": "force", "bolts": "bolt"}
+    assert shown[: len(taken)] == [names.get(name, name).replace("_", "-") for name in taken]
+    assert shown[len(taken) :] == ["picture", "no-pictures", "json", "quiet", "help"]
+    ran = slopekit(*PAPER, "--unit-weight", "2650", "--force", "much", "--force", "500kN@180/10")
+    assert "\n     --unit-weight 2650\n" in ran.stderr
+    assert "\n     --force much\n" in ran.stderr
+    with pytest.raises(sk.DesignError) as refused:
+        sk.wedge(("45/115", "45/245"), unit_weight=2650, forces=["much", "500kN@180/10"])
+    assert [fault.where for fault in refused.value.faults] == ["unit_weight = 2650", "forces = much"]
+
+
 def test_quiet_and_output_folder(tmp_path) -> None:
     run = slopekit(*PAPER, "--quiet", "--no-pictures", "-o", str(tmp_path / "new"))
-    assert run.stdout == "slides_on_both  1.5574  agree\n"
+    assert run.stdout == QUIET + "\n"
     assert json.loads((tmp_path / "new/result.json").read_text())["status"] == "slides_on_both"
     assert (tmp_path / "new/sheet.txt").read_text().startswith("slopekit ")
 
@@ -156,7 +176,14 @@ def test_a_wedge_loads_nothing_that_it_does_not_use() -> None:
         f"print([name for name in {heavy} if name in sys.modules])"
     )
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert run.stdout.splitlines() == ["slides_on_both  1.5574  agree", "[]"]
+    assert run.stdout.splitlines() == [QUIET, "[]"]
+
+
+def test_templates_alone_shows_its_help() -> None:
+    ran = slopekit("templates")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert ran.stdout == slopekit("templates", "--help").stdout
+    assert "  new   Write a template" in ran.stdout
 
 
 def test_picture(tmp_path) -> None:

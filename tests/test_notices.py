@@ -42,6 +42,7 @@ OF_A_WEDGE = [
     ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
     ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
+    ("W378", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
 ]  # fmt: skip
 # code, template, changes, what the notice says
 OF_A_FILE = [
@@ -82,7 +83,8 @@ def test_a_plain_design_is_told_nothing() -> None:
 
 def facts(**changes) -> tuple[set[str], str]:
     """The codes said of the paper's wedge with some of the facts changed, and all that was said."""
-    design = wedge_design({"dips": DIPS})
+    given = {"face": "60/180", "upper": "10/180", "height": 64.89, "c": 50, "phi": 20, "density": 2600}
+    design = wedge_design({"dips": DIPS} | given)
     scene = cut(design).scene_at(0)
     analysis = limit_analysis(scene.model)
     if "change" in changes:

@@ -3,8 +3,9 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Annotated, Any, overload
 
+from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
 from slopekit.errors import DesignError, Fault
 
 if TYPE_CHECKING:
@@ -13,64 +14,55 @@ if TYPE_CHECKING:
     from slopekit.views.notebook import Drawing
 
 
+@documented
 def wedge(
-    dips: Any = None,
+    dips: Annotated[
+        Any, Option("The two joints, dip/dip direction each.", metavar="D/DD D/DD", texts=2, needed=True)
+    ] = None,
     *,
-    face: Any = None,
-    upper: Any = None,
-    height: Any = None,
-    c: Any = None,
-    phi: Any = None,
-    density: Any = None,
-    unit_weight: Any = None,
-    dilation: Any = None,
-    tension: Any = None,
-    water: Any = None,
-    crack: Any = None,
-    seismic: Any = None,
-    forces: Any = None,
-    bolts: Any = None,
-    normal_stiffness: Any = None,
-    shear_stiffness: Any = None,
-    criterion: str | None = None,
-    accept: float | None = None,
-    agree_within: float | None = None,
-    gravity: Any = None,
-    water_unit_weight: Any = None,
-    refine: int | None = None,
-    origin: Any = None,
+    face: Annotated[Any, Option("Slope face, D/DD [60/180].")] = None,
+    upper: Annotated[Any, Option("Upper slope, D/DD [10/180].")] = None,
+    height: Annotated[Any, Option("Vertical, toe to crest at J1's trace [64.89 m].")] = None,
+    c: Annotated[Any, Option("Cohesion, one value or C1,C2 [50 kPa].")] = None,
+    phi: Annotated[Any, Option("Friction angle, one value or P1,P2 [20].")] = None,
+    density: Annotated[Any, Option("Density [2600 kg/m3].")] = None,
+    unit_weight: Annotated[Any, Option("Unit weight, kN/m3, instead of a density.")] = None,
+    dilation: Annotated[Any, Option("Dilation angle of the joints, 0 to phi [0].")] = None,
+    tension: Annotated[Any, Option("Tensile strength of the joints [0 kPa].")] = None,
+    water: Annotated[Any, Option("dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,crack] [dry].")] = None,
+    crack: Annotated[Any, Option("Tension crack, D/DD@DIST from the crest along J1's trace.")] = None,
+    seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
+    forces: Annotated[Any, Option("F@TREND/PLUNGE, kN; repeat for more.", flag="--force", texts=0)] = None,
+    bolts: Annotated[Any, Option("T@TREND/PLUNGE[,active|passive], kN; repeat.", flag="--bolt", texts=0)] = None,
+    normal_stiffness: Annotated[Any, Option("k_zz of closed joints [1e7 kN/m3].")] = None,
+    shear_stiffness: Annotated[Any, Option("kN/m3, or clough-duncan [clough-duncan].")] = None,
+    criterion: Annotated[str | None, Option("limit, or all-pairs to add the paper's criterion.")] = None,
+    accept: Annotated[float | None, Option("Smallest factor of safety accepted; exit code 1 below it.")] = None,
+    agree_within: Annotated[float | None, Option("Largest difference of the two methods [1%].")] = None,
+    gravity: Annotated[Any, Option("Acceleration of gravity [9.81 m/s2].")] = None,
+    water_unit_weight: Annotated[Any, Option("Unit weight of water [9.81 kN/m3].")] = None,
+    refine: Annotated[int | None, Option("Split the joints' triangles in four this often [0].")] = None,
+    origin: Annotated[Any, Option("Map coordinates of the toe, E,N,Z.")] = None,
+    desk: Desk = DESK,
     **unknown: Any,
 ) -> "Result":
-    """Analyse one wedge; what is left out takes the paper's wedge (Sheng et al. 2023, §4.1).
-
-    Parameters
-    ----------
-    dips : the two joints, "45/115" or (45, 115) each: dip / dip direction, degrees
-    face, upper : slope face and upper slope, the same way
-    height : m, vertical, from the toe to where the trace of joint 1 meets the crest
-    c, phi, dilation, tension : kPa, degrees, degrees, kPa; one value, or one for each joint
-    density, unit_weight : kg/m³ or kN/m³; one of the two
-    water : "dry", "full", a fraction or "50%" of full, or mean pressures in kPa on J1, J2 (and the crack)
-    crack : "80/180@5m" or {"plane": ..., "distance": ...}; the distance from the crest along the trace of joint 1
-    seismic : coefficient, or "0.1@180" with the trend it acts toward (else that of the line of intersection)
-    forces : (east, north, up) kN through the centroid, "500kN@180/10", or {"force": ..., "at": (x, y, z)}
-    bolts : "200kN@000/10,passive" or {"force", "toward", "acts", "head", "length"}; the toe is the origin
-    normal_stiffness, shear_stiffness : kN/m³; "clough-duncan" for the paper's hyperbola (default)
-    criterion : "limit", or "all-pairs" to add the paper's criterion
-    accept : smallest factor of safety that is accepted; agree_within : largest relative difference of the methods
-    gravity, water_unit_weight : 9.81 m/s², 9.81 kN/m³
-    refine : how often the triangles of the joints are split in four
-    origin : (east, north, up) of the toe, for map coordinates
+    """One wedge of two joints. What is left out takes the paper's wedge (Sheng et al. 2023, §4.1): the sheet says so.
 
     Raises
     ------
     DesignError
         With every fault of the input. GeometryError where the planes cut no wedge.
+
+    Notes
+    -----
+    Values are written as on the command line, "45/115" or "5 kPa", or as Python has them: planes (45, 115), numbers,
+    (J1, J2) where the joints differ, forces (east, north, up) in kN or {"force": ..., "at": (x, y, z)}, bolts
+    {"force", "toward", "acts", "head", "length"}, a crack {"plane": ..., "distance": ...}, the origin (E, N, Z).
     """
     from slopekit.kinds.wedge.design import wedge_design
 
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "wedge_design")}
-    return analyse(wedge_design(given | unknown))
+    given = {key: value for key, value in locals().items() if key not in ("unknown", "desk", "wedge_design")} | unknown
+    return analyse(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
 
 
 def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str, Any] | None" = None) -> "Design":
@@ -97,15 +89,21 @@ def analyse(design: "Design") -> "Result":
     return analyse_design(design)
 
 
+@documented
 def run(
-    source: "str | os.PathLike[str] | Mapping[str, Any] | Design", set: "Mapping[str, Any] | None" = None
+    source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
+    set: "Mapping[str, Any] | None" = None,
 ) -> "Result":
-    """Read, check and analyse a design file (or a dict, or a design that `load` has read).
+    """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
     Raises
     ------
     DesignError
         With every fault of the input. GeometryError where no block can be formed.
+
+    Notes
+    -----
+    A script gives the path, the same as a dict, or a design that `load` has read; `set` replaces values of it.
 
     >>> import slopekit as sk
     >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from slopekit.errors import DesignError, Fault
+from slopekit.errors import HARMLESS, DesignError, Fault
 
 
 @cache
@@ -33,4 +33,9 @@ def explanation(code: str) -> str:
         near = [digits] if digits in texts else get_close_matches(wanted, texts, n=1)
         advice = f"Did you mean {near[0]}?" if near else ""
         raise DesignError([Fault("E128", f"{code} is not a code of slopekit", "", advice)])
-    return f"{wanted}\n{texts[wanted]}"
+    return f"{wanted}\n{texts[wanted]}{weight_of(wanted)}"
+
+
+def weight_of(code: str) -> str:
+    """What a notice that asks for nothing says of its weight, behind its long text."""
+    return " It informs only: no badge on a page, not in --quiet." if code in HARMLESS else ""

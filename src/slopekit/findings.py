@@ -1,6 +1,6 @@
 """What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -11,6 +11,8 @@ from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
 from slopekit.core.codec import NO_JSON
 from slopekit.geometry.welding import welded
 
+#: Factors that differ by less than this part look the same.
+SAME_FACTOR = 2e-5
 #: How a block can move, in words.
 MOTIONS: Mapping[str, str] = {
     "slides": "slides",
@@ -123,6 +125,21 @@ class Findings:
     checks: Mapping[str, float]
     table: tuple[Column, ...] = ()
     shear_to_normal: float | None = None
+
+
+def at_once(mechanisms: Iterable[tuple[float | None, Iterable[str]]], factors: Mapping[str, float | None]) -> set[str]:
+    """Blocks that fail with others that held them, their own mechanism needing less: a lower factor, or none.
+
+    Parameters
+    ----------
+    mechanisms : of each its own factor and its blocks; factors : `Findings.factor_by_block`
+    """
+    return {
+        name
+        for own, names in mechanisms
+        for name in names
+        if (factor := factors.get(name)) is not None and (own is None or own < factor * (1.0 - SAME_FACTOR))
+    }
 
 
 @dataclass(frozen=True, slots=True)

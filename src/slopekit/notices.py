@@ -15,6 +15,8 @@ from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
 from slopekit.preie.tolerances import MESH_CHANGE
 
+#: The code of inputs that nobody gave.
+INVENTED = "W379"
 _ACROSS = 0.34  # cosine of 70°
 _ALL = 0.999999  # of an interface
 _SCATTER = (".sd", ".k")  # of distributions, beside their mean
@@ -81,6 +83,8 @@ def means_taken(design: Design, varied: Sequence[str] = ()) -> Iterator[Notice]:
 
 def _read_notices(design: Design) -> Iterator[Notice]:
     """What reading the design already says."""
+    if design.invented:
+        yield Notice(INVENTED, f"not given, taken from the paper's wedge: {', '.join(design.invented)}")
     yield from means_taken(design)
     if design.left_out:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")

@@ -72,6 +72,13 @@ class Words:
 
 #: The closed forms of columns by the names that results and rules have for them.
 METHODS = ("fellenius", "janbu", "bishop", "all_equilibrium")
+#: Numbers that a rule may judge in place of the limit, in few words.
+JUDGED: Mapping[str, str] = {
+    "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
+    "static_bound": "static bound", "fellenius": "Fellenius", "janbu": "Janbu (simplified)",
+    "bishop": "Bishop (simplified)", "all_equilibrium": "columns in all equilibrium",
+}  # fmt: skip
+_SAME = 5e-5  # factors that differ by less than this part look the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,6 +251,8 @@ class Result(Shown):
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
+    name: ClassVar[str] = "result"
+    text_name: ClassVar[str] = "sheet"
     design: Design
     words: Words
     status: str
@@ -279,8 +288,8 @@ class Result(Shown):
 
     @property
     def status_text(self) -> str:
-        """The status as a sentence."""
-        return self.words.status(self.status)
+        """The status as a sentence, in the user's own names of joints."""
+        return self.design.in_own_names(self.words.status(self.status))
 
     @property
     def criterion_fos(self) -> float | None:
@@ -289,6 +298,24 @@ class Result(Shown):
         if self.design.criterion == "limit" or limit is None:
             return limit
         return None if self.fos.all_pairs_failed is None else min(limit, self.fos.all_pairs_failed)
+
+    @property
+    def leading(self) -> tuple[str, float] | None:
+        """The number that acceptance hangs on where it lies below the limit, and its name; it leads, not the limit.
+
+        Of several rules it is that of the one nearest to being broken, or broken the most.
+        """
+        limit = self.fos.limit
+        judged = [
+            (value / max(rule.value, 1e-9), value, rule)
+            for rule in self.design.rules
+            if rule.relation in (">=", ">") and (value := self.value_of(rule)) is not None
+        ]
+        if not judged or limit is None:
+            return None
+        _, value, rule = min(judged, key=lambda one: one[:2])
+        name = rule.name.partition(".")[2] or ("limit" if self.design.criterion == "limit" else "all_pairs_failed")
+        return (name, value) if value < limit * (1.0 - _SAME) else None
 
     def judged(self, rule: Rule) -> bool:
         """Whether the result meets a rule; what stands without strength meets every least factor of safety."""
@@ -321,14 +348,8 @@ class Result(Shown):
     @property
     def line(self) -> str:
         """Status, factor, what governs and the check: never a bare factor of safety."""
-        factors = (self.fos.limit, self.fos.all_pairs_failed)
-        limit, pairs = ("none" if value is None else f"{value:.4f}" for value in factors)
-        shown = f"limit {limit}, all-pairs {pairs}" if self.design.criterion == "all-pairs" else limit
-        parts = [self.status, shown, {True: "agree", False: "disagree", None: "not compared"}[self.agree]]
-        parts += ["moments_govern"] if self.moments_govern else []
-        parts += [] if self.accepted is None else ["met" if self.accepted else "not met"]
-        parts += list(dict.fromkeys(notice.code for notice in self.warnings))
-        return "  ".join(parts)
+        found: str = import_module("slopekit.kinds.sheets.line").line_of(self)  # as the sheet
+        return found
 
     @property
     def sheet(self) -> "Sheet":
@@ -398,6 +419,7 @@ class Result(Shown):
             "status": self.status,
             "status_text": self.status_text,
             "fos": json_of(self.fos),
+            **({} if self.leading is None else {"leading": dict(zip(("name", "fos"), self.leading, strict=True))}),
             "difference": self.difference,
             "agree": self.agree,
             "moments_govern": self.moments_govern,

@@ -157,6 +157,15 @@ def test_the_loop_of_a_bench(tmp_path) -> None:
     assert [(notice.code, "compare the factor" in notice.message) for notice in done.warnings] == [("W376", True)]
 
 
+@pytest.mark.parametrize(("template", "slab"), [("paper-footing", "bedrock_weak_plane"), ("plane", "bedrock_J1")])
+def test_slabs_of_bedrock_as_obj(tmp_path, template, slab) -> None:
+    """A slab is none of the scene's blocks: its faces have no names, and it is bedrock."""
+    first = sk.run(TEMPLATES / f"{template}.yaml")
+    sk.export(first, split=tmp_path, split_as="obj")
+    groups = [line for line in (tmp_path / f"{slab}.obj").read_text().splitlines() if line.startswith("g ")]
+    assert groups == [f"g {slab} bedrock"]
+
+
 @pytest.mark.parametrize(("template", "changes", "said"), [
     ("blocks", {"strength.smooth.stiffness": {"shear": {"law": "clough-duncan", "k1": 1200, "n": 0.4}}}, ""),
     ("plane", {"strength.bedding.stiffness": {"shear": 2.5e6}}, "kind blocks has its own"),

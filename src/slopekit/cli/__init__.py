@@ -12,7 +12,7 @@ from slopekit.cli import designs, outputs, tools
 from slopekit.cli.common import print_faults
 from slopekit.errors import DesignError, Fault, SlopekitError
 
-#: In the order of the help; those of studies are made of their functions, when they are asked for.
+#: In the order of the help; wedge, run and those of studies are made of their functions, when they are asked for.
 COMMANDS = (
     "wedge", "run", "check", "lint", "prob", "sweep", "combos", "kinematic", "solve", "support", "plot", "export",
     "report", "templates", "doctor", "explain",
@@ -20,7 +20,7 @@ COMMANDS = (
 
 
 class _Commands(TyperGroup):
-    """The commands, of which those of studies are made when they are asked for."""
+    """The commands, of which those of results and studies are made when they are asked for."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
@@ -66,7 +66,7 @@ def _slopekit(
 
 
 for command in (
-    designs.wedge, designs.run, designs.lint, outputs.plot, outputs.export, outputs.report,
+    designs.lint, outputs.plot, outputs.export, outputs.report,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(tools.templates, name="templates")

@@ -3,7 +3,6 @@
 import json
 import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,27 +78,6 @@ def checked_image(picture: str | None) -> Path | None:
     image = image_of(Path(picture), FORMATS)
     require_matplotlib(image)
     return image
-
-
-def deliver(
-    study: Any, name: str, sheet: str, line: str, folder: Path | None, as_json: bool, quiet: bool, *,
-    tables: Mapping[str, str] | None = None, what: str = "", image: Path | None = None,
-) -> None:  # fmt: skip
-    """Write a study and its sheet into the folder asked for, print what was asked for, draw it.
-
-    Parameters
-    ----------
-    name : of the files; tables : further files and their texts
-    what : the picture; image : where else than in the folder it is wanted
-    """
-    record = study.to_dict()
-    document = json_text(record)
-    if folder is not None:
-        for file, text in {f"{name}.json": document + "\n", f"{name}.txt": sheet + "\n", **(tables or {})}.items():
-            write(folder / file, text)
-    typer.echo(document if as_json else line if quiet else sheet)
-    if what:
-        draw_to(record, what, image, folder / f"{what}.png" if folder else None)
 
 
 def draw_to(document: dict[str, Any], what: str, *paths: Path | None) -> None:

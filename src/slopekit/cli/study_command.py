@@ -1,13 +1,14 @@
-"""The command of a study, made of its function: options, one driver for files, printing, pictures and the exit code."""
+"""A command made of its function, of a result or a study: options, one driver for files, printing, pictures, exit."""
 
 import inspect
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
+from slopekit import api
+from slopekit.cli import results
 from slopekit.cli.common import (
     JSON,
     SET,
@@ -20,18 +21,26 @@ from slopekit.cli.common import (
     write,
 )
 from slopekit.cli.progress import progress, watched
+from slopekit.core.options import DESIGN, Argument, Desk, Option, given_by
+from slopekit.core.shown import Shown
 from slopekit.errors import DesignError, Fault, writing
-from slopekit.studies.protocol import VARIANTS, ADesign, Argument, Desk, Option, Outcome, function_of, given_by
+from slopekit.studies.protocol import VARIANTS, Outcome, function_of
 
-_QUIET = typer.Option("--quiet", help="One line.")
-_FOLDER = typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures.")
-_PICTURE = typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot).")
-_DRIVEN = ("sets", "picture", "as_json", "quiet", "output")
+#: The functions that give a result; all other commands that are made so are studies.
+_RESULTS: Mapping[str, Callable[..., Any]] = {"wedge": api.wedge, "run": api.run}
+#: What every command has, by the parameter of the driver: those of studies.
+_OPTIONS = {
+    "picture": typer.Option(help="Draw it to a .png, .svg or .pdf file (extra: plot)."),
+    "as_json": JSON,
+    "quiet": typer.Option("--quiet", help="One line."),
+    "output": typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures."),
+}
+_ORDER = ("sets", "picture", "no_pictures", "as_json", "quiet", "output")
 
 
 def command_of(name: str) -> Callable[..., None]:
-    """What Typer makes a command of: a function with the parameters of the study's, and of those of its variants."""
-    main = function_of(name)
+    """What Typer makes a command of: one with the parameters of the function, and of those of its variants."""
+    main = _RESULTS.get(name) or function_of(name)
     variants = {flag: function_of(flag) for flag, (of, _) in VARIANTS.items() if of == name}
     functions = [main, *variants.values()]
     declared: dict[str, inspect.Parameter] = {}
@@ -42,8 +51,15 @@ def command_of(name: str) -> Callable[..., None]:
                 declared.setdefault(own.name, own)
     for flag, function in variants.items():
         declared[flag] = _parameter(flag, bool, typer.Option(f"--{flag}", help=_first_line(function)), False)
-    with_design = _takes_design(main)
-    declared |= {own.name: own for own in _of_every_study(with_design, any(map(_draws, functions)))}
+    options = dict(_OPTIONS) | (results.OPTIONS if name in _RESULTS else {})
+    if name not in _RESULTS and not any(map(_draws, functions)):
+        del options["picture"]
+    if with_design := _takes_design(main):
+        options["sets"] = SET
+    for key in (key for key in _ORDER if key in options):
+        is_text = key in ("sets", "picture", "output")
+        type_: Any = (list[str] | None if key == "sets" else str | None) if is_text else bool
+        declared[key] = _parameter(key, type_, options[key], None if is_text else False)
 
     def command(**given: Any) -> None:
         chosen = next((flag for flag in variants if given[flag]), "")
@@ -82,24 +98,13 @@ def _on_command_line(key: str, parameter: inspect.Parameter, always: bool) -> li
     option = typer.Option(
         _flag(key, how), *how.also, help=how.help, metavar=how.metavar or None, autocompletion=how.completes
     )
-    needed = parameter.default is inspect.Parameter.empty
-    return [_parameter(key, str if needed else str | None, option, ... if needed else None)]
-
-
-def _of_every_study(with_design: bool, drawn: bool) -> list[inspect.Parameter]:
-    sets = [_parameter("sets", list[str] | None, SET, None)] if with_design else []
-    picture = [_parameter("picture", str | None, _PICTURE, None)] if drawn else []
-    return [
-        *sets,
-        *picture,
-        _parameter("as_json", bool, JSON, False),
-        _parameter("quiet", bool, _QUIET, False),
-        _parameter("output", str | None, _FOLDER, None),
-    ]
+    needed = how.needed or parameter.default is inspect.Parameter.empty
+    of: Any = {0: list[str], 1: str, 2: tuple[str, str]}[how.texts]
+    return [_parameter(key, of if needed else of | None, option, ... if needed else None)]
 
 
 def _takes_design(function: Callable[..., Outcome]) -> bool:
-    return any(parameter.annotation == ADesign for parameter in inspect.signature(function).parameters.values())
+    return any(given_by(parameter) == DESIGN for parameter in inspect.signature(function).parameters.values())
 
 
 def _draws(function: Callable[..., Outcome]) -> bool:
@@ -135,11 +140,11 @@ def _help_of(function: Callable[..., Any]) -> str:
 # -- the driver -------------------------------------------------------------------------------------------------------
 
 
-def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: str) -> None:
-    """Read what was given, run the study, write and print and draw what it comes to, leave with its exit code."""
+def _drive(function: Callable[..., Any], given: Mapping[str, Any], variant: str) -> None:
+    """Read what was given, call the function, write and print and draw what it comes to, leave with its exit code."""
     folder = None if given["output"] is None else folder_of(Path(given["output"]))
-    image = checked_image(given.get("picture"))
-    values, taken = dict[str, Any](), {*_DRIVEN, *VARIANTS}
+    image = results.scene_of(given["picture"]) if "no_pictures" in given else checked_image(given.get("picture"))
+    values, taken = dict[str, Any](), {*_ORDER, *VARIANTS}
     parameters = inspect.signature(function).parameters
     for key, parameter in parameters.items():
         value, names = _value(key, parameter, given)
@@ -150,9 +155,12 @@ def _drive(function: Callable[..., Outcome], given: Mapping[str, Any], variant: 
         if given[name] not in (None, False, []) and name not in taken:
             option = "--" + name.replace("_", "-")
             raise DesignError([Fault("E313", f"{option} says nothing of a {variant}", option, "Leave it out.")])
+    if "desk" in parameters:
+        flags = {key: _flag(key, how) for key, one in parameters.items() if isinstance(how := given_by(one), Option)}
+        values["desk"] = Desk(folder, progress, lambda key: flags.get(key) or "--" + key.replace("_", "-"))
     with watched():
-        outcome = function(**values, desk=Desk(folder, progress, partial(_named, parameters)))
-    _deliver(outcome, folder, image, given["as_json"], given["quiet"])
+        outcome = function(**values)
+    _deliver(outcome, folder, image, given)
     outcome.done()
     raise typer.Exit(outcome.exit_code)
 
@@ -162,6 +170,8 @@ def _check_design(
 ) -> None:
     """Refuse a design and a variant without one (E270), neither of both, and what belongs to a design (E271)."""
     alone = [f"--{flag}" for flag, function in variants.items() if not _takes_design(function)]
+    if not alone:
+        return
     of_its_own = f"--{chosen}" in alone
     if of_its_own != (given["design"] is None):
         message = f"{name} takes a design file or {' or '.join(alone)}" + (", not both" if of_its_own else "")
@@ -184,7 +194,7 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
         return (how.choices[chosen[0]][0] if chosen else None), {_name(flag) for flag in how.choices}
     key = getattr(how, "called", "") or key
     text = given[key]
-    if parameter.annotation == ADesign:
+    if how == DESIGN:
         return load_design(text, given.get("sets")), {key}
     if isinstance(how, Argument) and how.many:
         return how.reads(text or [], key), {key}
@@ -193,27 +203,26 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
     return how.reads(text, how.metavar if isinstance(how, Argument) else _flag(key, how)), {key}
 
 
-def _deliver(outcome: Outcome, folder: Path | None, image: Path | None, as_json: bool, quiet: bool) -> None:
+def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Mapping[str, Any]) -> None:
+    """Write, print and draw what a function came to."""
+    as_json, quiet = given["as_json"], given["quiet"]
     record = outcome.to_dict() if as_json or folder or image else {}
-    document = json_text(record) if record else ""
+    document = json_text(record) if as_json or folder else ""
     text = str(outcome) if folder or not (as_json or quiet) else ""
     if folder is not None:
         write(folder / f"{outcome.name}.json", document + "\n")
-        write(folder / f"{outcome.name}.txt", text + "\n")
+        write(folder / f"{outcome.text_name or outcome.name}.txt", text + "\n")
         for name, table in outcome.sheet.tables.items():
             with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
                 table.write(file)
         for name, more in outcome.files().items():
             write(folder / name, more)
     typer.echo(document if as_json else outcome.line if quiet else text)
+    if not isinstance(outcome, Outcome):
+        results.finish(record, folder, image, given["no_pictures"])
+        return
     if image is not None and not outcome.charts:
         message = f"this {outcome.name} has nothing to draw: {image} is not written"
         print_faults(DesignError([Fault("E343", message, "--picture")]), plainly=True)
     for k, what in enumerate(outcome.charts):
         draw_to(record, what, image if k == 0 else None, folder / f"{what}.png" if folder else None)
-
-
-def _named(parameters: Mapping[str, inspect.Parameter], key: str) -> str:
-    """The flag of a parameter, for faults."""
-    how = given_by(parameters[key]) if key in parameters else None
-    return _flag(key, how if isinstance(how, Option) else Option())

@@ -25,11 +25,12 @@ def _codes(incomplete: str) -> list[str]:
 _TEMPLATE = typer.Argument(help="A template, see list.", autocompletion=_template_names)
 _CODE = typer.Argument(help="A code such as E203.", metavar="CODE", autocompletion=_codes)
 
-templates = typer.Typer(help="Starter design files.", invoke_without_command=True, rich_markup_mode=None)
+templates = typer.Typer(help="Starter design files.", rich_markup_mode=None)
 
 
-@templates.callback()
-def _alone(context: typer.Context) -> None:
+@templates.callback(invoke_without_command=True)
+def _templates(context: typer.Context) -> None:
+    """Starter design files."""
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
 

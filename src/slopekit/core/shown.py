@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet, Table
@@ -12,6 +12,9 @@ class Shown:
     """Has a sheet, and shows it: `print(r)` writes it, a notebook draws it, `r.to_frame()` gives its first table."""
 
     __slots__ = ()
+    #: Of its files: NAME.json and NAME.txt, or another name of the text.
+    name: ClassVar[str]
+    text_name: ClassVar[str] = ""
 
     @property
     @abstractmethod
@@ -26,6 +29,19 @@ class Shown:
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
         """What it says of itself as JSON values."""
+
+    @property
+    @abstractmethod
+    def exit_code(self) -> int:
+        """What a command ends with: 0 done, 1 a criterion is not met, 2 to 4 as those of every command."""
+
+    def files(self) -> dict[str, str]:
+        """Further files by name, beside its tables."""
+        return {}
+
+    def done(self) -> None:
+        """Called when all of it is written: what was kept for an interruption goes."""
+        return
 
     def __str__(self) -> str:
         return str(self.sheet)

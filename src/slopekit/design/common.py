@@ -457,6 +457,15 @@ class Design:
         """The design without what only studies use."""
         return replace(self, source=None, variables=(), correlation=())
 
+    @property
+    def invented(self) -> tuple[str, ...]:
+        """Numbers of the slope that were left out and taken from elsewhere, by name."""
+        return tuple(name for name in self.defaults if name in self.DEFAULTS)
+
+    def in_own_names(self, sentence: str) -> str:
+        """A sentence on what happens, joints by the names that the user gave them."""
+        return sentence
+
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())

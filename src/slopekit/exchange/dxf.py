@@ -7,40 +7,29 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Floats
-from slopekit.block_scene import MODES
 from slopekit.bolts import nearest
-from slopekit.errors import DesignError, Fault
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Body, Picked
+from slopekit.exchange.solids import Files
 
 _MOST_INDEX = 32_767  # vertices of a polyface mesh: indices are 16-bit
-_BEDROCK, _STANDS, _MOVES = "BLOCKS-BEDROCK", "BLOCKS-STABLE", "BLOCKS-MOVING"
-_BOLTS = "BOLTS"
-# AutoCAD's index
-_COLOURS = {_BEDROCK: 8, _STANDS: 41, _MOVES: 30, "OUTLINES": 7, "LINE-OF-INTERSECTION": 1, _BOLTS: 2}
+# layers of bedrock, of blocks that stand and of those that move; AutoCAD's index of the colour of each
+_STATES = (("BLOCKS-BEDROCK", 8), ("BLOCKS-STABLE", 41), ("BLOCKS-MOVING", 30))
+_OUTLINES, _LINE, _BOLTS = ("OUTLINES", 7), ("LINE-OF-INTERSECTION", 1), ("BOLTS", 2)
 _JOINTS, _MODES = (5, 3, 6, 40, 4), (3, 30, 5)
 _NOT_IN_NAMES = re.compile(r"[<>/\\\":;?*|=`,]")  # of layers
 
 
-def write_dxf(path: Path, picked: Picked) -> str:
+def write_dxf(path: Path, picked: Picked) -> Files:
     """One polyface mesh a block, 3DFACEs for interfaces, points for node pairs, lines and points for bolts.
 
-    Returns the precision in words. Of a bolt, on the layer BOLTS: a point at its head with its number as a text beside
+    Of a bolt, on the layer BOLTS: a point at its head with its number as a text beside
     it, and a line to its end, to the millimetre; number, force (kN) and how it acts are XDATA of the point.
 
     Layers: BLOCKS-MOVING (in a mechanism), BLOCKS-STABLE, BLOCKS-BEDROCK; INTERFACE-joint; PAIRS-mode; OUTLINES of a
     section; LINE-OF-INTERSECTION of a wedge. The block's name is XDATA of the application SLOPEKIT.
-
-    Raises
-    ------
-    DesignError
-        E140 without the extra.
     """
-    try:
-        import ezdxf
-    except ImportError:
-        advice = "In slopekit's folder: pip install '.[cad]'"
-        raise DesignError([Fault("E140", "DXF files need the extra cad (ezdxf)", str(path), advice)]) from None
+    import ezdxf
     from ezdxf import units
 
     drawing = ezdxf.new("R2000", units=units.M)
@@ -56,26 +45,23 @@ def write_dxf(path: Path, picked: Picked) -> str:
         return name
 
     for body in picked.bodies:
-        kind = _kind(picked, body)
-        _add_block(space, body, layer(kind, _COLOURS[kind]))
+        _add_block(space, body, layer(*_STATES[picked.state_of(body)]))
     for outline, body in zip(picked.outlines, picked.bodies, strict=False):
-        _add_outline(space, outline, body, layer("OUTLINES", _COLOURS["OUTLINES"]))
+        _add_outline(space, outline, body, layer(*_OUTLINES))
     if picked.line is not None:
-        name = layer("LINE-OF-INTERSECTION", _COLOURS["LINE-OF-INTERSECTION"])
-        space.add_line(*picked.line.tolist(), dxfattribs={"layer": name})
+        space.add_line(*picked.line.tolist(), dxfattribs={"layer": layer(*_LINE)})
     _add_interfaces(space, picked, layer)
-    pairs = picked.scene.pairs
-    for mode, word in enumerate(MODES):
-        own = picked.pairs[pairs.mode[picked.pairs] == mode]
-        for point in pairs.points_m[own].tolist():
-            space.add_point(point, dxfattribs={"layer": layer(f"PAIRS-{word.upper()}", _MODES[mode])})
+    for mode, word, points in picked.by_mode():
+        name = layer(f"PAIRS-{word.upper()}", _MODES[mode])
+        for point in points.tolist():
+            space.add_point(point, dxfattribs={"layer": name})
     if len(picked.bolts):
-        _add_bolts(space, picked, layer(_BOLTS, _COLOURS[_BOLTS]))
+        _add_bolts(space, picked, layer(*_BOLTS))
     low, high = (picked.scene.shapes.solids.vertices.min(axis=0), picked.scene.shapes.solids.vertices.max(axis=0))
     drawing.header["$EXTMIN"], drawing.header["$EXTMAX"] = tuple(low.tolist()), tuple(high.tolist())
     drawing.set_modelspace_vport(height=1.5 * float((high - low)[:2].max()), center=tuple(((low + high) / 2)[:2]))
     drawing.saveas(path)
-    return "text, every digit of a double; $INSUNITS metres"
+    return [path], "text, every digit of a double; $INSUNITS metres"
 
 
 def _add_block(space: Any, body: Body, layer: str) -> None:
@@ -92,7 +78,7 @@ def _add_block(space: Any, body: Body, layer: str) -> None:
 
 def _add_bolts(space: Any, picked: Picked, layer: str) -> None:
     bolts, attributes = picked.scene.known_bolts, {"layer": layer}
-    height = _text_height(bolts.heads_m)
+    height = min(0.3, 0.25 * nearest(bolts.heads_m))  # m: numbers do not lie on each other
     for k in picked.bolts.tolist():
         head, end = ([round(part, 3) for part in place[k].tolist()] for place in (bolts.heads_m, bolts.ends_m))
         point = space.add_point(head, dxfattribs=attributes)
@@ -105,31 +91,24 @@ def _add_bolts(space: Any, picked: Picked, layer: str) -> None:
         text.dxf.insert = head
 
 
-def _text_height(heads: Floats) -> float:
-    """Numbers that do not lie on each other: a quarter of the least distance of heads, at most 0.3 m."""
-    return min(0.3, 0.25 * nearest(heads))
-
-
 def _add_interfaces(space: Any, picked: Picked, layer: Any) -> None:
     """Triangles and quadrilaterals as one 3DFACE, others as several with hidden edges between them."""
     contacts = picked.scene.shapes.contacts
-    wanted = set(picked.contacts.tolist())
     triangles, panel = triangles_of(contacts)
-    joints = picked.scene.shapes.joints
-    for k in picked.contacts.tolist():
-        first, end = int(contacts.first[k]), int(contacts.first[k + 1])
-        if end - first == 4:
-            wanted.discard(k)
-            name = layer(f"INTERFACE-{joints[contacts.joint[k]]}", _JOINTS[contacts.joint[k] % len(_JOINTS)])
-            space.add_3dface(contacts.corners[first:end].tolist(), dxfattribs={"layer": name})
+    layers: dict[int, str] = {}
+    for joint, named, own in picked.by_joint():
+        layers |= dict.fromkeys(own.tolist(), layer(f"INTERFACE-{named}", _JOINTS[joint % len(_JOINTS)]))
+    whole = np.diff(contacts.first) == 4
+    for k in picked.contacts[whole[picked.contacts]].tolist():
+        corners = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
+        space.add_3dface(corners.tolist(), dxfattribs={"layer": layers[k]})
     for own, k in zip(triangles.tolist(), panel.tolist(), strict=True):
-        if k in wanted:
+        if k in layers and not whole[k]:
             first, end = int(contacts.first[k]), int(contacts.first[k + 1])
-            name = layer(f"INTERFACE-{joints[contacts.joint[k]]}", _JOINTS[contacts.joint[k] % len(_JOINTS)])
             a, b, c = contacts.corners[own].tolist()
             hidden = [not _is_side(own[i], own[(i + 1) % 3], first, end) for i in range(3)]
             flags = sum(1 << bit for bit, flag in zip((0, 1, 3), hidden, strict=True) if flag) | 4
-            space.add_3dface((a, b, c, c), dxfattribs={"layer": name, "invisible_edges": flags})
+            space.add_3dface((a, b, c, c), dxfattribs={"layer": layers[k], "invisible_edges": flags})
 
 
 def _is_side(start: int, end: int, first: int, after: int) -> bool:
@@ -149,9 +128,3 @@ def _add_outline(space: Any, outline: Floats, body: Body, layer: str) -> None:
         [(point.x, point.y) for point in flat], close=True,
         dxfattribs={"layer": layer, "elevation": flat[0].z, "extrusion": tuple(ocs.uz)},
     )  # fmt: skip
-
-
-def _kind(picked: Picked, body: Body) -> str:
-    if picked.scene.shapes.fixed[body.index]:
-        return _BEDROCK
-    return _MOVES if picked.scene.order[body.index] else _STANDS

@@ -1,8 +1,8 @@
 """`slopekit export` and `sk.export`: one function from a result to files, and what was written in words."""
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,8 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.errors import DesignError, Fault, Notice, writing
-from slopekit.exchange.picking import Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
+from slopekit.exchange.dxf import write_dxf
+from slopekit.exchange.picking import WHAT, Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
+from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
 from slopekit.exchange.source import Source, source_of
+from slopekit.exchange.split import write_split
+from slopekit.exchange.vtu import write_vtu
 
 if TYPE_CHECKING:
     from slopekit.result import Result
@@ -22,26 +26,29 @@ _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is s
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """What a format holds: parts, and whether several at once; `needs` a module, of an extra."""
+    """What a format holds: parts, and whether several at once; who writes it.
+
+    `needs` a module, of an extra; `rounded` to float32: all coordinates, those from each block's own middle, or none.
+    """
 
     name: str
-    parts: tuple[str, ...]
-    several: bool
+    write: Callable[[Path, Picked], Files]
+    parts: tuple[str, ...] = WHAT
+    several: bool = True
     needs: tuple[str, str] | None = None
+    rounded: str = ""
 
 
-_ALL = ("blocks", "interfaces", "pairs", "bolts")
 #: Formats by the suffix of the file.
 FORMATS: Mapping[str, Format] = {
-    ".stl": Format("STL", _ALL[:2], False),
-    ".obj": Format("OBJ", _ALL[:2], True),
-    ".glb": Format("GLB", _ALL, True),
-    ".gltf": Format("glTF", _ALL, True),
-    ".vtu": Format("VTU", _ALL, True),
-    ".dxf": Format("DXF", _ALL, True, ("ezdxf", "cad")),
+    ".stl": Format("STL", write_stl, WHAT[:2], several=False),
+    ".obj": Format("OBJ", write_obj, WHAT[:2]),
+    ".glb": Format("GLB", write_glb, rounded="local"),
+    ".gltf": Format("glTF", write_glb, rounded="local"),
+    ".vtu": Format("VTU", write_vtu),
+    ".dxf": Format("DXF", write_dxf, needs=("ezdxf", "cad")),
 }
-#: Formats of float32 coordinates from each block's own middle.
-_ROUNDED: Mapping[str, str] = {".glb": "local", ".gltf": "local"}
+_BINARY = Format("STL", write_binary_stl, WHAT[:2], several=False, rounded="all")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +72,7 @@ class Written:
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
-        return {
-            "files": [str(path) for path in self.files], "format": self.format, "precision": self.precision,
-            "blocks": self.blocks, "interfaces": self.interfaces, "pairs": self.pairs, "volume_m3": self.volume_m3,
-            "bolts": self.bolts,
-        }  # fmt: skip
+        return asdict(self) | {"files": [str(path) for path in self.files]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +133,7 @@ def export(
     target = None if path is None else _target(Path(path), words, binary)
     if target is None and split is None:
         raise DesignError(
-            [Fault("E366", "no file to write is named", "-o", f"Give -o FILE ({_suffixes()}) or --split.")]
+            [Fault("E366", "no file to write is named", "-o", f"Give -o FILE ({' '.join(FORMATS)}) or --split.")]
         )
     folder = None if split is None else Path(split)
     suffix = f".{split_as.lower().lstrip('.')}"
@@ -142,20 +145,17 @@ def export(
         chosen = picked(source.scene, words, names, moving, source.is_section)
         if what is None and "bolts" in FORMATS[target.suffix.lower()].parts:
             chosen = with_bolts(chosen, names, moving)
-        written.append(_write(target, chosen, binary))
+        with writing(target):
+            form = _BINARY if binary else FORMATS[target.suffix.lower()]
+            written.append(_described(form, *form.write(target, chosen), chosen))
         notices += _notices(source, chosen, target, binary)
     if folder is not None:
-        from slopekit.exchange.split import write_split
-
         chosen = picked(source.scene, ("blocks",), names, moving, source.is_section)
-        files, said = write_split(folder, source, chosen, suffix)
-        written.append(_described(files, FORMATS[suffix].name, "text, every digit of a double", chosen))
+        form = FORMATS[suffix]
+        files, said = write_split(folder, source, chosen, suffix, form.write)
+        written.append(_described(form, *files, chosen))
         notices += [notice for notice in (*_notices(source, chosen, folder, False), *said) if notice not in notices]
     return Export(tuple(written), tuple(notices))
-
-
-def _suffixes() -> str:
-    return " ".join(FORMATS)
 
 
 def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
@@ -185,7 +185,7 @@ def _format(suffix: str, where: str) -> Format:
     if found is None:
         near = get_close_matches(suffix, FORMATS, n=1)
         shown = f"the suffix {suffix}" if suffix else "a file without suffix"
-        advice = f"There are: {_suffixes()}.{f' Did you mean {near[0]}?' if near else ''}"
+        advice = f"There are: {' '.join(FORMATS)}.{f' Did you mean {near[0]}?' if near else ''}"
         raise DesignError([Fault("E360", f"{shown} is no format that slopekit writes", where, advice)])
     return found
 
@@ -220,34 +220,11 @@ def _check_split(folder: Path, suffix: str) -> None:
     _refuse_unwritable(folder)
 
 
-def _write(path: Path, chosen: Picked, binary: bool) -> Written:
-    files, suffix = [path], path.suffix.lower()
-    with writing(path):
-        if suffix == ".vtu":
-            from slopekit.exchange.vtu import write_vtu
-
-            files, precision = write_vtu(path, chosen)
-        elif suffix == ".dxf":
-            from slopekit.exchange.dxf import write_dxf
-
-            precision = write_dxf(path, chosen)
-        elif suffix in (".glb", ".gltf"):
-            from slopekit.exchange.solids import write_glb
-
-            precision = write_glb(path, chosen)
-        else:
-            from slopekit.exchange.solids import write_binary_stl, write_obj, write_stl
-
-            writer = write_obj if suffix == ".obj" else write_binary_stl if binary else write_stl
-            precision = writer(path, chosen)
-    return _described(files, FORMATS[suffix].name, precision, chosen, "all" if binary else _ROUNDED.get(suffix, ""))
-
-
-def _described(files: Sequence[Path], name: str, precision: str, chosen: Picked, rounded: str = "") -> Written:
-    """What was written; `rounded` to float32: all coordinates, those from each block's own middle, or none."""
-    volume = sum(_volume(body, rounded) for body in chosen.bodies) if chosen.bodies else None
+def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked) -> Written:
+    """What was written."""
+    volume = sum(_volume(body, form.rounded) for body in chosen.bodies) if chosen.bodies else None
     return Written(
-        tuple(files), name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
+        tuple(files), form.name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
         len(chosen.bolts),
     )  # fmt: skip
 
@@ -264,8 +241,6 @@ def _notices(source: Source, chosen: Picked, path: Path, binary: bool) -> list[N
     """What the files do not say themselves: W370 rounding, W377 flat triangles for a curved body."""
     found = []
     if binary:
-        from slopekit.exchange.solids import binary_rounding
-
         rounding = binary_rounding(chosen)
         smallest = (chosen if chosen.bodies else picked(source.scene, ("blocks",), None, False, False)).smallest
         if rounding > _ROUNDING * smallest:

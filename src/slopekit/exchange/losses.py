@@ -54,25 +54,6 @@ def lost_of_mixed(source: Source, mixed: Sequence[str], pressures: Mapping[Pair,
             f"({_some(mixed)})"]  # fmt: skip
 
 
-def load_name(source: Source, word: str) -> str:
-    """The name of a load as its design numbers it: forces, and bolts of both sorts in one row.
-
-    A scene numbers active and passive bolts each for themselves, and in assemblies active bolts after forces.
-    """
-    inputs = source.document["inputs"]
-    bolts = inputs.get("bolts", ())
-    name, _, number = word.partition(",")[0].rpartition(" ")
-    if not number.isdigit():
-        return word
-    at = int(number)
-    if name in ("active bolt", "passive bolt"):
-        own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == name.split()[0]]
-        return f"bolt {own[at - 1]}" if at <= len(own) else word
-    forces = len(inputs.get("forces", ()))
-    own = [k for k, bolt in enumerate(bolts, 1) if bolt["acts"] == "active"]
-    return f"bolt {own[at - forces - 1]}" if name == "force" and forces < at <= forces + len(own) else word
-
-
 def lost_of_loads(away: Sequence[str]) -> list[str]:
     """Loads by their names whose block was not chosen."""
     if not away:

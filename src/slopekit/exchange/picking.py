@@ -1,13 +1,13 @@
 """What of a scene is written: bodies, flat pieces of interfaces, node pairs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints
-from slopekit.block_scene import BlockScene
+from slopekit.block_scene import MODES, BlockScene, Contacts, NodePairState
 from slopekit.errors import DesignError, Fault
 
 #: What can be written.
@@ -17,7 +17,7 @@ _SHOWN = 8
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A block to write: its index in the scene, its closed surface."""
+    """A block to write: its index in the scene, -1 for a slab of bedrock that is none of its blocks; its surface."""
 
     index: int
     name: str
@@ -72,6 +72,24 @@ class Picked:
     def smallest(self) -> float:
         """The size (m) of the smallest body: cube root of its volume."""
         return min((abs(body.volume) ** (1.0 / 3.0) for body in self.bodies), default=np.inf)
+
+    def state_of(self, body: Body) -> int:
+        """Whether a block is bedrock, 0, stands, 1, or moves in a mechanism, 2."""
+        return 0 if self.scene.shapes.fixed[body.index] else 2 if self.scene.order[body.index] else 1
+
+    def by_joint(self) -> Iterator[tuple[int, str, Ints]]:
+        """The joints with interfaces to write: index, name, indices of the contacts."""
+        joint = self.scene.shapes.contacts.joint[self.contacts]
+        for k, name in enumerate(self.scene.shapes.joints):
+            if (joint == k).any():
+                yield k, name, self.contacts[joint == k]
+
+    def by_mode(self) -> Iterator[tuple[int, str, Floats]]:
+        """The contact modes with node pairs to write: index, name, points (n, 3) m."""
+        pairs, mode = self.scene.pairs, self.scene.pairs.mode[self.pairs]
+        for k, name in enumerate(MODES):
+            if (mode == k).any():
+                yield k, name, pairs.points_m[self.pairs[mode == k]]
 
 
 def volume_of(vertices: Floats, triangles: Ints) -> float:
@@ -135,22 +153,18 @@ def picked(
     """
     shapes = scene.shapes
     chosen = _chosen(scene, blocks, moving)
-    bodies = tuple(
-        Body(k, shapes.names[k], *shapes.solids.of(k)) for k in np.flatnonzero(chosen).tolist()
-    ) if "blocks" in what else ()  # fmt: skip
-    pairs, contacts = scene.pairs, shapes.contacts
-    node_pairs = _touching(chosen, pairs.plus, pairs.minus) if "pairs" in what else np.zeros(0, dtype=np.int64)
-    pieces = _touching(chosen, contacts.plus, contacts.minus) if "interfaces" in what else np.zeros(0, dtype=np.int64)
-    bolts = _bolts_of(scene, chosen, blocks is None) if "bolts" in what else np.zeros(0, dtype=np.int64)
-    missing = [
-        word for word, found in (
-            ("blocks", bodies), ("interfaces", pieces), ("pairs", node_pairs), ("bolts", bolts),
-        ) if word in what and len(found) == 0
-    ]  # fmt: skip
-    if missing:
-        raise DesignError([Fault("E365", f"there are no {missing[0]} to write", "", _why(missing[0], blocks, moving))])
+    every = {
+        "blocks": np.flatnonzero(chosen), "interfaces": _touching(chosen, shapes.contacts),
+        "pairs": _touching(chosen, scene.pairs), "bolts": _bolts_of(scene, chosen, blocks is None),
+    }  # fmt: skip
+    own = {word: found if word in what else found[:0] for word, found in every.items()}
+    missing = next((word for word, found in own.items() if word in what and not len(found)), None)
+    if missing is not None:
+        raise DesignError([Fault("E365", f"there are no {missing} to write", "", _why(missing, blocks, moving))])
+    bodies = tuple(Body(k, shapes.names[k], *shapes.solids.of(k)) for k in own["blocks"].tolist())
     outlines = tuple(outline_of(body) for body in bodies) if is_section else ()
-    return Picked(scene, tuple(what), bodies, pieces, node_pairs, _line(scene), outlines, bolts)
+    line = _line(scene)
+    return Picked(scene, tuple(what), bodies, own["interfaces"], own["pairs"], line, outlines, own["bolts"])
 
 
 def with_bolts(found: Picked, blocks: Sequence[str] | None, moving: bool) -> Picked:
@@ -183,9 +197,10 @@ def outline_of(body: Body) -> Floats:
     return body.vertices[: len(body.vertices) // 2]
 
 
-def _touching(chosen: Bools, plus: Ints, minus: Ints) -> Ints:
+def _touching(chosen: Bools, sides: Contacts | NodePairState) -> Ints:
+    """Those of contacts or node pairs that have a chosen block on one side."""
     last = np.append(chosen, False)  # -1: bedrock that is none of the blocks
-    return np.flatnonzero(last[plus] | last[minus])
+    return np.flatnonzero(last[sides.plus] | last[sides.minus])
 
 
 def _unknown(name: str, names: Sequence[str]) -> Fault:

@@ -4,14 +4,14 @@ Those hold float32 vertices about each block's own origin, the origins as double
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
-from slopekit.block_scene import MODES, joined
+from slopekit.block_scene import joined
 from slopekit.bolts import nearest, plates, rods
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
@@ -21,16 +21,18 @@ _RESERVED = re.compile(r"(?i)solid|facet|normal|vertex|loop")  # readers look fo
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _DIGITS = "text, every digit of a double"
 #: Colours (red, green, blue, alpha).
-_BEDROCK, _STANDS, _MOVES = (150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255)
+_STATES = ((150, 150, 150, 255), (214, 190, 150, 255), (200, 80, 10, 255))  # bedrock, stands, moves
 _JOINTS = ((0, 100, 164, 200), (0, 127, 95, 200), (168, 84, 138, 200), (216, 144, 0, 200), (86, 180, 233, 200))
 _MODES = ((0, 127, 95, 255), (200, 80, 10, 255), (0, 100, 164, 255))
 _BOLTS = ((200, 0, 80, 255), (20, 30, 90, 255))  # active, passive
 _ROD = 0.05  # m: the most that the radius of a rod is drawn
 _ORIGIN = "map origin"
+#: What a writer returns: the files, and their precision in words.
+Files = tuple[list[Path], str]
 
 
-def write_stl(path: Path, picked: Picked) -> str:
-    """ASCII STL: one `solid` a block, or a joint where interfaces are written; returns the precision in words."""
+def write_stl(path: Path, picked: Picked) -> Files:
+    """ASCII STL: one `solid` a block, or a joint where interfaces are written."""
     lines: list[str] = []
     for name, vertices, triangles in _surfaces(picked):
         corners = vertices[triangles]
@@ -44,11 +46,11 @@ def write_stl(path: Path, picked: Picked) -> str:
             )
         lines.append(f"endsolid {stl_name(name)}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return _DIGITS
+    return [path], _DIGITS
 
 
-def write_binary_stl(path: Path, picked: Picked) -> str:
-    """Binary STL: all in one, without names; returns the precision in words."""
+def write_binary_stl(path: Path, picked: Picked) -> Files:
+    """Binary STL: all in one, without names."""
     corners = np.concatenate([vertices[triangles] for _, vertices, triangles in _surfaces(picked)])
     facets = np.zeros(len(corners), dtype=_FACET)
     facets["corners"] = corners
@@ -57,42 +59,45 @@ def write_binary_stl(path: Path, picked: Picked) -> str:
         file.write(b"slopekit, metres".ljust(80))
         file.write(np.uint32(len(facets)).tobytes())
         file.write(facets.tobytes())
-    return f"binary float32, coordinates rounded by up to {binary_rounding(picked):.2g} m"
+    return [path], f"binary float32, coordinates rounded by up to {binary_rounding(picked):.2g} m"
 
 
 def binary_rounding(picked: Picked) -> float:
     """How far float32 moves the coordinates at most, m."""
-    return max(
-        float(np.abs(vertices - vertices.astype(np.float32)).max(initial=0.0)) for _, vertices, _ in _surfaces(picked)
-    )
+    return max(_rounding(vertices) for _, vertices, _ in _surfaces(picked))
 
 
-def write_obj(path: Path, picked: Picked) -> str:
+def _rounding(vertices: Floats) -> float:
+    return float(np.abs(vertices - vertices.astype(np.float32)).max(initial=0.0))
+
+
+def write_obj(path: Path, picked: Picked) -> Files:
     """OBJ: one object a block, its faces by name where they are known, interfaces as polygons, one object a joint."""
     lines = ["# slopekit; metres, x east, y north, z up"]
     at = 1
     solids, fixed = picked.scene.shapes.solids, picked.scene.shapes.fixed
     for body in picked.bodies:
         lines += [f"o {_token(body.name)}", *_vertices(body.vertices)]
-        faces = solids.face[solids.block == body.index]
+        faces = solids.face[solids.block == body.index] if body.index >= 0 else np.full(len(body.triangles), -1)
+        is_rock = body.index < 0 or fixed[body.index]
         last = None
         for face, (a, b, c) in zip(faces.tolist(), (body.triangles + at).tolist(), strict=True):
-            group = solids.faces[face] if face >= 0 else "bedrock" if fixed[body.index] else "moving"
+            group = solids.faces[face] if face >= 0 else "bedrock" if is_rock else "moving"
             if group != last:
                 lines.append(f"g {_token(body.name)} {_token(group)}")
                 last = group
             lines.append(f"f {a} {b} {c}")
         at += len(body.vertices)
     contacts = picked.scene.shapes.contacts
-    for joint, own in _by_joint(picked):
+    for _, joint, own in picked.by_joint():
         lines.append(f"o {_token(joint)}")
-        for k in own:
+        for k in own.tolist():
             corners = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
             lines += _vertices(corners)
             lines.append("f " + " ".join(str(at + i) for i in range(len(corners))))
             at += len(corners)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return _DIGITS
+    return [path], _DIGITS
 
 
 def stl_name(name: str) -> str:
@@ -104,11 +109,6 @@ def stl_name(name: str) -> str:
     return _RESERVED.sub(lambda found: f"{found.group()[0]}_{found.group()[1:]}", " ".join(name.split()))
 
 
-def mode_names(modes: Ints) -> list[str]:
-    """Contact modes in words, empty for none."""
-    return [MODES[mode] if mode >= 0 else "" for mode in modes.tolist()]
-
-
 def _surfaces(picked: Picked) -> Iterator[tuple[str, Floats, Ints]]:
     """Blocks, then the panels of each joint, as triangles."""
     for body in picked.bodies:
@@ -116,16 +116,8 @@ def _surfaces(picked: Picked) -> Iterator[tuple[str, Floats, Ints]]:
     if len(picked.contacts):
         contacts = picked.scene.shapes.contacts
         triangles, panel = triangles_of(contacts)
-        for joint, own in _by_joint(picked):
+        for _, joint, own in picked.by_joint():
             yield joint, contacts.corners, triangles[np.isin(panel, own)]
-
-
-def _by_joint(picked: Picked) -> Iterator[tuple[str, list[int]]]:
-    joint = picked.scene.shapes.contacts.joint[picked.contacts]
-    for k, name in enumerate(picked.scene.shapes.joints):
-        own = picked.contacts[joint == k].tolist()
-        if own:
-            yield name, own
 
 
 def _words(vertices: Floats) -> list[str]:
@@ -147,11 +139,11 @@ def _normals(corners: Floats) -> Any:
     return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0.0)
 
 
-def write_glb(path: Path, picked: Picked) -> str:
-    """Write a .glb, or a .gltf with its buffers within; returns the precision in words."""
+def write_glb(path: Path, picked: Picked) -> Files:
+    """A .glb, or a .gltf with its buffers within."""
     import trimesh
 
-    origin = picked.middle
+    origin, contacts = picked.middle, picked.scene.shapes.contacts
     scene = trimesh.Scene()
     turn = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
     scene.graph.update(frame_from=scene.graph.base_frame, frame_to=Z_UP, matrix=turn)
@@ -166,81 +158,67 @@ def write_glb(path: Path, picked: Picked) -> str:
         scene.geometry[name] = geometry  # add_geometry looks through all that is there: n² of time
         scene.graph.update(frame_from=_ORIGIN, frame_to=name, matrix=_shift(at), geometry=name)
 
+    def add_mesh(name: str, vertices: Floats, triangles: Ints, at: Floats, colour: Any, known: dict[str, Any]) -> None:
+        nonlocal rounding
+        rounding = max(rounding, _rounding(vertices))
+        mesh = trimesh.Trimesh(vertices, triangles, process=False, metadata=known)
+        mesh.visual = _painted(colour)
+        add(name, mesh, at)
+
     for body in picked.bodies:
         middle, local = body.middle, body.local
-        rounding = max(rounding, float(np.abs(local - local.astype(np.float32)).max()))
-        mesh = trimesh.Trimesh(local, body.triangles, process=False, metadata=_of_block(picked, body.index))
-        mesh.visual = _painted(_colour(picked, body.index))
-        add(body.name, mesh, middle - origin)
-    if len(picked.contacts):
-        rounding = max(rounding, _add_interfaces(picked, add, origin))
-    if len(picked.pairs):
-        pairs = picked.scene.pairs
-        for mode in range(len(MODES)):
-            own = picked.pairs[pairs.mode[picked.pairs] == mode]
-            if len(own):
-                local = pairs.points_m[own] - origin
-                colours = np.tile(np.array(_MODES[mode], dtype=np.uint8), (len(own), 1))
-                add(f"node pairs, {MODES[mode]}", trimesh.PointCloud(local, colours), np.zeros(3))
-    rounding = max(rounding, _add_bolts(picked, add, origin))
+        add_mesh(body.name, local, body.triangles, middle - origin, _STATES[picked.state_of(body)],
+                 _of_block(picked, body.index))  # fmt: skip
+    triangles, panel = triangles_of(contacts)
+    for k, joint, own in picked.by_joint():
+        used, index = np.unique(triangles[np.isin(panel, own)], return_inverse=True)
+        add_mesh(f"interface {joint}", contacts.corners[used] - origin, index.reshape(-1, 3), np.zeros(3),
+                 _JOINTS[k % len(_JOINTS)], {"joint": joint})  # fmt: skip
+    for mode, word, points in picked.by_mode():
+        colours = np.tile(np.array(_MODES[mode], dtype=np.uint8), (len(points), 1))
+        add(f"node pairs, {word}", trimesh.PointCloud(points - origin, colours), np.zeros(3))
+    _add_bolts(picked, add_mesh, origin)
+    save_gltf(scene, path)
+    said = f"float32 about each block's own origin (rounded by up to {rounding:.2g} m)"
+    return [path], f"{said}, origins as doubles in the nodes"
+
+
+def save_gltf(scene: Any, path: Path) -> None:
+    """Write a scene of trimesh as .glb, or as .gltf with its buffers within."""
+    import trimesh
+
     if path.suffix.lower() == ".glb":
         path.write_bytes(scene.export(file_type="glb"))
     else:
         path.write_bytes(trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)["model.gltf"])
-    return f"float32 about each block's own origin (rounded by up to {rounding:.2g} m), origins as doubles in the nodes"
 
 
-def _add_interfaces(picked: Picked, add: Any, origin: Floats) -> float:
-    """One mesh a joint; returns the rounding."""
-    import trimesh
-
-    contacts = picked.scene.shapes.contacts
-    triangles, panel = triangles_of(contacts)
-    rounding = 0.0
-    for k, joint in enumerate(picked.scene.shapes.joints):
-        own = np.isin(panel, picked.contacts[contacts.joint[picked.contacts] == k])
-        if own.any():
-            used, index = np.unique(triangles[own], return_inverse=True)
-            local = contacts.corners[used] - origin
-            rounding = max(rounding, float(np.abs(local - local.astype(np.float32)).max()))
-            mesh = trimesh.Trimesh(local, index.reshape(-1, 3), process=False, metadata={"joint": joint})
-            mesh.visual = _painted(_JOINTS[k % len(_JOINTS)], double_sided=True)
-            add(f"interface {joint}", mesh, np.zeros(3))
-    return rounding
-
-
-def _add_bolts(picked: Picked, add: Any, origin: Floats) -> float:
-    """One rod with its plate a bolt, about its head; returns the rounding."""
-    import trimesh
-
-    bolts, rounding = picked.scene.known_bolts, 0.0
-    if len(picked.bolts) == 0:
-        return rounding
-    radius = min(_ROD, 0.1 * nearest(bolts.heads_m))
+def _add_bolts(picked: Picked, add_mesh: Callable[..., None], origin: Floats) -> None:
+    """One rod with its plate a bolt, about its head."""
+    bolts = picked.scene.known_bolts
+    radius = min(_ROD, 0.1 * nearest(bolts.heads_m)) if len(picked.bolts) else 0.0
     for k in picked.bolts.tolist():
         head, end, here = bolts.heads_m[k], bolts.ends_m[k], np.zeros((1, 3))
         rod, plate = rods(here, (end - head)[None, :], radius), plates(here, bolts.plates[k : k + 1], 6.0 * radius)
         vertices, triangles, _ = joined([rod, plate])
-        rounding = max(rounding, float(np.abs(vertices - vertices.astype(np.float32)).max()))
         passive, length = bool(bolts.passive[k]), float(bolts.length_m[k])
         known = {
             "part": "bolt", "number": int(bolts.number[k]), "force_kn": float(bolts.force_kn[k]),
             "length_m": length if np.isfinite(length) else None, "acts": "passive" if passive else "active",
             "head": head.tolist(), "end": end.tolist(),
         }  # fmt: skip
-        mesh = trimesh.Trimesh(vertices, triangles, process=False, metadata=known)
-        mesh.visual = _painted(_BOLTS[passive])
-        add(f"bolt {int(bolts.number[k])}", mesh, head - origin)
-    return rounding
+        add_mesh(f"bolt {int(bolts.number[k])}", vertices, triangles, head - origin, _BOLTS[passive], known)
 
 
-def _painted(colour: tuple[int, int, int, int], double_sided: bool = False) -> Any:
+def _painted(colour: tuple[int, int, int, int]) -> Any:
+    """The look of a mesh; one that is seen through has no back."""
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
+    clear = colour[3] < 255
     material = PBRMaterial(
-        baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, doubleSided=double_sided,
-        alphaMode="BLEND" if colour[3] < 255 else "OPAQUE",
+        baseColorFactor=colour, metallicFactor=0.0, roughnessFactor=0.9, doubleSided=clear,
+        alphaMode="BLEND" if clear else "OPAQUE",
     )  # fmt: skip
     return TextureVisuals(material=material)
 
@@ -253,12 +231,6 @@ def _of_block(picked: Picked, k: int) -> dict[str, Any]:
         "fixed": bool(scene.shapes.fixed[k]), "factor_of_safety": factor if np.isfinite(factor) else None,
         "mechanism_order": int(scene.order[k]), "velocity": scene.velocity[k].tolist(),
     }  # fmt: skip
-
-
-def _colour(picked: Picked, k: int) -> tuple[int, int, int, int]:
-    if picked.scene.shapes.fixed[k]:
-        return _BEDROCK
-    return _MOVES if picked.scene.order[k] else _STANDS
 
 
 def _shift(by: Floats) -> Floats:

@@ -5,6 +5,7 @@ What it says of its joints, strength and mean water pressure, is read whatever t
 
 import json
 import os
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -162,6 +163,32 @@ def pairs_of(source: Source, rock: Mapping[int, str], joints: Mapping[str, Carri
         if len({(joints[name].strength, joints[name].pressure) for name in share}) > 1
     )  # fmt: skip
     return Pairs({pair: max(share, key=share.__getitem__) for pair, share in shares.items()}, mixed)
+
+
+#: One load of several of its kind.
+NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
+
+
+def bolt_of_load(document: Mapping[str, Any], name: str) -> tuple[str, int] | None:
+    """How the bolt acts that a load of a scene is, and its number as the design lists it; None for other loads.
+
+    A scene numbers active and passive bolts each for themselves, and those of many blocks that are active after the
+    forces.
+
+    >>> bolts = [{"acts": "passive"}, {"acts": "active"}]
+    >>> bolt_of_load({"inputs": {"bolts": bolts}}, "active bolt 1")
+    ('active', 2)
+    """
+    found, inputs = NUMBERED.match(name), document.get("inputs") or {}
+    if found is None:
+        return None
+    acts, number = found[1].removesuffix(" bolt"), int(found[2])
+    if acts == "force":
+        acts, number = "active", number - len(inputs.get("forces") or [])
+        if document.get("assembly") is None:
+            return None
+    own = [k for k, bolt in enumerate(inputs.get("bolts") or [], 1) if bolt["acts"] == acts]
+    return (acts, own[number - 1]) if 0 < number <= len(own) else None
 
 
 def direction_deg(force: Floats | Sequence[float]) -> float:

@@ -3,7 +3,7 @@
 import json
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,6 @@ from slopekit.arrays import Floats
 from slopekit.errors import Notice, writing
 from slopekit.exchange.losses import (
     acceptance,
-    load_name,
     lost_of_criterion,
     lost_of_laws,
     lost_of_loads,
@@ -23,8 +22,8 @@ from slopekit.exchange.losses import (
     pressures_of,
 )
 from slopekit.exchange.picking import Body, Picked
-from slopekit.exchange.solids import write_obj, write_stl
-from slopekit.exchange.source import Pair, Source, direction_deg, joints_of, pairs_of
+from slopekit.exchange.solids import Files
+from slopekit.exchange.source import Pair, Source, bolt_of_load, direction_deg, joints_of, pairs_of
 from slopekit.kinds.protocol import CarriedJoint
 
 _APART = "between rows"  # the smooth strength of rows of columns that do not touch
@@ -127,25 +126,26 @@ def _loads(source: Source, files: Mapping[str, str]) -> tuple[list[str], list[st
     bolts, away = source.document["inputs"].get("bolts", ()), []
     for what, block, force, at in zip(arrows.what, arrows.block, arrows.force_kn, arrows.at_m, strict=True):
         word, name = arrows.names[what], names[block]
+        bolt = bolt_of_load(source.document, word)
+        called = word if bolt is None else f"bolt {bolt[1]}"
         if word == "weight" or (source.has_many and word == "water"):
             continue
         if word == "seismic":
             seismic = force
         elif name not in files:
-            away.append(load_name(source, word))
-        elif word.startswith("passive"):
-            called = load_name(source, word)
-            passive.setdefault(called, _bolt(bolts[int(called.split()[1]) - 1], name, at))  # its head comes first
+            away.append(called)
+        elif bolt is not None and bolt[0] == "passive":
+            passive.setdefault(called, _bolt(bolts[bolt[1] - 1], name, at))  # its head comes first
         else:
             own = f"force: {_point(force)}, block: {_text(name)}, at: {_point(at)}"
-            forces.append(f"    - {{{own}}}  # {load_name(source, word)}")
+            forces.append(f"    - {{{own}}}  # {called}")
     lines = ["loads:"]
     coefficient = source.document["inputs"]["seismic"]["coefficient"]
     if coefficient and seismic.any():
         lines.append(f"  seismic: {{k: {coefficient!r}, toward: {direction_deg(seismic)!r}}}")
     lines += ["  forces:", *forces] if forces else ["  forces: []"]
     if passive:
-        lines += ["support:", "  bolts:", *(f"    - {{{bolt}}}  # {name}" for name, bolt in passive.items())]
+        lines += ["support:", "  bolts:", *(f"    - {{{bolted}}}  # {name}" for name, bolted in passive.items())]
     return lines, lost_of_loads(away)
 
 
@@ -176,7 +176,9 @@ def _text(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tuple[list[Path], list[Notice]]:
+def write_split(
+    folder: Path, source: Source, chosen: Picked, suffix: str, write: Callable[[Path, Picked], Files]
+) -> tuple[Files, list[Notice]]:
     """Write a mesh a block and, where bedrock holds blocks that move, blocks.yaml.
 
     The bedrock of a wedge, a plane or a footing is a slab behind each joint. Blocks of a section stand in blocks.yaml
@@ -184,15 +186,13 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
 
     Returns
     -------
-    files, blocks.yaml first; W376 where something does not carry over
+    files, blocks.yaml first, and the precision of the meshes; W376 where something does not carry over
     """
     fixed = source.scene.shapes.fixed
     rock = _slabs(source, chosen.bodies)
     bodies = [*chosen.bodies, *rock.values()]
     files = _file_names([body.name for body in bodies], suffix)
-    is_fixed = {body.name: bool(fixed[body.index]) for body in chosen.bodies} | {
-        slab.name: True for slab in rock.values()
-    }
+    is_fixed = {body.name: body.index < 0 or bool(fixed[body.index]) for body in bodies}
     text, notices = None, []
     why = _why_no_design(source, is_fixed)
     if why:
@@ -210,14 +210,14 @@ def write_split(folder: Path, source: Source, chosen: Picked, suffix: str) -> tu
         if not polygons and source.has_many:
             notices.append(Notice("W376", _COMPARE))
     paths = [folder / files[body.name] for body in bodies]
-    write = write_obj if suffix == ".obj" else write_stl
+    precision = ""
     with writing(folder):
         for path, body in zip(paths, bodies, strict=True):
-            write(path, replace(chosen, what=("blocks",), bodies=(body,), contacts=chosen.contacts[:0]))
+            _, precision = write(path, replace(chosen, what=("blocks",), bodies=(body,), contacts=chosen.contacts[:0]))
         if text is not None:
             (folder / DESIGN).write_text(text, encoding="utf-8")
             paths.insert(0, folder / DESIGN)
-    return paths, notices
+    return (paths, precision), notices
 
 
 def _polygons(source: Source, chosen: Picked) -> dict[str, Floats]:
@@ -282,4 +282,4 @@ def _slab(corners: Floats, body: Body, name: str) -> Body:
     here, after = np.arange(count), np.roll(np.arange(count), -1)
     fan = np.stack([np.zeros(count - 2, dtype=np.int64), here[1:-1], here[2:]], axis=1)
     sides = [np.stack([here, after, after + count], axis=1), np.stack([here, after + count, here + count], axis=1)]
-    return Body(body.index, name, vertices, np.concatenate([fan[:, ::-1], fan + count, *sides]))
+    return Body(-1, name, vertices, np.concatenate([fan[:, ::-1], fan + count, *sides]))

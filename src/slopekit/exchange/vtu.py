@@ -13,15 +13,17 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
+from slopekit.block_scene import MODES
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import Picked
+from slopekit.exchange.solids import Files
 
 _VERTEX, _LINE, _POLYGON, _POLYHEDRON = 1, 3, 7, 42
 _TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8"), "u": ("UInt8", "|u1"), "b": ("UInt8", "|u1")}
 
 
-def write_vtu(path: Path, picked: Picked) -> tuple[list[Path], str]:
-    """NAME.vtu, with NAME-interfaces.vtu and so on where several are asked for; files, precision in words."""
+def write_vtu(path: Path, picked: Picked) -> Files:
+    """NAME.vtu, with NAME-interfaces.vtu and so on where several are asked for."""
     files = []
     writers = {"blocks": _blocks, "interfaces": _interfaces, "pairs": _pairs, "bolts": _bolts}
     for what in picked.what:
@@ -111,7 +113,7 @@ def _bolts(picked: Picked) -> bytes:
 def _names(picked: Picked) -> dict[str, Sequence[str]]:
     return {
         "joint_names": picked.scene.shapes.joints, "block_names": picked.scene.shapes.names,
-        "mode_names": ("stick", "slip", "open"),
+        "mode_names": MODES,
     }  # fmt: skip
 
 

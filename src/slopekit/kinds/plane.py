@@ -72,6 +72,10 @@ class PlaneDesign(Design):
         """The joint, and the crack where there is one."""
         return (self.joint_name, "crack") if self.crack is not None else (self.joint_name,)
 
+    def in_own_names(self, sentence: str) -> str:
+        """A sentence with the name of the joint in place of "its plane", where it was given one."""
+        return sentence if self.joint_name == "J1" else sentence.replace("its plane", self.joint_name)
+
 
 def read_plane(reader: Reader) -> PlaneDesign:
     """A plane failure.

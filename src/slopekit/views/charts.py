@@ -14,7 +14,7 @@ from typing import Any
 from slopekit.core.sheet import factor_text
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds.ladders import METHODS
-from slopekit.views.drawing import BLUE, BOX, DARK, GREY, PURPLE, RED, Damaged, dressed, nothing, short, title_of
+from slopekit.views.drawing import BLUE, DARK, GREY, PURPLE, RED, Damaged, finish, note, nothing, short, title_of
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
@@ -27,11 +27,13 @@ _LINE, _HANDLE = 125, 7
 _OPEN = "open: no error to 16 digits"
 _ROOM, _ALONG = 4.5, 4.0  # half the side of the square that a marker takes; from square to square of a line; points
 Document = Mapping[str, Any]
+_ABOVE, _BELOW, _ASIDE = ((0, 8), "center", "bottom"), ((0, -8), "center", "top"), ((8, -3), "left", "top")
+#: Normals of node pairs: their word, the factor's key, the legend, colour, marker, where numbers stand beside the line.
 _NORMALS = (
-    ("facet", "fos_cohesion_kept", "facet normals, cohesion kept: facets interlock, too high", PURPLE, "^"),
-    ("true", "fos", "true normals of the surface", BLUE, "o"),
-    ("smoothed", "fos", "smoothed normals of the mesh", BLUE, "o"),
-    ("facet", "fos", "facet normals, cohesion lost where they open", RED, "s"),
+    ("facet", "fos_cohesion_kept", "facet normals, cohesion kept: facets interlock, too high", PURPLE, "^", _ASIDE),
+    ("true", "fos", "true normals of the surface", BLUE, "o", _ABOVE),
+    ("smoothed", "fos", "smoothed normals of the mesh", BLUE, "o", _ABOVE),
+    ("facet", "fos", "facet normals, cohesion lost where they open", RED, "s", _BELOW),
 )
 
 
@@ -135,13 +137,10 @@ def draw_chart(
         axes.plot([], [], color="#4d4d4d", marker="o", markerfacecolor="white", linestyle="none", label=_OPEN)
         entries.append(_OPEN)
     dress(axes)
-    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
-    axes.set_axisbelow(True)
-    axes.set_title(title, fontsize=11)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, FLOOR / 2.0) if bare else low, high * 2.0)
     axes.margins(x=0.08)
-    figure.legend(fontsize=8.5, loc="outside lower center", ncols=_columns(map(len, entries)), frameon=False)
+    finish(figure, axes, title, _columns(map(len, entries)))
     figure.draw_without_rendering()  # the layout settles where points and labels come to lie
     _write_labels(figure, axes, labels, curves)
 
@@ -221,14 +220,9 @@ def draw_speed_errors(figure: Any, document: Document) -> None:
             and not (rung["error"] == 0.0 and rung["fos"] == own)
         ]  # fmt: skip
         if drawn:
-            curves.append(
-                Curve(
-                    name,
-                    [seconds for _, seconds in drawn],
-                    [rung["error"] for rung, _ in drawn],
-                    [_label(rung) for rung, _ in drawn],
-                )
-            )
+            rows = [(seconds, rung["error"], _label(rung)) for rung, seconds in drawn]
+            at, errors, labels = zip(*rows, strict=True)
+            curves.append(Curve(name, at, errors, labels))
     title = f"{short(document['title'] or document['kind'])}: {document['status']}, limit "
     title += factor_text(document["fos"]["limit"]).strip()
     draw_speed_error(figure, curves, title, wanted=document["agree_within"], against=against)
@@ -254,21 +248,15 @@ def draw_normals(figure: Any, document: Document) -> None:
     if not rungs:
         nothing("no mesh of the slip surface gave a factor of safety")
     axes = figure.subplots()
-    for kind, key, name, colour, marker in _NORMALS:
+    for kind, key, name, colour, marker, beside in _NORMALS:
         own = sorted((rung["edge_m"], rung[key]) for rung in rungs
                      if rung["normals"] == kind and rung.get(key) is not None)  # fmt: skip
         if not own:
             continue
-        axes.plot(*zip(*own, strict=True), color=colour, marker=marker, linewidth=1.4,
-                  label=name)  # fmt: skip
-        place: dict[str, Any] = {"xytext": (0, 8), "ha": "center", "va": "bottom"}
-        if kind == "facet":  # beside the lines
-            place = {"xytext": (8, -3), "ha": "left", "va": "top"} if key != "fos" else (
-                {"xytext": (0, -8), "ha": "center", "va": "top"}
-            )  # fmt: skip
+        axes.plot(*zip(*own, strict=True), color=colour, marker=marker, linewidth=1.4, label=name)
+        offset, across, upright = beside
         for edge, value in own:
-            axes.annotate(f"{value:.4g}", (edge, value), textcoords="offset points", fontsize=8, color=colour, bbox=BOX,
-                          zorder=2.5, **place)  # fmt: skip
+            note(axes, f"{value:.4g}", (edge, value), offset, color=colour, zorder=2.5, ha=across, va=upright)
     fos = document["fos"]
     for name, value, style in (("closed form", fos["closed_form"], "-."), ("static bound", fos["static_bound"], "--")):
         if value is not None:
@@ -282,9 +270,7 @@ def draw_normals(figure: Any, document: Document) -> None:
     axes.margins(x=0.12, y=0.12)
     axes.set_xlabel("mean edge of the triangles of the slip surface, m (coarse at the right)")
     axes.set_ylabel("factor of safety (limit, PRE-IE)")
-    axes.set_title(title_of(document), fontsize=11)
-    dressed(axes)
-    figure.legend(fontsize=8.5, loc="outside lower center", ncols=2, frameon=False)
+    finish(figure, axes, title_of(document), 2)
 
 
 def _failed(steps: Sequence[Document]) -> tuple[list[float], list[float]]:
@@ -334,9 +320,7 @@ def draw_reduction(figure: Any, document: Document) -> None:
     right.set_yticks([tick for tick in MaxNLocator(integer=True).tick_values(0, every) if 0 <= tick <= every])
     _upright(axes, document)
     axes.set_xlabel("strength reduction factor")
-    axes.set_title(title_of(document), fontsize=11)
-    dressed(axes)
-    figure.legend(fontsize=8.5, loc="outside lower center", ncols=3, frameon=False)
+    finish(figure, axes, title_of(document))
 
 
 def _upright(axes: Any, document: Document) -> None:
@@ -347,9 +331,8 @@ def _upright(axes: Any, document: Document) -> None:
     for k, (name, value, style) in enumerate(known):
         left = k == 0
         axes.axvline(value, color=DARK, linestyle=style, linewidth=1.3)
-        axes.annotate(f"{name} {value:.4g}", (value, 0.04), xytext=(-4 if left else 4, 0), rotation=90,
-                      xycoords=("data", "axes fraction"), textcoords="offset points", va="bottom",
-                      ha="right" if left else "left", fontsize=8.5, color=DARK, bbox=BOX)  # fmt: skip
+        note(axes, f"{name} {value:.4g}", (value, 0.04), (-4 if left else 4, 0), xycoords=("data", "axes fraction"),
+             rotation=90, va="bottom", ha="right" if left else "left", fontsize=8.5, color=DARK)  # fmt: skip
 
 
 def _size(vector: Any) -> float:

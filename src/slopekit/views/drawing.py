@@ -81,6 +81,19 @@ def title_of(document: Any) -> str:
     return f"{short(name, 70)}  (sha {str(document.get('input_sha256') or '-')[:6]})"
 
 
+def finish(figure: Any, axes: Any, title: str, columns: int = 3, size: float = 11.0) -> None:
+    """A title of `size` points, a quiet grid, and the legend of all axes beneath, in `columns`."""
+    axes.set_title(title, fontsize=size)
+    dressed(axes)
+    if any(each.get_legend_handles_labels()[1] for each in figure.axes):
+        figure.legend(fontsize=8.5, loc="outside lower center", ncols=columns, frameon=False)
+
+
+def note(axes: Any, text: str, at: tuple[float, float], offset: tuple[float, float], **style: Any) -> Any:
+    """A text beside a point, `offset` points from it, which stays legible where it comes to lie on a line."""
+    return axes.annotate(text, at, xytext=offset, textcoords="offset points", **{"fontsize": 8, "bbox": BOX} | style)
+
+
 def dressed(axes: Any) -> None:
     """A quiet grid beneath the data."""
     axes.grid(True, which="major", color="#dddddd", linewidth=0.7)

@@ -17,8 +17,8 @@ from slopekit.kinds.sheets.bolts import (
     schedule,
     without_head,
 )
-from slopekit.orientation import Plane, parse_plane
-from slopekit.views.drawing import DARK, dressed, nothing, short, title_of
+from slopekit.orientation import parse_plane
+from slopekit.views.drawing import DARK, finish, nothing, short, title_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -88,11 +88,9 @@ def draw_elevation(figure: Any, document: Any) -> None:
     count, levels = len(bolts), int(rows.max()) + 1
     head = f"face elevation: {count} bolt{'s' * (count > 1)} in {levels} row{'s' * (levels > 1)}"
     notes = ["the part of the face that has bolts" if closer else "", per_slice(listed), without_head(listed)]
-    axes.set_title("\n".join([title_of(document), head, *(note for note in notes if note)]), fontsize=10.5)
-    dressed(axes)
     for name, colour in _blocks(stage, faces):
         axes.fill([], [], facecolor=_rgb(colour), edgecolor=DARK, linewidth=0.6, label=short(name))
-    figure.legend(fontsize=8.5, loc="outside lower center", ncols=2, frameon=False)
+    finish(figure, axes, "\n".join([title_of(document), head, *(said for said in notes if said)]), 2, 10.5)
     left = _number(figure, axes, heads, bolts.number, _ends_first(heads, rows))
     if left:
         said = f"{count - left} of {count} numbers are written: for more there is no room, {FILE} has all"
@@ -119,7 +117,7 @@ def _faces(stage: Stage) -> Iterator[_Face]:
     found = False
     for key, share in (("upper", _FAINT), ("face", 1.0)):
         if isinstance(inputs.get(key), str):
-            outward = _outward(parse_plane(inputs[key], key))
+            outward = parse_plane(inputs[key], key).normal()
             along = toward & (normals @ outward > 1.0 - _FLAT)
             far = (corners.mean(axis=1) - solids.vertices.mean(axis=0)) @ outward
             own = along & (far > far[along].max(initial=-math.inf) - _FLAT * size)
@@ -128,12 +126,6 @@ def _faces(stage: Stage) -> Iterator[_Face]:
     if not found:
         _, kind = np.unique(normals.round(5), axis=0, return_inverse=True)
         yield from _pieces(stage, toward, kind.ravel(), 1.0)
-
-
-def _outward(plane: Plane) -> Floats:
-    """The upward normal (3,) of a plane."""
-    dip, bearing = math.radians(plane.dip_deg), math.radians(plane.dip_direction_deg)
-    return np.array([math.sin(dip) * math.sin(bearing), math.sin(dip) * math.cos(bearing), math.cos(dip)])
 
 
 def _pieces(stage: Stage, own: Bools, kind: Ints, share: float) -> Iterator[_Face]:

@@ -142,10 +142,10 @@ def _planar(axes: Any, survey: _Survey) -> None:
     shade(axes, zone["planar"], survey.net, SHADE, f"critical{_at(survey)}")
     envelope(axes, survey.face, survey.net, color=FACE, linewidth=1.4, label="daylight envelope")
     _face(axes, survey)
-    _pole_cones(axes, survey)
-    lateral = survey.limits[0]
-    spokes(axes, survey.face.dip_direction_deg + 180.0, lateral, color=GREY, linestyle="--", linewidth=1.0,
-           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    for friction, style in _frictions(survey):
+        steeper_than(axes, 90.0 - friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
+                     label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
+    spokes(axes, survey.face.dip_direction_deg + 180.0, survey.limits[0])
     _poles(axes, survey, found, "slides")
     _means(axes, survey)
 
@@ -158,7 +158,9 @@ def _wedge(axes: Any, survey: _Survey) -> None:
     shade(axes, zone["wedge_secondary_of_dips"], survey.net, LIGHT, "secondary zone as Dips draws it")
     shade(axes, zone["wedge_primary"], survey.net, SHADE, f"primary zone{_at(survey)}")
     _face(axes, survey)
-    _line_circles(axes, survey)
+    for friction, style in _frictions(survey):
+        steeper_than(axes, friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
+                     label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
     _dots(axes, survey, ~many, GREY, "o", "not critical")
     _dots(axes, survey, secondary, PURPLE, "^", "secondary: slides on one joint")
     _dots(axes, survey, primary, RED, "o", "primary: line steeper than friction")
@@ -174,9 +176,7 @@ def _flexural(axes: Any, survey: _Survey) -> None:
         if slip >= 0.0:
             plane_circle(axes, Plane(slip, survey.face.dip_direction_deg), survey.net, color=BLUE, linewidth=1.3,
                          linestyle=style, label=f"slip limit: face less φ, {number(slip)}°")  # fmt: skip
-    lateral = survey.limits[1]
-    spokes(axes, survey.face.dip_direction_deg, lateral, color=GREY, linestyle="--", linewidth=1.0,
-           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    spokes(axes, survey.face.dip_direction_deg, survey.limits[1])
     _poles(axes, survey, found, "topples")
     _means(axes, survey)
 
@@ -194,9 +194,7 @@ def _direct(axes: Any, survey: _Survey) -> None:
                  label="lines: plunge of the normal to the face; poles: its dip")  # fmt: skip
     steeper_than(axes, 90.0 - survey.most, survey.net, color=BLUE, linewidth=1.1, linestyle="--",
                  label=f"friction cone about the vertical, φ {number(survey.most)}°")  # fmt: skip
-    lateral = survey.limits[1]
-    spokes(axes, survey.face.dip_direction_deg + 180.0, lateral, color=GREY, linestyle="--", linewidth=1.0,
-           label=f"lateral limits ±{number(lateral)}°")  # fmt: skip
+    spokes(axes, survey.face.dip_direction_deg + 180.0, survey.limits[1])
     _dots(axes, survey, ~edges, GREY, "o", "lines, not critical")
     _dots(axes, survey, lines["oblique"], PURPLE, "^", "lines, oblique")
     _dots(axes, survey, lines["direct"], RED, "o", "lines, direct")
@@ -226,18 +224,6 @@ def _face(axes: Any, survey: _Survey) -> None:
     plane_circle(axes, survey.face, survey.net, color=FACE, linewidth=2.2, label=f"face {survey.face}")
 
 
-def _pole_cones(axes: Any, survey: _Survey) -> None:
-    for friction, style in _frictions(survey):
-        steeper_than(axes, 90.0 - friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
-                     label=f"pole friction cone, φ {number(friction)}°")  # fmt: skip
-
-
-def _line_circles(axes: Any, survey: _Survey) -> None:
-    for friction, style in _frictions(survey):
-        steeper_than(axes, friction, survey.net, color=BLUE, linewidth=1.3, linestyle=style,
-                     label=f"friction circle, φ {number(friction)}°: steeper within")  # fmt: skip
-
-
 def _poles(axes: Any, survey: _Survey, critical: Bools, what: str) -> None:
     """Poles by set, the critical ones ringed."""
     own = np.array(survey.sets)
@@ -262,14 +248,10 @@ def _means(axes: Any, survey: _Survey) -> None:
         if len(some) < 2:
             continue
         pole = mean_axis(some)
-        plane = _plane_of(pole)
+        mean = planes_of_poles(pole[None])
+        plane = f"{mean.dips_deg[0]:.0f}/{mean.dip_directions_deg[0]:03.0f}"
         points(axes, pole[None], survey.net, marker=marks[name][1], color="black", markerfacecolor=marks[name][0],
                markersize=11, markeredgewidth=1.4, zorder=4.5, label=f"mean of {short(name, 14)}: {plane}")  # fmt: skip
-
-
-def _plane_of(pole: Floats) -> str:
-    found = planes_of_poles(pole[None])
-    return f"{found.dips_deg[0]:.0f}/{found.dip_directions_deg[0]:03.0f}"
 
 
 def _dots(axes: Any, survey: _Survey, found: Bools, colour: str, marker: str, said: str) -> None:

@@ -113,17 +113,6 @@ def rigid(shapes: Shapes, motion: Floats, points: Floats, of: Ints) -> Floats:
     return moved
 
 
-def contacts_body(shapes: Shapes, chosen: Ints, corners: Floats) -> tuple[Floats, Ints]:
-    """Contact polygons `chosen` as triangles, their corners where `corners` (c, 3) has them."""
-    first, counts = shapes.contacts.first, np.diff(shapes.contacts.first)
-    triangles = [np.zeros((0, 3), dtype=np.int64)]
-    for count in np.unique(counts[chosen]).tolist():
-        begin = first[chosen[counts[chosen] == count]]
-        fan = np.array([[0, i, i + 1] for i in range(1, count - 1)], dtype=np.int64).reshape(-1, 3)
-        triangles.append((begin[:, None, None] + fan).reshape(-1, 3))
-    return corners, np.concatenate(triangles)
-
-
 def spheres(centres: Floats, radius: float) -> tuple[Floats, Ints, Ints]:
     """Balls of one radius: vertices, triangles, and the ball of each triangle; rougher where there are many."""
     vertices, triangles = _ball(1 if len(centres) <= 3000 else 0)

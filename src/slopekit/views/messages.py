@@ -13,7 +13,7 @@ from pathlib import Path
 
 from slopekit.design.fields import every_field
 from slopekit.design.registry import KINDS, record_of
-from slopekit.explanations import explanations
+from slopekit.explanations import explanations, weight_of
 
 _CODE = re.compile(r"[EW]\d{3}")
 _MOST = 4  # first lines of one code
@@ -49,7 +49,7 @@ def messages_page() -> str:
 
 def _marked(code: str) -> str:
     """The long text, its signs kept from Markdown."""
-    return re.sub(r"([*<])", r"\\\1", explanations()[code])
+    return re.sub(r"([*<])", r"\\\1", explanations()[code] + weight_of(code))
 
 
 def _first_lines() -> Mapping[str, list[str]]:

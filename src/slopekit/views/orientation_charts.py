@@ -140,8 +140,7 @@ def _zone(axes: Any, found: Oriented, face: Plane, net: Net) -> None:
     zones = zones_of_poles(cells(net)[0], face, least, LATERAL_DEG, 90.0)
     shade(axes, zones["planar_without_limits"], net, LIGHT, f"poles here {steeper}")
     shade(axes, zones["planar"], net, SHADE, "the same within the lateral limits")
-    spokes(axes, face.dip_direction_deg + 180.0, LATERAL_DEG, color=GREY, linestyle="--", linewidth=1.0,
-           label=f"lateral limits ±{number(LATERAL_DEG)}°")  # fmt: skip
+    spokes(axes, face.dip_direction_deg + 180.0, LATERAL_DEG)
 
 
 def _answer(document: Document) -> list[str]:

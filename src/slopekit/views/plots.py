@@ -3,8 +3,9 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from importlib import import_module
 from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,111 +17,9 @@ from slopekit.views.scenes import SCENES
 from slopekit.views.stereonet import Net
 
 Document = Mapping[str, Any]
-#: Drawn by matplotlib: what they show, and which file has the data.
-CHARTS: Mapping[str, tuple[str, str]] = {
-    "stereonet": ("planes, poles, lines, cones on the lower hemisphere",
-                  "a file with joints: slopekit kinematic, run, wedge, combos or prob with -o DIR"),
-    "elevation": ("the face with its bolts by number",
-                  "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR"),
-    "histogram": ("factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR"),
-    "curve": ("the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR"),
-    "contour": ("the factor over two numbers",
-                "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR"),
-    "tornado": ("what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR"),
-    "speed-error": ("time against error of the solver", "check.json: slopekit check design.yaml -o DIR"),
-    "reduction": ("failed node pairs and displacement over the strength reduction factor",
-                  "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
-                  "by slopekit run design.yaml -o DIR"),
-    "normals": ("true normals of a curved slip surface against those of facets",
-                "check.json of a design of kind surface: slopekit check design.yaml -o DIR"),
-}  # fmt: skip
-EVERY = (*SCENES, *CHARTS)
 SCENE_FORMATS = (".png", ".glb", ".gltf")
 _MOST_BYTES = 1_000_000_000
 _ODD = (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError)
-#: Scenes that an option says something of.
-_OF_SCENES = {
-    "--explode": ("exploded",), "--magnify": ("displacement", "mechanism"), "--step": ("mechanism",),
-}  # fmt: skip
-_OF_MANY = ("factors", "ravelling")
-_NUMBER = (float, None)
-_TEXT = (str, None)
-_POINT = {
-    "status": _TEXT, "limit": _NUMBER, "closed_status": _TEXT, "closed_form": _NUMBER, "moments_govern": (bool, None),
-    "agree": (bool, None), "code": _TEXT, "message": _TEXT,
-}  # fmt: skip
-_SWEEP = {
-    "methods": str,
-    "keys": [{"key": str, "unit": str, "values": [float], "now": _NUMBER}],
-    "points": [_POINT],
-    "levels": [{"fos": float, "what": str}],
-    "critical": [{"method": str, "at": _NUMBER, "fos": float}],
-    "changes": [{"between": [float], "statuses": [str]}],
-}
-_SHARE = {"probability": _NUMBER, "low": _NUMBER, "high": _NUMBER, "of": float, "confidence": float, "limits_by": str}
-_FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_pairs_failed": _NUMBER}
-_NEEDS: Mapping[str, Mapping[str, Any]] = {
-    "curve": _SWEEP,
-    "contour": _SWEEP,
-    "tornado": {
-        "methods": str, "rule": str, "base": _POINT,
-        "bars": [{
-            "key": str, "unit": str, "low": float, "high": float, "at_low": _POINT, "at_high": _POINT,
-            "shown": ([str], None), "swing": {"pre_ie": _NUMBER, "closed_form": _NUMBER},
-        }],
-    },
-    "histogram": {
-        "target": float, "n": float, "by": str, "outcomes": dict,
-        "histogram": ({
-            "edges": [float], "counts": [float], "below": float, "above": float,
-            "pre_ie_at_random": ([float], None), "pre_ie_samples": _NUMBER, "pre_ie_without_factor": _NUMBER,
-            "failing_without_factor": _NUMBER,
-        }, None),
-        "fos": ({"min": float, "max": float, "samples": float}, None),
-        "probability_of_failure": {"all_samples": _SHARE, "samples_that_form_a_block": _SHARE},
-    },
-    "speed-error": {
-        "ladder": [{"method": str, "error": _NUMBER, "fos": _NUMBER, "effort": _NUMBER, "node_pairs": _NUMBER}],
-        "timing_s": {"ladder": [{"seconds": float}]},
-        "reference": {"value": _NUMBER, "what": str}, "agree_within": _NUMBER, "fos": _FOS, "status": str,
-    },
-    "normals": {
-        "normals": [{"normals": str, "edge_m": _NUMBER, "fos": _NUMBER, "fos_cohesion_kept": _NUMBER}], "fos": _FOS,
-    },
-    "elevation": {
-        "inputs": {
-            "bolts": [{
-                "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
-                "head_m": ([float], None), "length_m": _NUMBER, "block": _TEXT,
-            }],
-            "face": _TEXT, "upper": _TEXT,
-        },
-    },
-    "reduction": {
-        "series": ([{
-            "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
-        }], None),
-        "all_pairs": ({"history": ([{"factor": float, "failed_pairs": float}], None)}, None),
-        "fos": _FOS, "model": {"node_pairs": float},
-    },
-    "stereonet": {
-        "inputs": {
-            "joints": (Mapping, list, None), "joint": _TEXT, "friction_angle_deg": ([float], float, None),
-            "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
-            "sets": ([{"name": str, "plane": str, "strength": _TEXT}], None), "face": _TEXT, "upper": _TEXT,
-            "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
-        },
-        "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
-    },
-}  # fmt: skip
-_KINEMATIC: Mapping[str, Any] = {
-    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
-    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
-    "survey": {"name": _TEXT}, "input_sha256": str,
-}  # fmt: skip
-_SCENE: Mapping[str, Any] = {
-    "inputs": dict, "fos": _FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,29 +41,41 @@ class Options:
     step: int = 1
 
 
-def offers(document: Document) -> dict[str, str]:
-    """What a document can give: the words, and what each picture shows."""
-    study, kind = document.get("study"), document.get("kind")
-    found = dict[str, str]()
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """A picture that matplotlib draws, all that is known of it.
+
+    Attributes
+    ----------
+    shows : what is seen; wants : which file has the data
+    drawn_by : module and function of `views`, of a figure and a document
+    given_by : whether a document has the data; need : the form of what it must have then, see `misfit`
+    """
+
+    shows: str
+    wants: str
+    drawn_by: str
+    given_by: Callable[[Document], bool]
+    need: Mapping[str, Any]
+
+    def draw(self, figure: Any, document: Document, *options: Any) -> None:
+        """Draw it on a figure; only now is loaded what draws."""
+        module, function = self.drawn_by.split(".")
+        getattr(import_module(f"slopekit.views.{module}"), function)(figure, document, *options)
+
+
+def _is_kinematic(document: Document) -> bool:
+    return document.get("kind") == "kinematic"
+
+
+def _sweeps(document: Document, keys: int) -> bool:
+    swept = document.get("keys")
+    return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
+
+
+def _has_bolts(document: Document) -> bool:
     scene = document.get("scene")
-    if isinstance(scene, Mapping):
-        left = {"displacement"} if scene.get("displacement") is None else set()
-        left |= set(_OF_MANY) if document.get("assembly") is None else set()
-        left |= {"mechanism", "ravelling"} if document.get("mechanism") is None else set()
-        found |= {what: shows for what, shows in SCENES.items() if what not in left}
-    keys = document.get("keys")
-    has = {
-        "stereonet": kind == "kinematic" or _oriented(document),
-        "elevation": isinstance(scene, Mapping) and scene.get("bolts") is not None,
-        "histogram": study == "prob",
-        "curve": study == "sweep" and isinstance(keys, list) and len(keys) == 1,
-        "contour": study == "sweep" and isinstance(keys, list) and len(keys) == 2,
-        "tornado": study == "tornado",
-        "speed-error": "ladder" in document,
-        "reduction": bool(document.get("series") or document.get("all_pairs")),
-        "normals": bool(document.get("normals")),
-    }
-    return found | {what: CHARTS[what][0] for what in CHARTS if has[what]}
+    return isinstance(scene, Mapping) and scene.get("bolts") is not None
 
 
 def _oriented(document: Document) -> bool:
@@ -178,6 +89,143 @@ def _oriented(document: Document) -> bool:
         if _damage(document, "stereonet", error):
             return False
         raise
+
+
+_NUMBER = (float, None)
+_TEXT = (str, None)
+_POINT = {
+    "status": _TEXT, "limit": _NUMBER, "closed_status": _TEXT, "closed_form": _NUMBER, "moments_govern": (bool, None),
+    "agree": (bool, None), "code": _TEXT, "message": _TEXT,
+}  # fmt: skip
+_SWEEP = {
+    "methods": str,
+    "keys": [{"key": str, "unit": str, "values": [float], "now": _NUMBER}],
+    "points": [_POINT],
+    "levels": [{"fos": float, "what": str}],
+    "critical": [{"method": str, "at": _NUMBER, "fos": float}],
+    "changes": [{"between": [float], "statuses": [str]}],
+}
+_SHARE = {"probability": _NUMBER, "low": _NUMBER, "high": _NUMBER, "of": float, "confidence": float, "limits_by": str}
+_FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_pairs_failed": _NUMBER}
+#: Drawn by matplotlib, by their word.
+CHARTS: Mapping[str, Chart] = {
+    "stereonet": Chart(
+        "planes, poles, lines, cones on the lower hemisphere",
+        "a file with joints: slopekit kinematic, run, wedge, combos or prob with -o DIR",
+        "orientation_charts.draw_orientations", lambda of: _is_kinematic(of) or _oriented(of),
+        {
+            "inputs": {
+                "joints": (Mapping, list, None), "joint": _TEXT, "friction_angle_deg": ([float], float, None),
+                "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
+                "sets": ([{"name": str, "plane": str, "strength": _TEXT}], None), "face": _TEXT, "upper": _TEXT,
+                "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
+            },
+            "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
+        },
+    ),
+    "elevation": Chart(
+        "the face with its bolts by number",
+        "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
+        "elevation.draw_elevation", _has_bolts,
+        {
+            "inputs": {
+                "bolts": [{
+                    "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
+                    "head_m": ([float], None), "length_m": _NUMBER, "block": _TEXT,
+                }],
+                "face": _TEXT, "upper": _TEXT,
+            },
+        },
+    ),
+    "histogram": Chart(
+        "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
+        "probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
+        {
+            "target": float, "n": float, "by": str, "outcomes": dict,
+            "histogram": ({
+                "edges": [float], "counts": [float], "below": float, "above": float,
+                "pre_ie_at_random": ([float], None), "pre_ie_samples": _NUMBER, "pre_ie_without_factor": _NUMBER,
+                "failing_without_factor": _NUMBER,
+            }, None),
+            "fos": ({"min": float, "max": float, "samples": float}, None),
+            "probability_of_failure": {"all_samples": _SHARE, "samples_that_form_a_block": _SHARE},
+        },
+    ),
+    "curve": Chart(
+        "the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR",
+        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1), _SWEEP,
+    ),
+    "contour": Chart(
+        "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
+        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2), _SWEEP,
+    ),
+    "tornado": Chart(
+        "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
+        "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
+        {
+            "methods": str, "rule": str, "base": _POINT,
+            "bars": [{
+                "key": str, "unit": str, "low": float, "high": float, "at_low": _POINT, "at_high": _POINT,
+                "shown": ([str], None), "swing": {"pre_ie": _NUMBER, "closed_form": _NUMBER},
+            }],
+        },
+    ),
+    "speed-error": Chart(
+        "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
+        "charts.draw_speed_errors", lambda of: "ladder" in of,
+        {
+            "ladder": [{"method": str, "error": _NUMBER, "fos": _NUMBER, "effort": _NUMBER, "node_pairs": _NUMBER}],
+            "timing_s": {"ladder": [{"seconds": float}]},
+            "reference": {"value": _NUMBER, "what": str}, "agree_within": _NUMBER, "fos": _FOS, "status": str,
+        },
+    ),
+    "reduction": Chart(
+        "failed node pairs and displacement over the strength reduction factor",
+        "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
+        "by slopekit run design.yaml -o DIR",
+        "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
+        {
+            "series": ([{
+                "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
+            }], None),
+            "all_pairs": ({"history": ([{"factor": float, "failed_pairs": float}], None)}, None),
+            "fos": _FOS, "model": {"node_pairs": float},
+        },
+    ),
+    "normals": Chart(
+        "true normals of a curved slip surface against those of facets",
+        "check.json of a design of kind surface: slopekit check design.yaml -o DIR",
+        "charts.draw_normals", lambda of: bool(of.get("normals")),
+        {
+            "normals": [{"normals": str, "edge_m": _NUMBER, "fos": _NUMBER, "fos_cohesion_kept": _NUMBER}], "fos": _FOS,
+        },
+    ),
+}  # fmt: skip
+#: The stereonet of a kinematic study, which has no result behind it.
+_KINEMATIC = replace(CHARTS["stereonet"], drawn_by="kinematic_charts.draw_kinematic", need={
+    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
+    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
+    "survey": {"name": _TEXT}, "input_sha256": str,
+})  # fmt: skip
+_SCENE: Mapping[str, Any] = {
+    "inputs": dict, "fos": _FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
+}  # fmt: skip
+EVERY = (*SCENES, *CHARTS)
+
+
+def _chart(what: str, document: Document) -> Chart:
+    return _KINEMATIC if what == "stereonet" and _is_kinematic(document) else CHARTS[what]
+
+
+def offers(document: Document) -> dict[str, str]:
+    """What a document can give: the words, and what each picture shows."""
+    scene = document.get("scene")
+    found = dict[str, str]()
+    if isinstance(scene, Mapping):
+        lacks = {"displacement"} if scene.get("displacement") is None else set()
+        found |= {what: one.shows for what, one in SCENES.items()
+                  if what not in lacks and all(document.get(key) is not None for key in one.needs)}  # fmt: skip
+    return found | {what: one.shows for what, one in CHARTS.items() if one.given_by(document)}
 
 
 def draw(document: Document, what: str, path: Path | None, options: Options | None = None, name: str = "") -> None:
@@ -210,7 +258,8 @@ def draw(document: Document, what: str, path: Path | None, options: Options | No
         figure = new_figure(path or name)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a letter that the font has not, no contour between two
-            _drawer(document, what, options)(figure, document)
+            more = (options.net, options.test) if _is_kinematic(document) else (options.net,)
+            _chart(what, document).draw(figure, document, *(more if what == "stereonet" else ()))
             if path is not None and not options.show:
                 save(figure, path)
     except _ODD as error:
@@ -233,7 +282,7 @@ def _damage(document: Document, what: str, error: Exception) -> str:
 
     if isinstance(error, Damaged):
         return str(error)
-    said = misfit(document, need_of(what, document.get("kind") == "kinematic"))
+    said = misfit(document, need_of(what, _is_kinematic(document)))
     if not said and what in SCENES:
         from slopekit.views.stage import Stage
 
@@ -252,9 +301,10 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
         near = get_close_matches(what.lower(), EVERY, n=1, cutoff=0.7)
         advice = (f"Did you mean {near[0]}? " if near else "") + can
         raise DesignError([Fault("E342", f"{what} is not a picture", what, advice)])
-    many = what in _OF_MANY and document.get("assembly") is None
-    if what not in given and (many or what not in SCENES or not isinstance(document.get("scene"), Mapping)):
-        wants = CHARTS[what][1] if what in CHARTS else "result.json: slopekit run design.yaml -o DIR"
+    scene = SCENES.get(what)
+    many = scene is not None and "assembly" in scene.needs and document.get("assembly") is None
+    if what not in given and (many or scene is None or not isinstance(document.get("scene"), Mapping)):
+        wants = CHARTS[what].wants if scene is None else "result.json: slopekit run design.yaml -o DIR"
         if many:
             wants = "result.json of many blocks: bench, blocks, topple"
         raise DesignError([Fault("E343", f"{name} has no data for {what}: it wants {wants}", "", can)])
@@ -270,41 +320,22 @@ def check(document: Document, what: str, path: Path | None, options: Options, na
         if not isinstance(value, Real) or (whole and not (math.isfinite(value) and value == int(value))):
             wanted = "a whole number is needed" if whole else "a number is needed"
             raise DesignError([Fault("E106", f"{option} is {value!r}, {wanted}", option)])
-    stereonet = what == "stereonet"
-    for option, used, belongs in (
-        ("--equal-angle", options.net != "area", stereonet),
-        ("--test", options.test is not None, stereonet and document.get("kind") == "kinematic"),
-        *((option, value not in (None, 1) if option == "--step" else value is not None, what in _OF_SCENES[option])
-          for option, value in numbers.items()),
-    ):  # fmt: skip
-        if used and not belongs:
-            of = f" It is of {' and '.join(_OF_SCENES[option])}." if option in _OF_SCENES else ""
+    stereonet = ("--equal-angle", "--test") if _is_kinematic(document) else ("--equal-angle",)
+    belong = scene.options if scene is not None else stereonet if what == "stereonet" else ()
+    used = {
+        "--equal-angle": options.net != "area", "--test": options.test is not None,
+        "--explode": options.explode is not None, "--magnify": options.magnify is not None,
+        "--step": options.step not in (None, 1),
+    }  # fmt: skip
+    for option, is_used in used.items():
+        if is_used and option not in belong:
+            whose = [word for word, one in SCENES.items() if option in one.options]
+            of = f" It is of {' and '.join(whose)}." if whose else ""
             message = f"{option} says nothing of this {what}"
             raise DesignError([Fault("E347", message, option, f"Leave it out.{of}")])
     if options.test is not None and options.test not in TESTS:
         advice = f"Known: {', '.join(TESTS)}."
         raise DesignError([Fault("E347", f"{options.test} is not a test", f"--test {options.test}", advice)])
-
-
-def _drawer(document: Document, what: str, options: Options) -> Callable[[Any, Document], None]:
-    """The function that draws it on a figure."""
-    from slopekit.views import charts, sweep_charts
-    from slopekit.views.elevation import draw_elevation
-    from slopekit.views.kinematic_charts import draw_kinematic
-    from slopekit.views.orientation_charts import draw_orientations
-    from slopekit.views.probability_charts import draw_histogram
-
-    if what == "stereonet" and document.get("kind") == "kinematic":
-        return lambda figure, of: draw_kinematic(figure, of, options.net, options.test)
-    if what == "stereonet":
-        return lambda figure, of: draw_orientations(figure, of, options.net)
-    drawers: dict[str, Callable[[Any, Document], None]] = {
-        "elevation": draw_elevation, "histogram": draw_histogram, "curve": sweep_charts.draw_curve,
-        "contour": sweep_charts.draw_contour,
-        "tornado": sweep_charts.draw_tornado, "speed-error": charts.draw_speed_errors,
-        "reduction": charts.draw_reduction, "normals": charts.draw_normals,
-    }  # fmt: skip
-    return drawers[what]
 
 
 def _window(figure: Any) -> None:
@@ -425,4 +456,6 @@ def checked_document(document: Any, name: str) -> Document:
 
 def need_of(what: str, kinematic: bool = False) -> Mapping[str, Any]:
     """The form of a document that can give a picture; of scenes what stands beside the scene."""
-    return _KINEMATIC if what == "stereonet" and kinematic else _NEEDS.get(what, _SCENE)
+    if what in SCENES:
+        return _SCENE
+    return (_KINEMATIC if what == "stereonet" and kinematic else CHARTS[what]).need

@@ -8,7 +8,7 @@ import numpy as np
 
 from slopekit.arrays import Floats
 from slopekit.orientation import number
-from slopekit.views.drawing import BLUE, DARK, RED, dressed, nothing, title_of
+from slopekit.views.drawing import BLUE, DARK, RED, finish, nothing, title_of
 
 Document = Mapping[str, Any]
 _EQUAL = 1e-9
@@ -39,14 +39,12 @@ def draw_histogram(figure: Any, document: Document) -> None:
     axes.set_xlabel(f"factor of safety ({_METHODS.get(document['by'], document['by'])})")
     axes.set_ylabel("samples in a bar")
     axes.set_ylim(0.0, 1.08 * max(1.0, counts.max()))
-    dressed(axes)
     right = axes.twinx()
     _cumulated(right, bins, edges, counts, share, target)
     right.set_ylim(0.0, 108.0)
     right.set_ylabel("samples with a lower factor, % of all (line)")
     _pre_ie(right, axes, bins)
-    axes.set_title(f"{title_of(document)}\n{_words(document)}", fontsize=9.5)
-    figure.legend(fontsize=8.5, loc="outside lower center", ncols=3, frameon=False)
+    finish(figure, axes, f"{title_of(document)}\n{_words(document)}", size=9.5)
 
 
 def _bars(axes: Any, edges: Floats, counts: Floats, target: float) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.arrays import Floats, cross
 from slopekit.errors import DesignError, Fault, writing
+from slopekit.exchange.solids import save_gltf
 from slopekit.views.layers import Bar, Layer, Picture
 from slopekit.views.scene_parts import nice
 
@@ -390,11 +391,7 @@ def _save_gltf(picture: Picture, path: Path) -> None:
         if len(part.triangles):
             scene.add_geometry(_mesh(trimesh, part), node_name=part.name, geom_name=f"{k} {part.name}")
     scene.apply_transform(_TO_Y_UP)
-    if path.suffix.lower() == ".glb":
-        path.write_bytes(scene.export(file_type="glb"))
-        return
-    files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
-    path.write_bytes(files["model.gltf"])
+    save_gltf(scene, path)
 
 
 def _mesh(trimesh: Any, part: Layer) -> Any:

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from slopekit.core.sheet import factor_text
+from slopekit.errors import HARMLESS
 from slopekit.kinds.sheets.many_blocks import path_in_words
+from slopekit.result import JUDGED
 
-#: Notices that inform and ask for nothing: they raise no badge.
-HARMLESS = ("W305", "W311", "W319", "W321", "W323", "W327", "W336", "W337", "W343", "W344", "W367", "W368", "W377")
 _SAME = 0.05  # percent
 
 
@@ -33,7 +33,13 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     ----------
     status : the entry of the sheet, which says more than the document's own sentence
     """
-    fos, value = document["fos"], document["fos"]["limit"]
+    fos, judged_by = document["fos"], document.get("leading")
+    value = judged_by["fos"] if judged_by else fos["limit"]
+    what = f"{limit_of(document)}{_what_governs(document, fos)}"
+    if judged_by:
+        what = (
+            f"{JUDGED[judged_by['name']]}: what acceptance hangs on; {factor(fos['limit'])} is the {limit_of(document)}"
+        )
     accepted = document["accepted"]
     judged = {
         True: ("acceptance MET", "good"),
@@ -48,7 +54,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     return {
         "status": " ".join(status) or document["status_text"], "factor": rounded_down(value), "exact": factor(value),
         "is_number": value is not None,
-        "what": f"{limit_of(document)}{_what_governs(document, fos)}", "badges": badges,
+        "what": what, "badges": badges,
     }  # fmt: skip
 
 

@@ -1,15 +1,17 @@
 """Parts that scenes are put together from: coloured joints, names of blocks, resultants, words of the legend."""
 
 import math
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from slopekit.arrays import Bools, Floats, Ints, cross
-from slopekit.block_scene import BlockScene, Contacts, joined
+from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import nearest, plates, rods
+from slopekit.exchange.panels import triangles_of
+from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head
 from slopekit.views.layers import (
     ACTIVE_BOLT,
@@ -21,10 +23,10 @@ from slopekit.views.layers import (
     Colour,
     Layer,
     Picture,
-    contacts_body,
+    blocks_layer,
     layer,
 )
-from slopekit.views.stage import Stage, joint_colour
+from slopekit.views.stage import Stage
 
 Legend = list[tuple[str, Colour, float]]
 _MOST_ARROWS = 400
@@ -34,22 +36,82 @@ _RIBBON, _BEFORE = 8e-3, 0.2  # of the size: how wide contacts of a section are 
 _LIFTED = 2e-3  # of the size: how far the coloured joints lie before the blocks they belong to
 _ROD, _PLATE = 4e-3, 0.024  # of the size: radius of rods, width of plates, where bolts stand far enough apart
 _CROWDED = 0.4  # of the distance to the nearest head: the most that a plate takes
-#: One load of several of its kind.
-_NUMBERED = re.compile(r"^(active bolt|passive bolt|force) (\d+)(,.*)?$")
 _MOST_LINES = 3  # of one kind of load in the legend
 
 
-def picture(
-    stage: Stage, what: str, layers: Sequence[Layer], legend: Legend, *, notes: Sequence[str] = (),
-    bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] = (), answer: str = "",
-) -> Picture:  # fmt: skip
-    """A picture with the title, the first digits of the input's hash, and the answer of its result, or another."""
-    digest = str(stage.document.get("input_sha256") or "")[:6]
-    title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
-    return Picture(
-        title, answer or stage.answer, tuple(layers), tuple(legend), stage.eye, tuple(notes), bar, tuple(labels),
-        not stage.in_section,
-    )  # fmt: skip
+@dataclass
+class Scenery:
+    """A picture as it is put together: what is drawn and what the legend says of it, in one call."""
+
+    stage: Stage
+    layers: list[Layer] = field(default_factory=list)
+    legend: Legend = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def rock(self, opacity: float = 1.0) -> None:
+        """The bedrock, or the rock about one block."""
+        self.layers += self.stage.rock(opacity)
+
+    def blocks(
+        self, name: str, chosen: Bools, *, offset: Floats | None = None, opacity: float = 1.0,
+        colours: Ints | None = None,
+    ) -> None:  # fmt: skip
+        """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage."""
+        stage = self.stage
+        colours = stage.block_colours() if colours is None else colours
+        offset = stage.still if offset is None else offset
+        self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
+
+    def add(
+        self, name: str, body: Sequence[Any], colour: Colour, said: str = "", *, opacity: float = 1.0, front: int = 0
+    ) -> None:
+        """A body, vertices and triangles first, in one colour, and what the legend says of it."""
+        self.layers.append(layer(name, (body[0], body[1]), colour, opacity, front=front))
+        if said:
+            self.legend.append((said, colour, opacity))
+
+    def bolts(self, moved: Floats | None = None, rods_said: str = "") -> None:
+        """Bolts as rods with plates, in front of what they lie in, in the legend or with a note of their own.
+
+        Parameters
+        ----------
+        moved : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
+        rods_said : the note, in place of what the legend says of each sort
+        """
+        bolts, bare = self.stage.scene.bolts, without_head(schedule(self.stage.document))
+        if bolts is not None:
+            width = plate_width(self.stage)
+            away = np.zeros((1, 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
+            heads, ends = bolts.heads_m + away, bolts.ends_m + away
+            for acts, colour, own in (
+                ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
+            ):  # fmt: skip
+                if own.any():
+                    count = int(own.sum())
+                    said = f"{count} {acts} bolt{'s' * (count > 1)}, {forces_in_words(bolts.force_kn[own].tolist())}"
+                    body = rods(heads[own], ends[own], _ROD / _PLATE * width)
+                    self.add(f"bolts, {acts}: rods", body, colour, front=1)
+                    body = plates(heads[own], bolts.plates[own], width)
+                    self.add(f"bolts, {acts}: plates", body, colour, "" if rods_said else said, front=1)
+        open_ended = bolts is not None and bool(np.isnan(bolts.length_m).any())
+        self.notes += [rods_said] if rods_said and bolts is not None and len(bolts) else []
+        self.notes += [bare] if bare else []
+        self.notes += ["bolts without a length are drawn to where they leave their block"] if open_ended else []
+
+    def picture(
+        self, what: str, *, bar: Bar | None = None, labels: Sequence[tuple[Floats, str]] | None = None, answer: str = ""
+    ) -> Picture:
+        """The picture with its title, the first digits of the input's hash, the answer of its result or another.
+
+        `labels` are the names of the blocks where they are not given.
+        """
+        stage = self.stage
+        digest = str(stage.document.get("input_sha256") or "")[:6]
+        title = f"{stage.title or stage.kind} — {what}" + (f"  (sha {digest})" if digest else "")
+        return Picture(
+            title, answer or stage.answer, tuple(self.layers), tuple(self.legend), stage.eye, tuple(self.notes), bar,
+            tuple(names(stage) if labels is None else labels), not stage.in_section,
+        )  # fmt: skip
 
 
 def measures(stage: Stage) -> str:
@@ -79,46 +141,41 @@ def block_legend(stage: Stage, rock: bool) -> Legend:
     return [*legend, ("bedrock", ROCK, 1.0)] if rock else legend
 
 
-def widened(stage: Stage, joint: int, by: float) -> Layer:
+def widened(stage: Stage, joint: int, by: float) -> tuple[Floats, Ints]:
     """A joint of one block as a plane wider than the block."""
     contacts = stage.scene.shapes.contacts
-    own = np.flatnonzero(contacts.joint == joint)
     corners = contacts.corners.copy()
-    for k in own.tolist():
+    for k in np.flatnonzero(contacts.joint == joint).tolist():
         at = slice(int(contacts.first[k]), int(contacts.first[k + 1]))
         middle = corners[at].mean(axis=0)
         corners[at] = middle + by * (corners[at] - middle)
-    name = stage.scene.shapes.joints[joint]
-    return layer(name, contacts_body(stage.scene.shapes, own, corners), joint_colour(joint), 0.55)
+    triangles, panel = triangles_of(contacts)
+    return corners, triangles[contacts.joint[panel] == joint]
 
 
-def joint_faces(stage: Stage, moved: Floats) -> list[Layer]:
-    """Every contact on the faces of its two blocks, each where `moved` (n, 3) takes the block, coloured by joint."""
+def joint_faces(stage: Stage, moved: Floats) -> Iterator[tuple[int, tuple[Floats, Ints]]]:
+    """The contacts of each joint on the faces of their two blocks, each where `moved` (n, 3) takes the block."""
     shapes = stage.scene.shapes
     contacts = shapes.contacts
     if len(contacts) == 0:
-        return []
+        return
     middle, normal = middles(contacts.corners, contacts.first)
     toward = shapes.centroids[contacts.plus] - middle
     normal = normal * np.where((normal * toward).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]  # into the plus block
     lift = _LIFTED * stage.size * normal
     counts = np.diff(contacts.first)
     moved = np.concatenate([moved, np.zeros((1, 3))])  # bedrock, -1, stays
-    found = []
-    for joint in range(len(shapes.joints)):
-        own = np.flatnonzero(contacts.joint == joint)
-        if len(own) == 0:
-            continue
+    triangles, panel = triangles_of(contacts)
+    for joint in np.unique(contacts.joint).tolist():
+        own, of_joint = np.flatnonzero(contacts.joint == joint), triangles[contacts.joint[panel] == joint]
         sides = [moved[contacts.plus] - lift, moved[contacts.minus] + lift]
-        bodies = [contacts_body(shapes, own, contacts.corners + np.repeat(side, counts, axis=0)) for side in sides]
+        bodies = [(contacts.corners + np.repeat(side, counts, axis=0), of_joint) for side in sides]
         if stage.in_section:
             sides = [moved[contacts.plus], moved[contacts.minus]]
             wide = _RIBBON * stage.size * normal
             bodies += [_ribbons(contacts, own, side[own], sign * wide[own])
                        for side, sign in zip(sides, (1.0, -1.0), strict=True)]  # fmt: skip
-        vertices, triangles, _ = joined(bodies)
-        found.append(layer(shapes.joints[joint], (vertices, triangles), joint_colour(joint)))
-    return found
+        yield joint, joined(bodies)[:2]
 
 
 def _ribbons(contacts: Contacts, own: Ints, moved: Floats, wide: Floats) -> tuple[Floats, Ints]:
@@ -142,11 +199,6 @@ def middles(corners: Floats, first: Ints) -> tuple[Floats, Floats]:
     part = cross(arms, arms[after])
     normal = np.stack([np.bincount(of, part[:, k], len(counts)) for k in range(3)], axis=1)
     return middle, normal / np.maximum(np.sqrt((normal * normal).sum(axis=1)), 1e-300)[:, None]
-
-
-def has_contacts(scene: BlockScene, joint: int) -> bool:
-    """Whether a joint has contacts at all."""
-    return bool((scene.shapes.contacts.joint == joint).any())
 
 
 def names(stage: Stage, moved: Floats | None = None, only: Bools | None = None) -> list[tuple[Floats, str]]:
@@ -241,37 +293,6 @@ def resultants(stage: Stage, shown: Bools) -> tuple[Floats, Floats, Ints]:
     return summed(points * weight[:, None]) / total[:, None], summed(forces), contact[first, 2]
 
 
-def bolt_layers(stage: Stage, moved: Floats | None = None) -> tuple[list[Layer], Legend, list[str]]:
-    """Bolts as rods with plates, in front of what they lie in; what the legend and the notes say of them.
-
-    Parameters
-    ----------
-    moved : (n, 3) m by which each block is drawn elsewhere: a bolt goes with the block of its head
-    """
-    bolts = stage.scene.bolts
-    said = without_head(schedule(stage.document))
-    notes = [said] if said else []
-    if bolts is None:
-        return [], [], notes
-    width = plate_width(stage)
-    radius = _ROD / _PLATE * width
-    away = np.zeros((len(bolts), 3)) if moved is None else np.append(moved, np.zeros((1, 3)), axis=0)[bolts.block]
-    layers, legend = [], list[tuple[str, Colour, float]]()
-    for acts, colour, own in (
-        ("active", ACTIVE_BOLT, ~bolts.passive), ("passive", PASSIVE_BOLT, bolts.passive),
-    ):  # fmt: skip
-        if own.any():
-            heads, ends = (bolts.heads_m + away)[own], (bolts.ends_m + away)[own]
-            layers.append(layer(f"bolts, {acts}: rods", rods(heads, ends, radius), colour, front=1))
-            layers.append(layer(f"bolts, {acts}: plates", plates(heads, bolts.plates[own], width), colour, front=1))
-            count = int(own.sum())
-            force = forces_in_words(bolts.force_kn[own].tolist())
-            legend.append((f"{count} {acts} bolt{'s' * (count > 1)}, {force}", colour, 1.0))
-    if np.isnan(bolts.length_m).any():
-        notes.append("bolts without a length are drawn to where they leave their block")
-    return layers, legend, notes
-
-
 def plate_width(stage: Stage) -> float:
     """How wide plates are drawn, m: so that they are seen and do not touch; 0 without bolts."""
     if stage.scene.bolts is None:
@@ -281,28 +302,12 @@ def plate_width(stage: Stage) -> float:
 
 
 def load_names(stage: Stage) -> list[str]:
-    """The loads by name, bolts with the numbers that the design lists them by.
-
-    A scene numbers active and passive bolts each for themselves, and those of many blocks that are active after the
-    forces.
-    """
-    inputs = stage.document.get("inputs") or {}
-    forces, bolts = len(inputs.get("forces") or []), schedule(stage.document)
-    numbers = {acts: [one.number for one in bolts if one.acts == acts] for acts in ("active", "passive")}
-
-    def called(name: str) -> str:
-        found = _NUMBERED.match(name)
-        if found is None:
-            return name
-        acts, number = found[1].removesuffix(" bolt"), int(found[2])
-        if acts == "force":
-            if stage.document.get("assembly") is None or number <= forces:
-                return name
-            acts, number = "active", number - forces
-        own = numbers[acts]
-        return f"{acts} bolt {own[number - 1]}{found[3] or ''}" if number <= len(own) else name
-
-    return [called(name) for name in stage.scene.loads.names]
+    """The loads by name, bolts with the numbers that the design lists them by."""
+    called = []
+    for name in stage.scene.loads.names:
+        bolt = bolt_of_load(stage.document, name)
+        called.append(name if bolt is None else f"{bolt[0]} bolt {bolt[1]}{''.join(name.partition(',')[1:])}")
+    return called
 
 
 def bolt_colour(name: str) -> Colour | None:
@@ -326,11 +331,11 @@ def kinds_of_loads(names: Sequence[str], sizes: Sequence[Floats]) -> list[tuple[
     lines: dict[tuple[str, ...], list[int]] = {}
     families: dict[str, set[str]] = {}
     for name, size in zip(names, sizes, strict=True):
-        if found := _NUMBERED.match(name):
+        if found := NUMBERED.match(name):
             families.setdefault(f"{found[1]}s{found[3] or ''}", set()).add(_sizes_in_words(size))
     for k, (name, size) in enumerate(zip(names, sizes, strict=True)):
         key: tuple[str, ...] = (name,)
-        if found := _NUMBERED.match(name):
+        if found := NUMBERED.match(name):
             family = f"{found[1]}s{found[3] or ''}"
             key = (family, "" if len(families[family]) > _MOST_LINES else _sizes_in_words(size))
         lines.setdefault(key, []).append(k)

@@ -30,23 +30,20 @@ from slopekit.views.layers import (
     Colour,
     Picture,
     arrows,
-    blocks_layer,
     free_normal,
-    layer,
     rigid,
     spheres,
 )
 from slopekit.views.scene_parts import (
     Legend,
+    Scenery,
     amount,
     amounts,
     balanced,
     block_legend,
     bolt_colour,
-    bolt_layers,
     counted,
     ends,
-    has_contacts,
     joint_faces,
     kilonewtons,
     kinds_of_loads,
@@ -56,7 +53,6 @@ from slopekit.views.scene_parts import (
     names,
     neighbourhood,
     nice,
-    picture,
     resultants,
     spacing,
     spread,
@@ -68,17 +64,6 @@ from slopekit.views.scene_parts import (
 )
 from slopekit.views.stage import Stage, joint_colour
 
-#: What can be drawn of a result, and what it shows.
-SCENES: Mapping[str, str] = {
-    "scene": "the slope with its blocks and joints",
-    "exploded": "the blocks apart, their joints coloured",
-    "tractions": "node pairs by contact mode, and the tractions that they carry at the limit",
-    "forces": "the loads, and the resultants on the joints, to scale",
-    "displacement": "the displacement at full strength, magnified",
-    "mechanism": "how the blocks move as they fail",
-    "factors": "blocks coloured by the factor of safety at which they fail",
-    "ravelling": "blocks coloured by the order in which they fail",
-}
 _DRAWN = 0.08  # of the size: what the largest displacement is drawn as, where nothing else is asked for
 _EXPLODED = 0.35
 _NO_FORCE, _SEEN = 1e-9, 0.03  # of the largest
@@ -94,6 +79,19 @@ class Asked:
     explode: float | None = None
     magnify: float | None = None
     step: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A picture of a result: what it shows, who puts it together, keys that the result must have, options of its own.
+
+    A displacement must stand in the scene itself.
+    """
+
+    shows: str
+    compose: Callable[[Stage, Asked], Picture]
+    needs: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
 
 
 def draw(
@@ -135,108 +133,96 @@ def compose(document: Mapping[str, Any], what: str, asked: Asked | None = None) 
     for name, value in (("explode", wanted.explode), ("magnify", wanted.magnify)):
         if value is not None and not (math.isfinite(value) and value >= 0.0):
             raise DesignError([Fault("E354", f"--{name} is {value:g}, a number of 0 or more is needed", f"--{name}")])
-    return _COMPOSERS[what](Stage.of(document), wanted)
+    return SCENES[what].compose(Stage.of(document), wanted)
 
 
 # -- the pictures -----------------------------------------------------------------------------------------------------
 
 
 def _scene(stage: Stage, _: Asked) -> Picture:
-    shapes = stage.scene.shapes
-    layers = stage.rock()
-    layers.append(blocks_layer("blocks", shapes, stage.free, stage.block_colours(), stage.still))
-    legend = block_legend(stage, bool(layers[:-1]))
+    shapes, seen = stage.scene.shapes, Scenery(stage)
+    seen.rock()
+    seen.legend += block_legend(stage, bool(seen.layers))
+    seen.blocks("blocks", stage.free)
     if stage.alone and not stage.is_curved:
-        for joint in range(len(shapes.joints)):
-            layers.append(widened(stage, joint, 1.22))
-            legend.append((stage.joint_names()[joint], joint_colour(joint), 0.7))
-    moving = np.flatnonzero(stage.scene.order == 1)
-    if stage.alone and len(moving):
+        for joint, name in enumerate(stage.joint_names()):
+            seen.add(shapes.joints[joint], widened(stage, joint, 1.22), joint_colour(joint), opacity=0.55)
+            seen.legend.append((name, joint_colour(joint), 0.7))
+    if stage.alone and stage.scene.order[0] == 1:
         way = stage.scene.velocity[0, :3]
         length = math.sqrt(float(way @ way))
         if length > 0.05:
             starts = shapes.centroids[:1] + 0.3 * stage.size * free_normal(shapes) * (0.0 if stage.in_section else 1.0)
-            body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)[:2]
-            layers.append(layer("movement", body, DARK, front=1))
-            legend.append(("movement as it fails", DARK, 1.0))
-    rods, named, said = bolt_layers(stage)
-    notes = [*_scene_notes(stage), *said]
-    return picture(stage, "scene", [*layers, *rods], [*legend, *named], notes=notes, labels=names(stage))
-
-
-def _scene_notes(stage: Stage) -> tuple[str, ...]:
-    bare = "the ground is a mesh of its own: it is not drawn"
-    without = stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m")
-    return (measures(stage), *[bare] * without)
+            body = arrows(starts, 0.3 * stage.size * way[None, :] / length, 0.03 * stage.size)
+            seen.add("movement", body, DARK, "movement as it fails", front=1)
+    seen.notes.append(measures(stage))
+    if stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m"):
+        seen.notes.append("the ground is a mesh of its own: it is not drawn")
+    seen.bolts()
+    return seen.picture("scene")
 
 
 def _exploded(stage: Stage, asked: Asked) -> Picture:
-    scene, shapes = stage.scene, stage.scene.shapes
+    shapes, seen = stage.scene.shapes, Scenery(stage)
     apart = _EXPLODED if asked.explode is None else asked.explode
     if stage.alone:
         moved = apart * stage.size * free_normal(shapes)[None, :]
+        seen.rock()
+        note = f"the block moved out of the slope by {apart:g} of its size"
     else:
         own = shapes.fixed if shapes.fixed.any() else stage.free
         moved = apart * (shapes.centroids - shapes.centroids[own].mean(axis=0))
         if stage.in_section:
             moved[shapes.fixed] = 0.0
-    layers = [] if not stage.alone else stage.rock()
-    kept = np.ones(len(shapes.names), dtype=bool)
+        middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
+        note = f"blocks moved apart by {apart:g} of their distance from {middle}"
+    seen.legend += block_legend(stage, bool(seen.layers))
     colours = stage.block_colours()
     colours[shapes.fixed] = ROCK
-    layers.append(blocks_layer("blocks", shapes, kept, colours, moved[stage.of_vertex]))
-    layers += joint_faces(stage, moved)
-    legend = block_legend(stage, stage.alone and len(layers) > 1)
-    legend += [(name, joint_colour(k), 1.0) for k, name in enumerate(stage.joint_names()) if has_contacts(scene, k)]
-    middle = "the middle of the bedrock" if shapes.fixed.any() else "the middle"
-    note = f"blocks moved apart by {apart:g} of their distance from {middle}"
-    if stage.alone:
-        note = f"the block moved out of the slope by {apart:g} of its size"
-    rods, named, said = bolt_layers(stage, moved)
-    notes = (note, measures(stage), *said)
-    return picture(stage, "exploded", [*layers, *rods], [*legend, *named], notes=notes, labels=names(stage, moved))
+    seen.blocks("blocks", np.ones(len(shapes.names), dtype=bool), offset=moved[stage.of_vertex], colours=colours)
+    for joint, body in joint_faces(stage, moved):
+        seen.add(shapes.joints[joint], body, joint_colour(joint), stage.joint_names()[joint])
+    seen.notes += [note, measures(stage)]
+    seen.bolts(moved)
+    return seen.picture("exploded", labels=names(stage, moved))
 
 
 def _tractions(stage: Stage, _: Asked) -> Picture:
-    scene, pairs = stage.scene, stage.scene.pairs
-    layers = [*stage.rock(0.55 if stage.in_section else 1.0)] if stage.alone else []
-    seen = stage.free if stage.alone else stage.free & touched(stage)
-    layers.append(blocks_layer("blocks", scene.shapes, seen, stage.block_colours(), stage.still, 0.12))
-    scale = neighbourhood(stage, seen)
+    pairs, seen = stage.scene.pairs, Scenery(stage)
+    shown = stage.free if stage.alone else stage.free & touched(stage)
+    if stage.alone:
+        seen.rock(0.55 if stage.in_section else 1.0)
+    seen.blocks("blocks", shown, opacity=0.12)
+    seen.legend.append(("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3))
+    scale = neighbourhood(stage, shown)
     apart = scale if stage.in_section else spacing(pairs.control_area_m2)
-    legend = [("block" if stage.alone else "blocks whose contacts were solved", BLOCK, 0.3)]
     for k, name in enumerate(MODES):
         own = pairs.mode == k
         if own.any():
             radius = min(0.016 * scale, 0.22 * apart) * (0.6 if k == OPEN else 1.0)
+            said = f"{name}: {int(own.sum())} of {len(pairs)} node pairs"
             front = 0 if stage.alone else 1 if k == OPEN else 2
-            body = spheres(pairs.points_m[own], radius)[:2]
-            layers.append(layer(f"node pairs: {name}", body, MODE_COLOURS[name], front=front))
-            legend.append((f"{name}: {int(own.sum())} of {len(pairs)} node pairs", MODE_COLOURS[name], 1.0))
+            seen.add(f"node pairs: {name}", spheres(pairs.points_m[own], radius), MODE_COLOURS[name], said, front=front)
     traction = (pairs.normal_kn[:, None] * pairs.normals + pairs.shear_kn) / pairs.control_area_m2[:, None]
     size = np.sqrt((traction * traction).sum(axis=1))
     size[pairs.mode == OPEN] = 0.0
-    notes = ["no node pairs: nothing was solved"] if len(pairs) == 0 else []
-    notes += [_NO_LIMIT] if len(pairs) and not size.any() else []
-    if size.any():
-        drawn = spread(pairs.points_m, size)
-        longest = float(size.max())
-        width = min(0.014 * scale, 0.15 * apart)
-        body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, width)[:2]
-        layers.append(layer("tractions", body, DARK, front=0 if stage.alone else 3))
-        legend.append((f"traction{_on(stage)}, longest {longest:.4g} kPa", DARK, 1.0))
-        left = int((size > 0.0).sum()) - len(drawn)
-        notes += [f"{len(drawn)} of {left + len(drawn)} tractions are drawn, spread evenly"] if left else []
-        notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
-    return picture(stage, "tractions", layers, legend, notes=notes, labels=names(stage, only=seen))
-
-
-def _on(stage: Stage) -> str:
-    return " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
+    if not size.any():
+        seen.notes.append(_NO_LIMIT if len(pairs) else "no node pairs: nothing was solved")
+        return seen.picture("tractions", labels=names(stage, only=shown))
+    drawn = spread(pairs.points_m, size)
+    longest = float(size.max())
+    body = arrows(pairs.points_m[drawn], 0.25 * scale * traction[drawn] / longest, min(0.014 * scale, 0.15 * apart))
+    on = " on the block" if stage.alone else " on one of the two blocks, the other has its opposite"
+    seen.add("tractions", body, DARK, f"traction{on}, longest {longest:.4g} kPa", front=0 if stage.alone else 3)
+    every = int((size > 0.0).sum())
+    if len(drawn) < every:
+        seen.notes.append(f"{len(drawn)} of {every} tractions are drawn, spread evenly")
+    seen.notes.append("tractions at the limit: normal and shear of each pair by the area that it controls")
+    return seen.picture("tractions", labels=names(stage, only=shown))
 
 
 def _forces(stage: Stage, _: Asked) -> Picture:
-    scene, loads = stage.scene, stage.scene.loads
+    scene, loads, seen = stage.scene, stage.scene.loads, Scenery(stage)
     known = stage.free if stage.alone else balanced(stage)
     at, force, joint = resultants(stage, known)
     own = known[loads.block]
@@ -244,23 +230,24 @@ def _forces(stage: Stage, _: Asked) -> Picture:
     longest = float(np.sqrt((every * every).sum(axis=1)).max(initial=0.0))
     scale = neighbourhood(stage, known)
     drawn = 0.65 * scale / max(longest, 1e-300)
-    layers = [*stage.rock(0.35)] if stage.alone else []
-    layers.append(blocks_layer("blocks", scene.shapes, known, stage.block_colours(), stage.still, 0.3))
-    legend = [("block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})", BLOCK, 0.5)]
-    notes = [f"arrows to scale, the longest {kilonewtons(longest)}: forces on the blocks at the limit"]
+    if stage.alone:
+        seen.rock(0.35)
+    seen.blocks("blocks", known, opacity=0.3)
+    seen.legend.append(("block" if stage.alone else f"blocks in equilibrium ({int(known.sum())})", BLOCK, 0.5))
+    seen.notes.append(f"arrows to scale, the longest {kilonewtons(longest)}: forces on the blocks at the limit")
     if not force.any():
-        notes = [f"loads to scale, the longest {kilonewtons(longest)}", _NO_LIMIT]
-    if not stage.alone and int(known.sum()) < int(stage.free.sum()):
-        left = int(stage.free.sum()) - int(known.sum())
-        notes.append(f"{left} other blocks are left out: held, or their contacts were not all solved")
+        seen.notes = [f"loads to scale, the longest {kilonewtons(longest)}", _NO_LIMIT]
+    left = int(stage.free.sum()) - int(known.sum())
+    if not stage.alone and left:
+        seen.notes.append(f"{left} other blocks are left out: held, or their contacts were not all solved")
     every_size = np.sqrt((loads.force_kn**2).sum(axis=1))
     sizes = [every_size[own & (loads.what == k)] for k in range(len(loads.names))]
-    seen = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
+    large = [k for k, size in enumerate(sizes) if (size > _NO_FORCE * longest).any()]
     called = load_names(stage)
-    alike = kinds_of_loads([called[k] for k in seen], [sizes[k] for k in seen])
+    alike = kinds_of_loads([called[k] for k in large], [sizes[k] for k in large])
     groups: list[_Group] = []
     for name, kinds in alike:
-        which = [seen[k] for k in kinds]
+        which = [large[k] for k in kinds]
         of = own & np.isin(loads.what, which)
         said = amounts(name, [sizes[k] for k in which])
         colour = bolt_colour(called[which[0]]) or LOADS[which[0] % len(LOADS)]
@@ -270,16 +257,13 @@ def _forces(stage: Stage, _: Asked) -> Picture:
         size = np.sqrt((force[joint == k] ** 2).sum(axis=1))
         if (size > _NO_FORCE * longest).any():
             groups.append((name, amount(name, size), at[joint == k], force[joint == k], joint_colour(k), True))
-    rods, _named, without = bolt_layers(stage)
-    layers += rods
+    seen.bolts(rods_said="rods and plates show where bolts are, arrows their forces")
     for name, said, points, forces, colour, pushes in groups:
         vectors = drawn * forces
-        starts = points - (vectors if pushes else 0.0)
-        layers.append(layer(name, arrows(starts, vectors, 0.022 * scale)[:2], colour, front=1))
         unseen = " (too small to be seen)" if float((forces**2).sum(axis=1).max()) < (_SEEN * longest) ** 2 else ""
-        legend.append((said + unseen, colour, 1.0))
-    notes += [*(["rods and plates show where bolts are, arrows their forces"] if rods else []), *without]
-    return picture(stage, "forces", layers, legend, notes=notes, labels=names(stage, only=known))
+        seen.add(name, arrows(points - (vectors if pushes else 0.0), vectors, 0.022 * scale), colour, said + unseen,
+                 front=1)  # fmt: skip
+    return seen.picture("forces", labels=names(stage, only=known))
 
 
 def _displacement(stage: Stage, asked: Asked) -> Picture:
@@ -297,17 +281,19 @@ def _displacement(stage: Stage, asked: Asked) -> Picture:
     moved = rigid(scene.shapes, scene.displacement * times, scene.shapes.solids.vertices, stage.of_vertex)
     centroids = np.sqrt((scene.displacement[:, :3] ** 2).sum(axis=1))
     first = int(np.argmax(centroids))
-    layers = [*stage.rock(), blocks_layer("at rest", scene.shapes, stage.free, stage.block_colours(), stage.still, 0.2)]
-    layers.append(blocks_layer("displaced", scene.shapes, stage.free, stage.block_colours(), moved))
-    legend = [("as it was", BLOCK, 0.3), (f"displaced, {times:,.6g} times", BLOCK, 1.0)]
+    seen = Scenery(stage)
+    seen.rock()
+    seen.blocks("at rest", stage.free, opacity=0.2)
+    seen.blocks("displaced", stage.free, offset=moved)
+    seen.legend += [("as it was", BLOCK, 0.3), (f"displaced, {times:,.6g} times", BLOCK, 1.0)]
     down = millimetres(-float(scene.displacement[first, 2]))
     turned = math.degrees(math.sqrt(float(scene.displacement[first, 3:] @ scene.displacement[first, 3:])))
     whose = "centroid" if stage.alone else f"centroid of {scene.shapes.names[first]}"
-    notes = (
+    seen.notes.append(
         f"displacement at full strength on the elastic bed, magnified {times:,.6g} times: largest {millimetres(most)}, "
-        f"{whose} {millimetres(float(centroids[first]))} ({down} down), turned by {turned:.3g}°",
+        f"{whose} {millimetres(float(centroids[first]))} ({down} down), turned by {turned:.3g}°"
     )
-    return picture(stage, "displacement", layers, legend, notes=notes, labels=names(stage))
+    return seen.picture("displacement")
 
 
 def _mechanism(stage: Stage, asked: Asked) -> Picture:
@@ -330,13 +316,17 @@ def _mechanism(stage: Stage, asked: Asked) -> Picture:
     colours = stage.block_colours()
     for k in np.flatnonzero(moving):
         colours[k] = MOTION_COLOURS.get(how.get(shapes.names[k], ""), BLOCK)
-    layers = stage.rock()
-    still = stage.free & ~moving & ~gone
+    seen, still = Scenery(stage), stage.free & ~moving & ~gone
+    seen.rock()
+    for way, count in counted(how, shapes.names, moving):
+        said = f"{MOTIONS.get(way, way)}: {count}" if way else "moves"
+        seen.legend.append((said, MOTION_COLOURS.get(way, BLOCK), 1.0))
     if still.any():
         colours[still] = STANDS
-        layers.append(blocks_layer("at rest", shapes, still, colours, stage.still))
-    layers.append(blocks_layer("where they were", shapes, moving, colours, stage.still, 0.15))
-    layers.append(blocks_layer("moving", shapes, moving, colours, moved))
+        seen.blocks("at rest", still, colours=colours)
+        seen.legend.append(("at rest", STANDS, 1.0))
+    seen.blocks("where they were", moving, opacity=0.15, colours=colours)
+    seen.blocks("moving", moving, offset=moved, colours=colours)
     own = np.flatnonzero(moving)
     speed = np.sqrt((scene.velocity[own, :3] ** 2).sum(axis=1))
     kept = spread(shapes.centroids[own], speed)
@@ -344,21 +334,16 @@ def _mechanism(stage: Stage, asked: Asked) -> Picture:
     length = 0.3 * stage.size if stage.alone else 0.8 * float(stage.sizes[moving].mean())
     starts = shapes.centroids[own] + scene.velocity[own, :3] * times
     fast = max(float(speed.max(initial=0.0)), 1e-300)
-    body = arrows(starts, scene.velocity[own, :3] * (length / fast), 0.06 * length)[:2]
-    layers.append(layer("velocity", body, DARK, front=1))
-    legend: Legend = []
-    for way, count in counted(how, shapes.names, moving):
-        legend.append((f"{MOTIONS.get(way, way)}: {count}" if way else "moves", MOTION_COLOURS.get(way, BLOCK), 1.0))
-    legend += [("at rest", STANDS, 1.0)] if still.any() else []
-    legend += [("velocity of the centroids", DARK, 1.0)]
-    notes = [
+    body = arrows(starts, scene.velocity[own, :3] * (length / fast), 0.06 * length)
+    seen.add("velocity", body, DARK, "velocity of the centroids", front=1)
+    seen.notes.append(
         "a mechanism has proportions, no size: drawn so that it is seen, and so far that blocks may cut into others"
-    ]
+    )
     if gone.any():
-        notes.append(f"{int(gone.sum())} blocks that failed before are left out")
+        seen.notes.append(f"{int(gone.sum())} blocks that failed before are left out")
     what = "mechanism" if last == 1 else f"mechanism {asked.step} of {last}"
     labels = names(stage, scene.velocity[:, :3] * times, moving)
-    return picture(stage, what, layers, legend, notes=notes, labels=labels, answer=_answer_of(stage, asked.step))
+    return seen.picture(what, labels=labels, answer=_answer_of(stage, asked.step))
 
 
 def _answer_of(stage: Stage, step: int) -> str:
@@ -371,14 +356,7 @@ def _answer_of(stage: Stage, step: int) -> str:
     return f"mechanism {step}: {status_text(stage.kind, str(one.get('status')))} · {factor} · what moved before is gone"
 
 
-_COMPOSERS: Mapping[str, Callable[[Stage, Asked], Picture]] = {
-    "scene": _scene, "exploded": _exploded, "tractions": _tractions, "forces": _forces, "displacement": _displacement,
-    "mechanism": _mechanism, "factors": lambda stage, _: factors(stage),
-    "ravelling": lambda stage, _: ravelling(stage),
-}  # fmt: skip
-
-
-def factors(stage: Stage) -> Picture:
+def _factors(stage: Stage, _: Asked) -> Picture:
     """Blocks by the factor of safety at which they fail."""
     factor = stage.scene.factor
     known = np.isfinite(factor)
@@ -398,14 +376,8 @@ def factors(stage: Stage) -> Picture:
     return _by_value(stage, "factors", factor, bar, asked, notes, scale=not one)
 
 
-def ravelling(stage: Stage) -> Picture:
-    """Blocks by the order in which they fail.
-
-    Raises
-    ------
-    DesignError
-        E352 where nothing moves.
-    """
+def _ravelling(stage: Stage, _: Asked) -> Picture:
+    """Blocks by the order in which they fail."""
     order = stage.scene.order
     if not order.any():
         raise DesignError([Fault("E352", f"nothing moves: {stage.document.get('status_text')}", "ravelling")])
@@ -437,5 +409,20 @@ def _by_value(
         colours[known] = bar.colours(values[known])
     colours[without_strength(stage) & ~known] = FALLS
     colours[unsettled(stage) & ~known] = UNSETTLED
-    layers = [*stage.rock(), blocks_layer("blocks", stage.scene.shapes, stage.free, colours, stage.still)]
-    return picture(stage, what, layers, legend, notes=notes, bar=bar if scale else None, labels=names(stage))
+    seen = Scenery(stage, legend=list(legend), notes=list(notes))
+    seen.rock()
+    seen.blocks("blocks", stage.free, colours=colours)
+    return seen.picture(what, bar=bar if scale else None)
+
+
+#: What can be drawn of a result, by its word.
+SCENES: Mapping[str, Scene] = {
+    "scene": Scene("the slope with its blocks and joints", _scene),
+    "exploded": Scene("the blocks apart, their joints coloured", _exploded, options=("--explode",)),
+    "tractions": Scene("node pairs by contact mode, and the tractions that they carry at the limit", _tractions),
+    "forces": Scene("the loads, and the resultants on the joints, to scale", _forces),
+    "displacement": Scene("the displacement at full strength, magnified", _displacement, options=("--magnify",)),
+    "mechanism": Scene("how the blocks move as they fail", _mechanism, ("mechanism",), ("--magnify", "--step")),
+    "factors": Scene("blocks coloured by the factor of safety at which they fail", _factors, ("assembly",)),
+    "ravelling": Scene("blocks coloured by the order in which they fail", _ravelling, ("assembly", "mechanism")),
+}

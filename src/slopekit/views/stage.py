@@ -13,6 +13,7 @@ from slopekit.block_scene import BlockScene
 from slopekit.errors import DesignError, Fault
 from slopekit.kinds import known_kind
 from slopekit.orientation import Line, parse_plane
+from slopekit.result import JUDGED
 from slopekit.views.layers import (
     BLOCK,
     JOINTS,
@@ -153,11 +154,14 @@ class Stage:
         fos = self.document.get("fos") or {}
         limit, closed, lowest = fos.get("limit"), fos.get("closed_form"), fos.get("lowest")
         parts = [str(self.document.get("status_text", ""))]
-        parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} (limit, PRE-IE)")
-        parts += (
-            [] if lowest is None or limit is None or lowest > 0.99 * limit else [f"same mechanism from {lowest:.4f}"]
-        )
-        searched = fos.get("all_pairs_failed")
+        led = self.document.get("leading") or {}
+        name = str(led.get("name"))
+        parts += [f"FoS {led['fos']:.4f} ({JUDGED[name]}: acceptance hangs on it)"] if name in JUDGED else []
+        said = "limit, PRE-IE" if not led else "limit"
+        parts.append("no factor of safety" if limit is None else f"FoS {limit:.4f} ({said})")
+        known = name == "lowest" or lowest is None or limit is None or lowest > 0.99 * limit
+        parts += [] if known else [f"same mechanism from {lowest:.4f}"]
+        searched = None if name == "all_pairs_failed" else fos.get("all_pairs_failed")
         parts += [] if searched is None else [f"all pairs failed {searched:.4f}"]
         parts += [] if closed is None else [f"closed form {closed:.4f}"]
         agree = self.document.get("agree")

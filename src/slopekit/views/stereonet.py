@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.arrays import Bools, Floats
-from slopekit.orientation import Plane
+from slopekit.orientation import Plane, number
 from slopekit.views.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 Net = Literal["area", "angle"]
@@ -175,15 +175,14 @@ def envelope(axes: Any, face: Plane, net: Net, **style: Any) -> None:
     arc(axes, daylight_envelope(face), net, **style)
 
 
-def spokes(axes: Any, trend_deg: float, within_deg: float, **style: Any) -> None:
+def spokes(axes: Any, trend_deg: float, within_deg: float) -> None:
     """Lateral limits on both sides of a trend, from the middle to the rim; none at 90° and more."""
-    label = style.pop("label", None)
     if within_deg >= 90.0:
         return
-    for k, off in enumerate((-within_deg, within_deg)):
+    for off, label in ((-within_deg, f"lateral limits ±{number(within_deg)}°"), (within_deg, None)):
         toward = math.radians(trend_deg + off)
-        axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], label=label if k == 0 else None,
-                  **{"zorder": _LINES} | style)  # fmt: skip
+        axes.plot([0.0, math.sin(toward)], [0.0, math.cos(toward)], color=GREY, linestyle="--", linewidth=1.0,
+                  label=label, zorder=_LINES)  # fmt: skip
 
 
 def points(axes: Any, vectors: Floats, net: Net, **style: Any) -> None:

@@ -19,9 +19,10 @@ from slopekit.views.drawing import (
     GREY,
     RED,
     Damaged,
-    dressed,
+    finish,
     hide_cut,
     logarithmic,
+    note,
     nothing,
     short,
     stretches,
@@ -104,12 +105,7 @@ def draw_curve(figure: Any, document: Document) -> None:
     swept = _Swept(document)
     key, (_, points) = swept.keys[0], swept.lines()[0]
     drawn = {method: [(value, factor_at(point, method)) for value, point in points] for method in swept.asked}
-    numbers = [f for line in drawn.values() for _, f in line if f is not None and 0.0 < f < math.inf]
-    if not numbers:
-        nothing(_TOO_FEW)
-    axes = figure.subplots()
-    if max(numbers) > _WIDE * min(numbers):
-        logarithmic(axes)
+    axes = _axes(figure, [factor for line in drawn.values() for _, factor in line])
     both = len(swept.asked) > 1  # the closed form lies under PRE-IE, wider: where they agree both are seen
     styles: dict[Method, dict[str, Any]] = {
         "closed_form": {"color": RED, "linewidth": 6.0 if both else 1.4, "alpha": 0.35 if both else 1.0,
@@ -129,8 +125,7 @@ def draw_curve(figure: Any, document: Document) -> None:
     for one in passes:
         at, level = one["at"], one["fos"]
         axes.plot([at], [level], marker="D", color=DARK, markerfacecolor="white", markersize=7.0, zorder=4)
-        axes.annotate(_with_unit(at, key["unit"], 4), (at, level), xytext=(6, 7), textcoords="offset points",
-                      fontsize=8.5, color=DARK, bbox=BOX, zorder=4)  # fmt: skip
+        note(axes, _with_unit(at, key["unit"], 4), (at, level), (6, 7), fontsize=8.5, color=DARK, zorder=4)
     if passes:
         axes.plot([], [], color=DARK, marker="D", markerfacecolor="white", linestyle="none",
                   label="passes the level (interpolated)")  # fmt: skip
@@ -189,12 +184,7 @@ def draw_contour(figure: Any, document: Document) -> None:
             axes.plot([], [], color=colour, linewidth=2.2, label=what)
     figure.colorbar(filled, ax=axes, label=f"factor of safety ({METHODS[method]})")
     _grid_points(axes, swept, across, down, lines)
-    if (
-        first["now"] is not None
-        and second["now"] is not None
-        and _inside(first["now"], across)
-        and _inside(second["now"], down)
-    ):
+    if _inside(first["now"], across) and _inside(second["now"], down):
         axes.plot([first["now"]], [second["now"]], **_NOW)
     axes.set_xlabel(_name(document, first))
     axes.set_ylabel(_name(document, second))
@@ -215,12 +205,7 @@ def _draw_lines(figure: Any, swept: _Swept) -> None:
         lines = [(column[0][0], [(line or 0.0, point) for (line, _), (_, point) in zip(lines, column, strict=True)])
                  for column in by_first]  # fmt: skip
     every = [(value, factor_at(point, method), point) for _, points in lines for value, point in points]
-    numbers = [factor for _, factor, _ in every if factor is not None and 0.0 < factor < math.inf]
-    if not numbers:
-        nothing(_TOO_FEW)
-    axes = figure.subplots()
-    if max(numbers) > _WIDE * min(numbers):
-        logarithmic(axes)
+    axes = _axes(figure, [factor for _, factor, _ in every])
     own: float | None = None
     for (value, points), colour in zip(lines, (BLUE, RED), strict=False):
         drawn = [(at, factor_at(point, method)) for at, point in points]
@@ -238,9 +223,8 @@ def _draw_lines(figure: Any, swept: _Swept) -> None:
     axes.set_xlabel(_name(document, over))
     axes.set_ylabel(f"factor of safety ({METHODS[method]})")
     few = f"{counted(len(lines), 'value')} of {_words(document, other, 40)} {'carry' if len(lines) > 1 else 'carries'}"
-    _finish(
-        figure, axes, document, f"factor of safety over {_words(document, over, 40)}\n{few} no contours: drawn as lines"
-    )
+    what = f"factor of safety over {_words(document, over, 40)}\n{few} no contours: drawn as lines"
+    _finish(figure, axes, document, what)
 
 
 @dataclass(frozen=True)
@@ -264,14 +248,10 @@ def draw_tornado(figure: Any, document: Document) -> None:
     method = asked[0]
     base = factor_at(own, method)
     every = [
-        _Bar(
-            _words(document, bar, 40),
-            _shown(bar),
-            [point_from_record(bar[end]) for end in ("at_low", "at_high")],
-            bar["swing"],
-        )
+        _Bar(_words(document, bar, 40), _shown(bar), [point_from_record(bar[end]) for end in ("at_low", "at_high")],
+             bar["swing"])
         for bar in document["bars"]
-    ]
+    ]  # fmt: skip
     moving = [bar for bar in every if bar.swing(method)]
     bars = moving[:_MOST_BARS]
     ends = [f for bar in bars for point in bar.ends if (f := factor_at(point, method)) is not None]
@@ -331,13 +311,21 @@ def _at(value: float | None, line: Sequence[tuple[float, float | None]]) -> floa
     return next((factor for at, factor in line if at == value and factor and math.isfinite(factor)), None)
 
 
+def _axes(figure: Any, factors: Sequence[float | None]) -> Any:
+    """Axes for factors, logarithmic where they span much."""
+    numbers = [factor for factor in factors if factor is not None and 0.0 < factor < math.inf]
+    if not numbers:
+        nothing(_TOO_FEW)
+    axes = figure.subplots()
+    if max(numbers) > _WIDE * min(numbers):
+        logarithmic(axes)
+    return axes
+
+
 def _finish(figure: Any, axes: Any, document: Document, what: str, margins: bool = True) -> None:
-    dressed(axes)
     if margins:
         axes.margins(x=0.04, y=0.08)
-    axes.set_title(f"{title_of(document)}\n{what}", fontsize=10)
-    if axes.get_legend_handles_labels()[1]:
-        figure.legend(fontsize=8.5, loc="outside lower center", ncols=4, frameon=False)
+    finish(figure, axes, f"{title_of(document)}\n{what}", 4, 10)
 
 
 def _words(document: Document, key: Document, most: int = 60) -> str:
@@ -408,9 +396,8 @@ def _statuses(axes: Any, swept: _Swept, values: Sequence[float]) -> None:
         at = 0.5 * sum(change["between"])
         one, other = (_BRIEF.get(status, status) for status in change["statuses"])
         axes.axvline(at, color=RED, linestyle=":", linewidth=1.2)
-        axes.annotate(f"{one} | {other}", (at, 0.98), xytext=(-3, 0), xycoords=("data", "axes fraction"),
-                      textcoords="offset points", rotation=90, ha="right", va="top", fontsize=8, color=RED,
-                      bbox=BOX)  # fmt: skip
+        note(axes, f"{one} | {other}", (at, 0.98), (-3, 0), xycoords=("data", "axes fraction"), rotation=90,
+             ha="right", va="top", color=RED)  # fmt: skip
     if len(changes) > _MOST_MARKED:
         axes.plot([], [], color=RED, linestyle=":", label=f"status changes (first {_MOST_MARKED} of {len(changes)})")
 
@@ -434,8 +421,8 @@ def _grid_points(axes: Any, swept: _Swept, across: Sequence[float], down: Sequen
                   label="the methods disagree")  # fmt: skip
 
 
-def _inside(value: float, values: Sequence[float]) -> bool:
-    return min(values) <= value <= max(values)
+def _inside(value: float | None, values: Sequence[float]) -> bool:
+    return value is not None and min(values) <= value <= max(values)
 
 
 def _tornado_bar(
@@ -449,19 +436,12 @@ def _tornado_bar(
     for k, (shown, point, colour) in enumerate(zip(bar.shown, bar.ends, (_LOW, _HIGH), strict=True)):
         factor, end, other = factor_at(point, method), ends[k], ends[1 - k]
         bare = factor is None or not math.isfinite(factor) or factor == 0.0
-        # the longer of two bars to one side lies beneath
-        axes.barh(
-            [row],
-            [end - base],
-            left=base,
-            color=colour,
-            height=0.62,
-            zorder=2.0 + 0.1 * (abs(end - base) < abs(other - base)),
-        )
+        above = 2.1 if abs(end - base) < abs(other - base) else 2.0  # the longer of two to one side lies beneath
+        axes.barh([row], [end - base], left=base, color=colour, height=0.62, zorder=above)
         left = end < base or (end == base and (other > base or (other == base and k == 0)))
         said = shown + (f"  {_said(point, method)}" if bare else "")
-        axes.annotate(said, (end, row), xytext=(-4 if left else 4, 0), textcoords="offset points", fontsize=7.5,
-                      ha="right" if left else "left", va="center", color=DARK, zorder=3, bbox=BOX)  # fmt: skip
+        note(axes, said, (end, row), (-4 if left else 4, 0), fontsize=7.5, ha="right" if left else "left",
+             va="center", color=DARK, zorder=3)  # fmt: skip
 
 
 def _said(point: Point, method: Method) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
 from slopekit.errors import DesignError, Fault
+from slopekit.exchange.panels import triangles_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,
     BLOCK,
@@ -256,42 +257,14 @@ def _edges(vertices: Floats, triangles: Ints, block: Ints, face: Ints) -> Ints:
 
 def _surfaces(contacts: Contacts) -> tuple[Floats, Ints, Ints, Floats]:
     """The interfaces as triangles: corners (3t, 3), joint (t,), block they stay with (t,), outlines (2o, 3)."""
-    corners: list[Floats] = [np.zeros((0, 3))]
-    outline: list[Floats] = [np.zeros((0, 3))]
-    joint: list[int] = []
-    block: list[int] = []
-    for k in range(len(contacts)):
-        polygon = contacts.corners[contacts.first[k] : contacts.first[k + 1]]
-        index = _triangulated(polygon)
-        corners.append(polygon[index].reshape(-1, 3))
-        outline.append(np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1).reshape(-1, 3))
-        joint += [int(contacts.joint[k])] * len(index)
-        block += [int(contacts.minus[k])] * len(index)
-    whole = np.array(joint, dtype=np.int64), np.array(block, dtype=np.int64)
-    # of a curved surface the outlines of its hundreds of triangles say nothing
-    lines = np.concatenate(outline) if len(contacts) <= 60 or len(set(joint)) > 1 else np.zeros((0, 3))
-    return np.concatenate(corners), *whole, lines
-
-
-def _triangulated(polygon: Floats) -> Ints:
-    """Triangles (t, 3) of a flat polygon (k, 3): a fan where it is convex."""
-    count = len(polygon)
-    if count < 3:
-        return np.zeros((0, 3), dtype=np.int64)
-    fan = np.array([(0, i, i + 1) for i in range(1, count - 1)], dtype=np.int64)
-    sides = np.roll(polygon, -1, axis=0) - polygon
-    turns = np.cross(sides, np.roll(sides, -1, axis=0))
-    normal = turns.sum(axis=0)
-    if count == 3 or bool((turns @ normal >= -1e-9 * float(normal @ normal)).all()):
-        return fan
-    from manifold3d import triangulate
-
-    across = int(np.argmax(np.abs(np.cross(sides, np.roll(sides, -1, axis=0)).sum(axis=0))))
-    flat = np.delete(polygon, across, axis=1)
-    x, y = flat.T
-    turned = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) < 0.0
-    index = np.asarray(triangulate([(flat[::-1] if turned else flat) - flat.mean(axis=0)]), dtype=np.int64)
-    return count - 1 - index if turned else index
+    triangles, panel = triangles_of(contacts)
+    outline = np.zeros((0, 2), dtype=np.int64)
+    if len(contacts) <= 60 or np.ptp(contacts.joint) > 0:  # hundreds of triangles of a curved surface say nothing
+        after = np.arange(1, len(contacts.corners) + 1)
+        after[contacts.first[1:] - 1] = contacts.first[:-1]
+        outline = np.stack([np.arange(len(after)), after], axis=1)
+    corners, lines = (contacts.corners[index].reshape(-1, 3) for index in (triangles, outline))
+    return corners, contacts.joint[panel], contacts.minus[panel], lines
 
 
 def _look_from(eye: Floats) -> list[float]:

@@ -1,13 +1,13 @@
 """The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
 import numpy as np
 
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
-from slopekit.findings import MOTIONS, AssemblyGeometry, Findings, GoverningInterface, Mechanism
+from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
 from slopekit.findings import Column as GoodmanBray
 from slopekit.kinds import dilates
 from slopekit.kinds.sheets.shared import (
@@ -18,6 +18,7 @@ from slopekit.kinds.sheets.shared import (
     factors_table,
     forces,
     governs,
+    leading,
     locked_in,
     methods,
     series,
@@ -37,7 +38,6 @@ _FALLS, _UNSETTLED, _STAYS = "none: held by no strength that was tried", "not se
 _MOST_INTERFACES = 6
 _SHARE = 1e-3  # of the work: less is not worth a line
 _WHOLE = 1e-6  # shares that add up to one but for this
-_SAME = 2e-5  # factors that differ by less than this part look the same
 _MOST_FACTORS = 6
 _FIRST_MECHANISMS, _LAST_MECHANISMS = 8, 2
 #: What is checked, in words about its figure.
@@ -115,7 +115,7 @@ def _motions(mechanism: Mechanism, order: Mapping[str, int]) -> str:
 def _factors(result: Result) -> list[Factor]:
     fos, dilating = result.fos, dilates(result.design)
     limit = f"{limit_in_words(result)}{', joints dilate as given' if dilating else ''}"
-    rows = [Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
+    rows = [*leading(result), Factor(fos.limit, limit if fos.limit is not None else f"{limit}: {result.status_text}")]
     if fos.closed_form is not None or result.agree is not None:
         closed = f"{result.words.closed_form}{', zero dilation' if dilating else ''}"
         rows.append(Factor(fos.closed_form, closed, verdict(result)))
@@ -278,7 +278,7 @@ def _follows_at_once(one: Mechanism, highest: float | None) -> bool:
     """Whether a mechanism needs no further loss of strength than those before it."""
     if one.fos is None:
         return one.status in ("falls", "lifted")
-    return highest is not None and one.fos <= highest * (1.0 + _SAME)
+    return highest is not None and one.fos <= highest * (1.0 + SAME_FACTOR)
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,13 +293,20 @@ class _Together:
 def _by_block(findings: Findings, order: Mapping[str, int]) -> list[Entry]:
     """The lowest factors with the blocks that fail at them; without a number last."""
     groups = _together(findings, order)
+    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
     columns: list[Column[_Together]] = [
         Column("factor", attrgetter("factor"), "factor", text=attrgetter("shown")),
         Column("blocks", lambda row: len(row.names), "blocks"),
-        Column("which", attrgetter("names"), show=lambda names: names_in_runs(names, 6)),
+        Column("which", attrgetter("names"), text=lambda row: _which(row.names, follow)),
     ]
     rest = "none: stays, or its mechanism was not asked for." if any(row.shown == _STAYS for row in groups) else ""
     return [Table(columns, groups, rest=rest, said=_by_block_in_words(findings, order))] if groups else []
+
+
+def _which(names: Sequence[str], follow: Container[str]) -> str:
+    after = names_in_runs((name for name in names if name in follow), 6)
+    own = names_in_runs((name for name in names if name not in follow), 6)
+    return f"{own}; then at once {after}" if after else own
 
 
 def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
@@ -323,6 +330,7 @@ def _together(findings: Findings, order: Mapping[str, int]) -> list[_Together]:
 
 
 def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
+    follow = at_once(((one.fos, (b.name for b in one.blocks)) for one in findings.mechanisms), findings.factor_by_block)
     groups: dict[str, list[str]] = {}
     numbers: dict[str, float] = {}
     for name, factor in findings.factor_by_block.items():
@@ -333,7 +341,12 @@ def _by_block_in_words(findings: Findings, order: Mapping[str, int]) -> str:
     if len(groups) < 2:
         return ""  # STATUS has said it
     lowest, rest, _ = first_and_last(sorted(numbers, key=lambda shown: numbers[shown]), _MOST_FACTORS, 0)
-    parts = [f"{shown} {names_in_runs(in_order(groups.pop(shown), order), 2)}" for shown in lowest]
+    parts = []
+    for shown in lowest:
+        names = in_order(groups.pop(shown), order)
+        text = names_in_runs((name for name in names if name not in follow), 2)
+        after = names_in_runs((name for name in names if name in follow), 2)
+        parts.append(f"{shown} {text}" + (f", then at once {after}" if after else ""))
     without = groups.pop("none", [])
     if rest:
         blocks = sum(len(names) for names in groups.values())

@@ -15,6 +15,7 @@ from slopekit.kinds.sheets.shared import (
     factors_table,
     forces,
     governs,
+    leading,
     locked_in,
     methods,
     series,
@@ -22,6 +23,7 @@ from slopekit.kinds.sheets.shared import (
     verdict,
 )
 from slopekit.kinds.words import line_in_words, size_number
+from slopekit.notices import INVENTED
 from slopekit.orientation import line_of
 from slopekit.result import Result
 
@@ -60,7 +62,7 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("TIME", [_time(result)])
     yield Section("GOVERNS", governs(result))
     yield Section("DEFAULTS", _defaults(result))
-    yield Section("NOTE", [str(notice) for notice in result.warnings])
+    yield Section("NOTE", [str(notice) for notice in result.warnings if notice.code != INVENTED])
 
 
 def _status(result: Result) -> str:
@@ -78,7 +80,7 @@ def _factors(result: Result) -> list[Factor]:
     assumption += result.words.assumes
     if curved is not None:
         assumption += ", strength of each node pair at its own normal traction"
-    rows = [Factor(fos.limit, assumption, verdict(result) if compared and curved is None else "")]
+    rows = [*leading(result), Factor(fos.limit, assumption, verdict(result) if compared and curved is None else "")]
     if fos.lowest is not None and (fos.highest is None or fos.highest > (1.0 + _NARROW) * fos.lowest):
         rows.append(locked_in(result))
     if result.moments_govern and result.forces_only is not None:

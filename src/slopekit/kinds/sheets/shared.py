@@ -8,7 +8,7 @@ from slopekit.arrays import Floats
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number
-from slopekit.result import STATUSES, ReductionStep, Result
+from slopekit.result import JUDGED, STATUSES, ReductionStep, Result
 
 #: The rules on cohesion where moments open part of a contact.
 RULES = {
@@ -110,6 +110,15 @@ class Factor:
     what: str
     check: str = ""
     to: float | None = None
+
+
+def leading(result: Result) -> list[Factor]:
+    """The number that acceptance hangs on where it lies below the limit: it stands first."""
+    if result.leading is None:
+        return []
+    name, value = result.leading
+    what = "lowest of the same mechanism, whatever forces are locked in" if name == "lowest" else JUDGED[name]
+    return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
 
 
 def factors_table(rows: Sequence[Factor]) -> Table[Factor]:
@@ -307,7 +316,7 @@ def governs(result: Result) -> list[Entry]:
         return None if row[1] is None or base is None else row[1] - base
 
     def then(row: tuple[str, float | None, str]) -> str:
-        return result.words.status(row[2]) if row[2] in STATUSES else row[2]
+        return result.design.in_own_names(result.words.status(row[2])) if row[2] in STATUSES else row[2]
 
     columns: list[Column[tuple[str, float | None, str]]] = [
         Column("changed input", itemgetter(0), "change"),

@@ -101,6 +101,10 @@ class WedgeDesign(Design):
         """The joints, and the crack where there is one."""
         return (*self.joint_names, "crack") if self.crack is not None else self.joint_names
 
+    def in_own_names(self, sentence: str) -> str:
+        """A sentence with the names of the two joints in place of J1 and J2."""
+        return re.sub(r"\bJ([12])\b", lambda found: self.joint_names[int(found[1]) - 1], sentence)
+
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
         document = super(WedgeDesign, self).inputs()

@@ -1,0 +1,84 @@
+"""What the commands of results, wedge and run, have of their own: their files, the schedule of bolts, the pictures."""
+
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from slopekit.cli.common import FOLDER, QUIET, draw_to, image_of
+from slopekit.errors import DesignError, Fault
+
+#: The options of every command that are other ones for results.
+OPTIONS = {
+    "picture": typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot)."),
+    "no_pictures": typer.Option("--no-pictures", help="With -o: draw nothing."),
+    "quiet": QUIET, "output": FOLDER,
+}  # fmt: skip
+_ENDINGS = (".png", ".glb", ".gltf")
+_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
+
+
+def finish(record: dict[str, Any], folder: Path | None, image: Path | None, plain: bool) -> None:
+    """The pictures of a result; those of an earlier one go, and its bolts where this one has none."""
+    if image is not None:
+        draw_to(record, "scene", image)
+    if folder is not None:
+        _remove_schedule(record, folder)
+        old = [folder / f"{what}.png" for what in _PICTURES if (folder / f"{what}.png").exists()]
+        _remove(old, "pictures")
+        drawn = [] if plain else _drawn(record, folder)
+        gone = ", ".join(path.name for path in old if path.stem not in drawn)
+        if gone:
+            typer.echo(f"pictures of an earlier result were removed: {gone}", err=True)
+
+
+def _remove_schedule(record: dict[str, Any], folder: Path) -> None:
+    path = folder / "bolts.csv"
+    if record["inputs"].get("bolts") or not path.is_file():
+        return
+    from slopekit.kinds.sheets.bolts import schedule_table
+
+    if path.read_bytes().startswith(schedule_table([]).csv().strip().encode()):
+        _remove([path], "the bolts")
+        typer.echo(f"the bolts of an earlier result were removed: {path.name}", err=True)
+
+
+def _remove(paths: list[Path], what: str) -> None:
+    try:
+        for path in paths:
+            path.unlink()
+    except OSError as error:
+        folder = paths[0].parent
+        message = f"{folder} holds {what} of an earlier result: {error.strerror or error}"
+        raise DesignError([Fault("E129", message, str(folder))]) from None
+
+
+def _drawn(record: dict[str, Any], folder: Path) -> list[str]:
+    """Draw what the result can give; the names of what was drawn."""
+    from slopekit.views.plots import offers
+    from slopekit.views.rendering import require_drawing
+
+    try:
+        require_drawing(folder)
+    except DesignError as error:  # everything else is there: say once what is missing
+        (fault,) = error.faults
+        left = f"pictures are left out: {fault.code} {fault.message}"
+        typer.echo(f"result.json and sheet.txt are written, {left}", err=True)
+        return []
+    given = offers(record)
+    for what in _PICTURES:
+        if what in given:
+            draw_to(record, what, folder / f"{what}.png")
+    return [what for what in _PICTURES if (folder / f"{what}.png").exists()]
+
+
+def scene_of(picture: str | None) -> Path | None:
+    """The picture asked for, refused before any work is done where it cannot be drawn or written."""
+    if picture is None:
+        return None
+    image = image_of(Path(picture), _ENDINGS)
+    if image.suffix.lower() == ".png":
+        from slopekit.views.rendering import require_drawing
+
+        require_drawing(image)
+    return image

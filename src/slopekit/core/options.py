@@ -1,0 +1,107 @@
+"""How a command line gives the parameters of a function: said on the function, once, for the command and for Python.
+
+A parameter with an `Option` or an `Argument` in its type is one of the command (`slopekit.cli.study_command`); the
+docstring lists them as they say themselves.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias, TypeVar, get_args
+
+Advance = Callable[[int], None]
+#: A progress bar: its label and how much there is to do.
+Bar: TypeAlias = Callable[[str, int], AbstractContextManager[Advance]]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def as_it_is(text: Any, _option: str) -> Any:
+    """The text: whoever takes it reads it."""
+    return text
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """An option of a command; a parameter that is a bool is a flag.
+
+    Attributes
+    ----------
+    help : what it is, what is taken without it in brackets
+    reads : makes the value of the text and the option's name
+    flag : its name on the command line where that is not the parameter's own
+    metavar : what stands for the text
+    choices : flags in place of one option: the value of each, and its help
+    texts : how many it takes; 0: it is repeated for more
+    needed : on a command line, although a script that leaves it out is told by the function
+    completes : the words that begin as the shell has them
+    also : older spellings of the flag, still understood
+    """
+
+    help: str = ""
+    reads: Callable[[Any, str], Any] = as_it_is
+    flag: str = ""
+    metavar: str = ""
+    choices: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
+    texts: int = 1
+    needed: bool = False
+    completes: Callable[[str], list[str]] | None = None
+    also: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a command, in the order of the parameters.
+
+    Attributes
+    ----------
+    many : takes all that follow; `reads` then gets the list of them
+    called : its name where a variant calls it otherwise
+    """
+
+    help: str
+    metavar: str
+    reads: Callable[[Any, str], Any] = as_it_is
+    many: bool = False
+    called: str = ""
+
+
+#: A design: a file on the command line, with `--set`.
+DESIGN = Argument("A design file (YAML).", "DESIGN")
+
+
+def _silent(_done: int) -> None:
+    """Progress that nobody looks at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Desk:
+    """Where a study works: the folder of its journal, None for the present one; how progress is shown."""
+
+    folder: Path | None = None
+    bar: Bar = lambda _label, _total: nullcontext(_silent)
+    #: How a parameter is called where a fault names it.
+    named: Callable[[str], str] = str
+
+
+DESK = Desk()
+
+
+def given_by(parameter: inspect.Parameter) -> Option | Argument | None:
+    """How a command line gives a parameter; None where it does not."""
+    return next((one for one in get_args(parameter.annotation)[1:] if isinstance(one, Option | Argument)), None)
+
+
+def documented(function: Function) -> Function:
+    """Add to the docstring what the parameters are, as they say themselves."""
+    rows = []
+    for name, parameter in inspect.signature(function).parameters.items():
+        how = given_by(parameter)
+        if how is not None:
+            said = how.help or ", ".join(f"{value}: {text}" for value, text in getattr(how, "choices", {}).values())
+            rows.append(f"{name} : {said}")
+    head, raises, rest = inspect.cleandoc(function.__doc__ or "").partition("\nRaises\n")
+    listed = "\n".join(["Parameters", "----------", *rows])
+    function.__doc__ = f"{head.rstrip()}\n\n{listed}\n" + (f"\n{raises.lstrip()}{rest}" if raises else "")
+    return function

@@ -1,0 +1,26 @@
+"""A result on one line, `--quiet`: status, factor, check. Never a bare factor of safety."""
+
+from slopekit.notices import INVENTED
+from slopekit.result import JUDGED, Result
+
+
+def line_of(result: Result) -> str:
+    """Status, factors, what governs, the check, the codes of the notices that ask for something.
+
+    The factor that acceptance hangs on comes first; those of several stand by their names.
+    """
+    named = [("", result.fos.limit)]
+    if result.design.criterion == "all-pairs":
+        named = [("limit", result.fos.limit), ("all-pairs", result.fos.all_pairs_failed)]
+    if result.leading is not None:
+        name, value = result.leading
+        first = "all-pairs" if name == "all_pairs_failed" else JUDGED[name]
+        named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
+    shown = [f"{name} {'none' if value is None else f'{value:.4f}'}".strip() for name, value in named]
+    parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
+    parts += ["moments_govern"] if result.moments_govern else []
+    parts += [] if result.accepted is None else ["met" if result.accepted else "not met"]
+    said = {one.code: one.code for one in result.warnings if not one.is_harmless}
+    if INVENTED in said:
+        said[INVENTED] += f" ({', '.join(result.design.invented)})"
+    return "  ".join([*parts, *said.values()])

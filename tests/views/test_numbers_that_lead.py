@@ -1,0 +1,173 @@
+"""What a reader sees first is what counts: the factor acceptance hangs on, inputs nobody gave, the user's own names."""
+
+import re
+
+import pytest
+
+import slopekit as sk
+from benchmarks.populations import section
+from slopekit.core.sheet import factor_text
+from slopekit.design.templates import names, path_of
+from slopekit.errors import HARMLESS
+from slopekit.explanations import explanation, explanations
+from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.views.line import line_of
+from slopekit.views.report_tables import search_tables
+from slopekit.views.report_words import answer, block_table
+from slopekit.views.sheet import document_of, sheet
+from slopekit.views.stage import Stage
+
+DIPS = ("45/115", "45/245")
+
+
+def first_factor(result) -> str:
+    (entry,) = [line for line in sheet(result).splitlines() if line.startswith("FoS ")]
+    return entry[10:]
+
+
+def picture_title(result) -> str:
+    return Stage(document_of(result), result.scene).answer
+
+
+#: a design, its rules, and the name of the factor that leads; empty: the limit
+LED = [
+    ("goodman-bray", ["fos.lowest >= 0.7"], "lowest"),
+    ("goodman-bray", ["fos >= 0.7"], ""),
+    ("goodman-bray", ["fos >= 1.2", "fos.lowest >= 0.7"], ""),  # the limit is what breaks its rule
+    ("goodman-bray", ["fos >= 1.0", "fos.lowest >= 1.0"], "lowest"),
+    ("goodman-bray", ["fos.static_bound >= 2"], ""),  # an upper bound leads nowhere
+    ("goodman-bray", ["fos.lowest <= 0.7"], ""),
+    ("surface", ["fos.fellenius >= 1.3"], "fellenius"),
+]
+
+
+@pytest.mark.parametrize(("template", "rules", "name"), LED)
+def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> None:
+    result = sk.run(path_of(template), set={"acceptance": {"rules": rules}})
+    document, limit = document_of(result), result.fos.limit
+    value = limit if not name else result.methods.get(name) or getattr(result.fos, name)
+    assert value <= limit
+    assert document.get("leading") == ({"name": name, "fos": value} if name else None)
+    assert first_factor(result).split()[0] == factor_text(value).strip()
+    assert answer(document, [])["exact"] == factor_text(value).strip()
+    assert re.search(r"\d\.\d{4}", line_of(result)).group() == f"{value:.4f}"
+    assert re.search(r"FoS (\d\.\d{4})", picture_title(result)).group(1) == f"{value:.4f}"
+    for text in (sheet(result), answer(document, [])["what"] if name else "", line_of(result), picture_title(result)):
+        assert f"{limit:.4f}" in text or not text  # the limit stands below, by its name
+
+
+def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
+    result = sk.wedge(DIPS, criterion="all-pairs", accept=1.5)
+    pairs, limit = result.fos.all_pairs_failed, result.fos.limit
+    assert pairs < limit
+    assert result.leading == ("all_pairs_failed", pairs)
+    assert f"  all-pairs {pairs:.4f}, limit {limit:.4f}  agree  met" in line_of(result)
+    assert first_factor(result) == f"{pairs:.4f}  all pairs failed: the factor that ACCEPT hangs on"
+    unruled = sk.wedge(DIPS, criterion="all-pairs")
+    assert unruled.leading is None
+    assert f"  limit {limit:.4f}, all-pairs {pairs:.4f}  agree" in line_of(unruled)
+
+
+def test_inputs_that_nobody_gave_are_named_on_one_line() -> None:
+    line = line_of(sk.wedge(DIPS, face="65/180", c=40))
+    assert line.endswith("  W378 (upper, height, phi, density)")
+    whole = sk.wedge(DIPS, face="60/180", upper="10/180", height=20, c=40, phi=30, density=2600)
+    assert "W378" not in line_of(whole)
+
+
+def test_a_joint_has_its_own_name_in_what_happens() -> None:
+    design = {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "0/180", "height": 10},
+        "joints": {"bedding": {"plane": "40/160", "strength": "weak"}, "J1": {"plane": "80/220", "strength": "weak"}},
+        "strength": {"weak": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 26},
+    }  # fmt: skip
+    result = sk.run(design)
+    said = "slides on bedding, J1 has lost contact"
+    assert (result.status, result.status_text) == ("slides_on_J1", said)
+    assert f"STATUS    {said}, along" in sheet(result)
+    assert picture_title(result).startswith(f"{said} · ")
+    document = document_of(result)
+    assert answer(document, document["sheet"]["STATUS"])["status"].startswith(said)
+
+
+def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
+    for name, said in (("bedding", "slides on bedding"), ("J1", "slides on its plane")):
+        design = {
+            "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12},
+            "joints": {name: {"plane": "35/180", "strength": "weak"}},
+            "strength": {"weak": {"c": 20, "phi": 30}}, "rock": {"unit_weight": 26},
+        }  # fmt: skip
+        result = sk.run(design)
+        assert (result.status, result.status_text) == ("slides_on_J1", said)
+        document = document_of(result) | {"governs": [{"change": "dry", "fos": None, "status": "slides_on_J1"}]}
+        (table,) = [one for one in search_tables(document) if one.title == "What changes the factor most"]
+        assert table.rows[0][-1] == said
+
+
+def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
+    assert explanations().keys() >= HARMLESS
+    assert all(code.startswith("W") for code in HARMLESS)
+    assert explanation("W305").endswith("It informs only: no badge on a page, not in --quiet.")
+    assert "informs only" not in explanation("W303")
+    far = sk.wedge(DIPS, origin=(5e5, 4e6, 1e3), tension=100)
+    assert {"W305", "W329"} <= {notice.code for notice in far.warnings}
+    assert "W329" in line_of(far)
+    assert "W305" not in line_of(far)
+
+
+# -- factors by block --------------------------------------------------------------------------------------------------
+
+
+def assemblies() -> list:
+    own = [name for name in names() if isinstance(sk.load(path_of(name)), AssemblyDesign)]
+    sections = [pytest.param(section(number), id=f"section {number}") for number in range(60)]
+    return [*(pytest.param(path_of(name), id=name) for name in own), *sections]
+
+
+def listed(text: str) -> set[str]:
+    """Names in runs, each for itself; `rest` where some are only counted."""
+    found = set()
+    for part in text.split(", "):
+        first, _, last = part.partition(" to ")
+        head, ends = first.rstrip("0123456789"), [int(re.search(r"\d+$", one)[0]) for one in (first, last) if last]
+        found |= {f"{head}{k}" for k in range(ends[0], ends[1] + 1)} if last else {part}
+    return {"rest" if name.startswith("... and") else name for name in found if name}
+
+
+def told_in_sheet(text: str) -> dict[str, str]:
+    """Names by factor of BY BLOCK, as they stand there."""
+    inside = re.search(r"^BY BLOCK( .*(?:\n .*)*)", text, re.MULTILINE)
+    parts = " ".join(inside[1].split()).split(" | ") if inside else []
+    return dict(part.split(" ", 1) for part in parts if re.match(r"\d", part))
+
+
+@pytest.mark.parametrize("source", assemblies())
+def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source) -> None:
+    """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
+    result = sk.run(source, set={"analysis.mechanisms": 6})
+    page = {row[0]: row[2] for row in block_table(document_of(result)["assembly"]).rows}
+    own = {
+        block.name: factor_text(one.fos).strip()
+        for one in result.findings.mechanisms
+        if one.status != "not_converged"
+        for block in one.blocks
+    }
+    seen = set()
+    for told in (page, told_in_sheet(sheet(result))):
+        for shown, text in told.items():
+            alone, _, after = text.partition("; then at once " if told is page else ", then at once ")
+            if re.match(r"\d", shown):
+                assert {own.get(name) for name in listed(alone) - {"rest"}} <= {shown}
+                assert all(own[name] != shown for name in listed(after) - {"rest"})
+                seen |= listed(alone) | listed(after)
+    assert "rest" in seen or {name for name, factor in own.items() if factor != "none"} <= seen
+
+
+def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -> None:
+    """B2 and B3 lean on B1: freed of it they topple at 0.4314, so they fail with it, at 0.4518."""
+    result = sk.run(section(15), set={"analysis.mechanisms": 6})
+    first, second = result.findings.mechanisms
+    assert second.fos < first.fos
+    (row,) = block_table(document_of(result)["assembly"]).rows
+    assert row == (factor_text(first.fos).strip(), "3", "B1; then at once B2, B3")
+    assert "at once: 2 topple (B2, B3)" in sheet(result)
