@@ -292,7 +292,7 @@ def swept() -> dict:
 def test_a_study_has_a_page_with_the_numbers_of_its_sheet() -> None:
     found = swept()
     seen = words(report_of(found, with_pictures=False).html)
-    assert re.sub(r" +", " ", found["line"]) in seen
+    assert found["line"].replace("  ", " · ") in seen
     (table,) = found["sheet"]["CURVE"]
     for row in table["shown"]:
         assert " ".join(cell for cell in row if cell) in seen

@@ -190,7 +190,8 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
     sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
     return {
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
-        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""), "line": document["line"],
+        "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
+        "line": document["line"].replace("  ", " · "),  # blanks that set its parts off are one in HTML
         "sections": sections, "notices": [(one["code"], one["message"]) for one in document["warnings"]],
         "with_view": False,
     }  # fmt: skip
