@@ -206,8 +206,13 @@ class BlockScene:
                 None if document.get("bolts") is None else _bolts(document["bolts"]),
             )  # fmt: skip
         except (KeyError, TypeError, ValueError, AttributeError, zlib.error) as error:
-            message = f"the scene of the result cannot be read ({type(error).__name__}: {error})"
-            raise DesignError([Fault("E350", message, "", "Make the file again with slopekit run -o DIR.")]) from None
+            raise unreadable(f"{type(error).__name__}: {error}") from None
+
+
+def unreadable(why: str) -> DesignError:
+    """E350, with what is wrong with the scene of a result."""
+    advice = "Make the file again with slopekit run -o DIR."
+    return DesignError([Fault("E350", f"the scene of the result cannot be read ({why})", "", advice)])
 
 
 def packed(values: Floats | Ints | Bools) -> dict[str, Any]:

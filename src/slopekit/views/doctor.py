@@ -30,8 +30,9 @@ def examination() -> tuple[list[str], bool]:
     kernels, missing = chosen()
     lines.append(f"{'ok':8}compiled kernels" if kernels else f"{'-':8}no compiled kernels, NumPy does it: {missing}")
     for name, test in (
-        ("templates", _templates), ("the paper's wedge, both methods", _wedge), ("a plane failure", _plane),
-        ("the sphere with φ = 0", _sphere), ("drawing off-screen", _drawing),
+        ("templates", _templates), ("the paper's wedge, both methods", _wedge),
+        ("a plane failure", lambda: _both("plane", 1e-8)), ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
+        ("drawing off-screen", _drawing),
     ):  # fmt: skip
         began = time.perf_counter()
         try:
@@ -79,14 +80,6 @@ def _wedge() -> tuple[str, bool]:
         return "no factor", False
     right = abs(fos.limit - _PAPER_WEDGE) < 1e-8 and abs(fos.limit - fos.closed_form) < 1e-9
     return f"{fos.limit:.10f} and {fos.closed_form:.10f}", right
-
-
-def _plane() -> tuple[str, bool]:
-    return _both("plane", 1e-8)
-
-
-def _sphere() -> tuple[str, bool]:
-    return _both("sphere", 1e-4)
 
 
 def _both(name: str, within: float) -> tuple[str, bool]:

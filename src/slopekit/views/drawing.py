@@ -57,6 +57,11 @@ def save(figure: Any, path: Path) -> None:
         figure.savefig(path) if stamps is None else figure.savefig(path, metadata=stamps)
 
 
+def no_window(why: str) -> NoReturn:
+    """Raise E346: there is nowhere to show a picture, and why."""
+    raise DesignError([Fault("E346", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
+
+
 def nothing(why: str) -> NoReturn:
     """Raise E273: there is nothing to draw, and why."""
     raise DesignError([Fault("E273", f"there is nothing to draw: {why}")])

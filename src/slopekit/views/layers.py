@@ -73,9 +73,9 @@ def layer(
 
 
 def blocks_layer(
-    name: str, shapes: Shapes, chosen: Bools, colours: Ints, offset: Floats, opacity: float = 1.0, outlined: bool = True
+    name: str, shapes: Shapes, chosen: Bools, colours: Ints, offset: Floats | None = None, opacity: float = 1.0
 ) -> Layer:
-    """Some blocks, each vertex where `offset` takes it.
+    """Some blocks, outlined, each vertex where `offset` takes it, or in place.
 
     Parameters
     ----------
@@ -84,9 +84,8 @@ def blocks_layer(
     solids = shapes.solids
     own = chosen[solids.block]
     used, index = np.unique(solids.triangles[own], return_inverse=True)
-    return Layer(
-        name, (solids.vertices + offset)[used], index.reshape(-1, 3), colours[solids.block[own]], opacity, outlined
-    )
+    vertices = solids.vertices[used] if offset is None else (solids.vertices + offset)[used]
+    return Layer(name, vertices, index.reshape(-1, 3), colours[solids.block[own]], opacity, outlined=True)
 
 
 def block_of_vertex(shapes: Shapes) -> Ints:
@@ -240,18 +239,19 @@ def rock_around(shapes: Shapes, room: float = 0.28) -> tuple[Floats, Ints] | Non
     ends = normals[(normals @ normals.T < -1.0 + _SAME).any(axis=1)]  # of a section
     ways = [np.zeros(3), free_normal(shapes), *np.unique(np.round(ends, 6), axis=0)]
     both = np.concatenate([vertices - middle + 0.01 * float((high - low).max()) * way for way in ways])
-    mesh = Manifold.hull_points(both).to_mesh64()
-    hull = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
-    return _less(body, *hull, middle)
+    return _about(body - Manifold.hull_points(both), middle)
 
 
-def _less(body: Any, vertices: Floats, triangles: Ints, middle: Floats) -> tuple[Floats, Ints] | None:
-    """A body less a closed mesh, both about `middle`."""
+def _solid(vertices: Floats, triangles: Ints) -> Any:
+    """A closed mesh as a body of manifold3d."""
     from manifold3d import Manifold, Mesh64
 
-    block = Manifold(Mesh64(np.array(vertices, order="C"), np.array(triangles, dtype=np.uint64, order="C")))
-    rest = (body - block) if not block.is_empty() else body
-    mesh = rest.to_mesh64()
+    return Manifold(Mesh64(np.array(vertices, order="C"), np.array(triangles, dtype=np.uint64, order="C")))
+
+
+def _about(body: Any, middle: Floats) -> tuple[Floats, Ints] | None:
+    """The mesh of a body moved by `middle`, None where nothing is left of it."""
+    mesh = body.to_mesh64()
     if len(mesh.tri_verts) == 0:
         return None
     return np.asarray(mesh.vert_properties)[:, :3] + middle, np.asarray(mesh.tri_verts, dtype=np.int64)
@@ -259,7 +259,7 @@ def _less(body: Any, vertices: Floats, triangles: Ints, middle: Floats) -> tuple
 
 def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Floats, Ints] | None:
     """The ground below a profile (x, z) about a mass on a curved surface, with the place of the mass left open."""
-    from manifold3d import Manifold, Mesh64
+    from manifold3d import Manifold
 
     from slopekit.block_scene import prism
 
@@ -274,17 +274,12 @@ def ground_below(shapes: Shapes, profile: Sequence[Sequence[float]]) -> tuple[Fl
     bottom = min(float(low[2]), float(line[:, 1].min()) - reach)
     outline = np.array([[begin, bottom], [end, bottom], [end, line[-1, 1]], *line[::-1], [begin, line[0, 1]]])
     width = 2.0 * float(max(-low[1], high[1]))
-    ground = prism(outline, width)
     box = Manifold.cube((high[0] - low[0], width, 2.0 * (high[2] - low[2]))).translate((low[0], -width / 2.0, low[2]))
-    body = Manifold(Mesh64(ground[0], ground[1].astype(np.uint64))) ^ box
-    place = vertices - middle
-    found = _less(body, place, triangles, np.zeros(3))
+    body = _solid(*prism(outline, width)) ^ box
+    inner = _about(body - _solid(vertices - middle, triangles), np.zeros(3))
     # once more, a little out of the slope: faces that coincide would leave a film
     out = 0.004 * float((high - low).max()) * free_normal(shapes)
-    if found is not None:
-        rest = Manifold(Mesh64(np.array(found[0], order="C"), found[1].astype(np.uint64)))
-        found = _less(rest, place + out, triangles, middle)
-    return found
+    return None if inner is None else _about(_solid(*inner) - _solid(vertices - middle + out, triangles), middle)
 
 
 @dataclass(frozen=True, slots=True)

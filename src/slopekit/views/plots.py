@@ -8,10 +8,10 @@ from difflib import get_close_matches
 from importlib import import_module
 from numbers import Real
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from slopekit.errors import DesignError, Fault
-from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, save
+from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, no_window, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES
 from slopekit.views.stereonet import Net
@@ -345,17 +345,13 @@ def _window(figure: Any) -> None:
     try:
         shown = plt.figure()
     except ImportError as error:  # a display, but no toolkit that draws on it
-        _no_window(str(error))
+        no_window(str(error))
     if plt.get_backend().lower() == "agg":
         plt.close(shown)
-        _no_window("there is no display, or no toolkit for it (PyQt, Tk)")
+        no_window("there is no display, or no toolkit for it (PyQt, Tk)")
     shown.canvas.manager.canvas.figure = figure
     figure.set_canvas(shown.canvas.manager.canvas)
     plt.show()
-
-
-def _no_window(why: str) -> NoReturn:
-    raise DesignError([Fault("E346", f"no window can be opened: {why}", "--show", "Write a file: -o out.png.")])
 
 
 # -- documents --------------------------------------------------------------------------------------------------------

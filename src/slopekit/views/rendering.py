@@ -13,6 +13,7 @@ import numpy as np
 from slopekit.arrays import Floats, cross
 from slopekit.errors import DesignError, Fault, writing
 from slopekit.exchange.solids import save_gltf
+from slopekit.views.drawing import no_window
 from slopekit.views.layers import Bar, Layer, Picture
 from slopekit.views.scene_parts import nice
 
@@ -65,8 +66,7 @@ def show_window(picture: Picture) -> None:
     require_drawing(Path())
     pyvista = _pyvista()
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        message = "no window can be opened: there is no display"
-        raise DesignError([Fault("E346", message, "--show", "Write a file: -o out.png.")])
+        no_window("there is no display")
     plotter = pyvista.Plotter(window_size=[_WIDTH, _HEIGHT], title=picture.title)
     _fill(plotter, pyvista, picture)
     camera = Camera.of(picture)

@@ -59,7 +59,6 @@ class Scenery:
         """Blocks `chosen` (n,), each vertex moved by `offset` (v, 3) m; in `colours` (n, 3) or those of the stage."""
         stage = self.stage
         colours = stage.block_colours() if colours is None else colours
-        offset = stage.still if offset is None else offset
         self.layers.append(blocks_layer(name, stage.scene.shapes, chosen, colours, offset, opacity))
 
     def add(

@@ -88,11 +88,6 @@ class Stage:
         found: Floats = np.where(np.isfinite(high - low), high - low, 0.0).max(axis=1)
         return found
 
-    @cached_property
-    def still(self) -> Floats:
-        """No offset of any vertex, (v, 3)."""
-        return np.zeros_like(self.scene.shapes.solids.vertices)
-
     @property
     def in_section(self) -> bool:
         """Whether everything repeats along the strike, and one slice shows it all."""
@@ -183,7 +178,7 @@ class Stage:
             if not shapes.fixed.any():
                 return []
             colours = np.tile(np.array(ROCK), (len(shapes.names), 1))
-            return [blocks_layer("bedrock", shapes, shapes.fixed, colours, self.still, opacity)]
+            return [blocks_layer("bedrock", shapes, shapes.fixed, colours, opacity=opacity)]
         body, shortest = None, 0.0
         if self.is_curved:
             profile = self._given("inputs", "profile_m")

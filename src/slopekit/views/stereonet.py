@@ -116,11 +116,6 @@ def daylight_envelope(face: Plane, count: int = 181) -> Floats:
     return -np.stack([np.sin(apparent) * np.sin(toward), np.sin(apparent) * np.cos(toward), np.cos(apparent)], axis=-1)
 
 
-def trend(vectors: Floats) -> Floats:
-    """Trends (n,) in degrees."""
-    return np.asarray(np.degrees(np.arctan2(vectors[:, 0], vectors[:, 1])) % 360.0)
-
-
 def mean_axis(vectors: Floats) -> Floats:
     """The downward unit vector (3,) nearest to axes (n, 3): the first eigenvector of their orientation matrix.
 

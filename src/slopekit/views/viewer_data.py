@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from slopekit.arrays import Floats, Ints
-from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined
-from slopekit.errors import DesignError, Fault
+from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined, unreadable
 from slopekit.exchange.panels import triangles_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,
@@ -110,15 +109,10 @@ def read_stage(document: Mapping[str, Any]) -> Stage:
         fits = fits and eye.shape == (3,)
         np.asarray(inputs.get("profile_m") or [], dtype=np.float64).reshape(-1, 2)
     except (TypeError, ValueError, AttributeError, IndexError) as error:
-        raise _unfit(f"{type(error).__name__}: {error}") from None
+        raise unreadable(f"{type(error).__name__}: {error}") from None
     if not fits:
-        raise _unfit("its arrays do not fit each other")
+        raise unreadable("its arrays do not fit each other")
     return stage
-
-
-def _unfit(why: str) -> DesignError:
-    advice = "Make the file again with slopekit run -o DIR."
-    return DesignError([Fault("E350", f"the scene of the result cannot be read ({why})", "", advice)])
 
 
 def _fits(scene: BlockScene) -> bool:
