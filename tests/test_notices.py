@@ -42,7 +42,7 @@ OF_A_WEDGE = [
     ("W316", {"c": 50000}, "a cohesion of 50000 kPa"),
     ("W318", {"bolts": "9000000@000/00"}, "the loads drive the wedge upward"),
     ("W319", {"crack": "80/180@5m", "water": (5, 5)}, "the crack is dry"),
-    ("W378", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
+    ("W379", {"face": "65/180"}, "not given, taken from the paper's wedge: upper, height, c, phi, density"),
 ]  # fmt: skip
 # code, template, changes, what the notice says
 OF_A_FILE = [

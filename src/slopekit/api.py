@@ -37,7 +37,10 @@ def wedge(
     normal_stiffness: Annotated[Any, Option("k_zz of closed joints [1e7 kN/m3].")] = None,
     shear_stiffness: Annotated[Any, Option("kN/m3, or clough-duncan [clough-duncan].")] = None,
     criterion: Annotated[str | None, Option("limit, or all-pairs to add the paper's criterion.")] = None,
-    accept: Annotated[float | None, Option("Smallest factor of safety accepted; exit code 1 below it.")] = None,
+    accept: Annotated[
+        float | None,
+        Option("Smallest factor of safety accepted; exit code 1 below it.", flag="--accept-fos", also=("--accept",)),
+    ] = None,
     agree_within: Annotated[float | None, Option("Largest difference of the two methods [1%].")] = None,
     gravity: Annotated[Any, Option("Acceleration of gravity [9.81 m/s2].")] = None,
     water_unit_weight: Annotated[Any, Option("Unit weight of water [9.81 kN/m3].")] = None,

@@ -9,6 +9,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
+from slopekit.core.codec import json_of
 from slopekit.kinds import cut
 from slopekit.kinds.many_blocks import _geometry
 from slopekit.kinds.many_blocks_design import AssemblyDesign
@@ -30,7 +31,7 @@ def unsolved(design: AssemblyDesign) -> dict[str, Any]:
         np.full(count, np.nan),
     )  # fmt: skip
     return {
-        "slopekit": "0", "kind": design.kind, "inputs": {}, "geometry": geometry.to_dict(), "scene": scene.to_dict(),
+        "slopekit": "0", "kind": design.kind, "inputs": {}, "geometry": json_of(geometry), "scene": scene.to_dict(),
     }  # fmt: skip
 
 

@@ -194,7 +194,7 @@ def test_a_limit_that_is_the_same_on_all_joints_is_consistent() -> None:
 
 def test_forces_of_a_group_s_limit_are_held_against_the_strength_at_which_all_blocks_rest(monkeypatch) -> None:
     """The bench's limit is that of five blocks, its forces are those of all just before it: admissible there only."""
-    for name, nothing in (("_rungs", ()), ("_others", ()), ("_untied_search", None)):
+    for name, nothing in (("_rungs", ()), ("_others", ()), ("_all_pairs_search", None)):
         monkeypatch.setattr(many_blocks, name, lambda *_, nothing=nothing: nothing)
     found = checked("bench")
     beyond = found.result.balance.friction_excess

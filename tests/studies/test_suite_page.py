@@ -158,7 +158,7 @@ def test_the_terminal_shows_what_the_error_is_against(verification) -> None:
 def test_the_files(tmp_path) -> None:
     """What the driver writes: the page, the JSON, the sheet, every row as CSV."""
     small = suite("6c_footing")
-    _deliver(small, tmp_path, None, as_json=False, quiet=True)
+    _deliver(small, tmp_path, None, {"as_json": False, "quiet": True})
     assert (tmp_path / "verification.md").read_text(encoding="utf-8") == page_of(small)
     assert json.loads((tmp_path / "verification.json").read_text(encoding="utf-8")) == small.to_dict()
     assert (tmp_path / "verification.txt").read_text(encoding="utf-8") == f"{small}\n"

@@ -387,8 +387,10 @@ def test_the_loads_own_check_passes_every_bolt_and_refuses_shorter_ones(turning)
 
 @pytest.mark.parametrize("acts", ["active", "passive"])
 @pytest.mark.parametrize("fos", [1.7, 2.345])
-@pytest.mark.parametrize("capacity", [20.0, 97.3, 400.0])
-@pytest.mark.parametrize("design", [PLANE, WEDGE], ids=["plane", "wedge"])
+@pytest.mark.parametrize(
+    ("design", "capacity"), [(PLANE, 20.0), (PLANE, 97.3), (WEDGE, 97.3), (WEDGE, 400.0)],
+    ids=["plane, many", "plane", "wedge", "wedge, few"],
+)  # fmt: skip
 def test_the_yaml_pasted_into_the_design_meets_the_target(design, capacity, fos, acts, tmp_path) -> None:
     """Every digit comes from the text alone: design file + snippet -> `run`; never below, and hardly above."""
     found = sk.support(loaded(design), fos, acts=acts, bolt_capacity=capacity)

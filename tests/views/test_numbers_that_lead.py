@@ -1,6 +1,7 @@
 """What a reader sees first is what counts: the factor acceptance hangs on, inputs nobody gave, the user's own names."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -11,22 +12,19 @@ from slopekit.design.templates import names, path_of
 from slopekit.errors import HARMLESS
 from slopekit.explanations import explanation, explanations
 from slopekit.kinds.many_blocks_design import AssemblyDesign
-from slopekit.views.line import line_of
-from slopekit.views.report_tables import search_tables
-from slopekit.views.report_words import answer, block_table
-from slopekit.views.sheet import document_of, sheet
+from slopekit.views.report_words import answer
 from slopekit.views.stage import Stage
 
 DIPS = ("45/115", "45/245")
 
 
 def first_factor(result) -> str:
-    (entry,) = [line for line in sheet(result).splitlines() if line.startswith("FoS ")]
+    (entry,) = [line for line in str(result).splitlines() if line.startswith("FoS ")]
     return entry[10:]
 
 
 def picture_title(result) -> str:
-    return Stage(document_of(result), result.scene).answer
+    return Stage(result.to_dict(), result.scene).answer
 
 
 #: a design, its rules, and the name of the factor that leads; empty: the limit
@@ -44,15 +42,15 @@ LED = [
 @pytest.mark.parametrize(("template", "rules", "name"), LED)
 def test_the_factor_that_acceptance_hangs_on_leads(template, rules, name) -> None:
     result = sk.run(path_of(template), set={"acceptance": {"rules": rules}})
-    document, limit = document_of(result), result.fos.limit
+    document, limit = result.to_dict(), result.fos.limit
     value = limit if not name else result.methods.get(name) or getattr(result.fos, name)
     assert value <= limit
     assert document.get("leading") == ({"name": name, "fos": value} if name else None)
     assert first_factor(result).split()[0] == factor_text(value).strip()
     assert answer(document, [])["exact"] == factor_text(value).strip()
-    assert re.search(r"\d\.\d{4}", line_of(result)).group() == f"{value:.4f}"
+    assert re.search(r"\d\.\d{4}", result.line).group() == f"{value:.4f}"
     assert re.search(r"FoS (\d\.\d{4})", picture_title(result)).group(1) == f"{value:.4f}"
-    for text in (sheet(result), answer(document, [])["what"] if name else "", line_of(result), picture_title(result)):
+    for text in (str(result), answer(document, [])["what"] if name else "", result.line, picture_title(result)):
         assert f"{limit:.4f}" in text or not text  # the limit stands below, by its name
 
 
@@ -61,18 +59,18 @@ def test_all_pairs_lead_where_a_rule_judges_by_them() -> None:
     pairs, limit = result.fos.all_pairs_failed, result.fos.limit
     assert pairs < limit
     assert result.leading == ("all_pairs_failed", pairs)
-    assert f"  all-pairs {pairs:.4f}, limit {limit:.4f}  agree  met" in line_of(result)
+    assert f"  all-pairs {pairs:.4f}, limit {limit:.4f}  agree  met" in result.line
     assert first_factor(result) == f"{pairs:.4f}  all pairs failed: the factor that ACCEPT hangs on"
     unruled = sk.wedge(DIPS, criterion="all-pairs")
     assert unruled.leading is None
-    assert f"  limit {limit:.4f}, all-pairs {pairs:.4f}  agree" in line_of(unruled)
+    assert f"  limit {limit:.4f}, all-pairs {pairs:.4f}  agree" in unruled.line
 
 
 def test_inputs_that_nobody_gave_are_named_on_one_line() -> None:
-    line = line_of(sk.wedge(DIPS, face="65/180", c=40))
-    assert line.endswith("  W378 (upper, height, phi, density)")
+    line = sk.wedge(DIPS, face="65/180", c=40).line
+    assert line.endswith("  W379 (upper, height, phi, density)")
     whole = sk.wedge(DIPS, face="60/180", upper="10/180", height=20, c=40, phi=30, density=2600)
-    assert "W378" not in line_of(whole)
+    assert "W379" not in whole.line
 
 
 def test_a_joint_has_its_own_name_in_what_happens() -> None:
@@ -84,9 +82,9 @@ def test_a_joint_has_its_own_name_in_what_happens() -> None:
     result = sk.run(design)
     said = "slides on bedding, J1 has lost contact"
     assert (result.status, result.status_text) == ("slides_on_J1", said)
-    assert f"STATUS    {said}, along" in sheet(result)
+    assert f"STATUS    {said}, along" in str(result)
     assert picture_title(result).startswith(f"{said} · ")
-    document = document_of(result)
+    document = result.to_dict()
     assert answer(document, document["sheet"]["STATUS"])["status"].startswith(said)
 
 
@@ -99,9 +97,8 @@ def test_a_plane_has_its_own_name_where_it_was_given_one() -> None:
         }  # fmt: skip
         result = sk.run(design)
         assert (result.status, result.status_text) == ("slides_on_J1", said)
-        document = document_of(result) | {"governs": [{"change": "dry", "fos": None, "status": "slides_on_J1"}]}
-        (table,) = [one for one in search_tables(document) if one.title == "What changes the factor most"]
-        assert table.rows[0][-1] == said
+        (table,) = replace(result, governs=(("dry", None, "slides_on_J1"),)).to_dict()["sheet"]["GOVERNS"]
+        assert table["shown"][0][-1] == said
 
 
 def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
@@ -111,8 +108,8 @@ def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
     assert "informs only" not in explanation("W303")
     far = sk.wedge(DIPS, origin=(5e5, 4e6, 1e3), tension=100)
     assert {"W305", "W329"} <= {notice.code for notice in far.warnings}
-    assert "W329" in line_of(far)
-    assert "W305" not in line_of(far)
+    assert "W329" in far.line
+    assert "W305" not in far.line
 
 
 # -- factors by block --------------------------------------------------------------------------------------------------
@@ -134,6 +131,12 @@ def listed(text: str) -> set[str]:
     return {"rest" if name.startswith("... and") else name for name in found if name}
 
 
+def blocks_of(result) -> list[list[str]]:
+    """Factor, how many, which: the table of BY BLOCK as a page has it."""
+    tables = result.to_dict()["sheet"].get("BY BLOCK", [])
+    return [row for table in tables for row in table["shown"]]
+
+
 def told_in_sheet(text: str) -> dict[str, str]:
     """Names by factor of BY BLOCK, as they stand there."""
     inside = re.search(r"^BY BLOCK( .*(?:\n .*)*)", text, re.MULTILINE)
@@ -145,7 +148,7 @@ def told_in_sheet(text: str) -> dict[str, str]:
 def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source) -> None:
     """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
     result = sk.run(source, set={"analysis.mechanisms": 6})
-    page = {row[0]: row[2] for row in block_table(document_of(result)["assembly"]).rows}
+    page = {row[0]: row[2] for row in blocks_of(result)}
     own = {
         block.name: factor_text(one.fos).strip()
         for one in result.findings.mechanisms
@@ -153,7 +156,7 @@ def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(sou
         for block in one.blocks
     }
     seen = set()
-    for told in (page, told_in_sheet(sheet(result))):
+    for told in (page, told_in_sheet(str(result))):
         for shown, text in told.items():
             alone, _, after = text.partition("; then at once " if told is page else ", then at once ")
             if re.match(r"\d", shown):
@@ -168,6 +171,6 @@ def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -
     result = sk.run(section(15), set={"analysis.mechanisms": 6})
     first, second = result.findings.mechanisms
     assert second.fos < first.fos
-    (row,) = block_table(document_of(result)["assembly"]).rows
-    assert row == (factor_text(first.fos).strip(), "3", "B1; then at once B2, B3")
-    assert "at once: 2 topple (B2, B3)" in sheet(result)
+    (row,) = blocks_of(result)
+    assert row == [factor_text(first.fos).strip(), "3", "B1; then at once B2, B3"]
+    assert "at once: 2 topple (B2, B3)" in str(result)
