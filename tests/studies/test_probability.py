@@ -271,6 +271,7 @@ def test_nothing_that_speaks_against_it_is_accepted() -> None:
     assert study.confirmation.settled == 0
     assert study.accepted is False
     said = " ".join(str(study).split())
+    assert f"not compared, PRE-IE answers for 0 of {study.confirmation.samples} samples" in study.line
     assert f"<= 99 %: NOT MET, PRE-IE answers for 0 of the {study.confirmation.samples} samples it was asked of" in said
     assert "W351" in {notice.code for notice in study.warnings}
     away = default_wedge() | {"joints": {"J1": {"plane": "45/020", "strength": "a"},

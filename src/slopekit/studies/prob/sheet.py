@@ -57,7 +57,9 @@ def line_of(study: Probability) -> str:
     parts += [] if study.accepted is None else ["met" if study.accepted else "not met"]
     checked = study.confirmation
     if checked is not None:
-        parts.append("disagree" if checked.disagree else "agree" if checked.agree else "not compared")
+        word = "disagree" if checked.disagree else "agree" if checked.agree else "not compared"
+        some = f", PRE-IE answers for {checked.settled} of {checked.samples} samples"
+        parts.append(word + (some if checked.settled < checked.samples else ""))
     parts += list(dict.fromkeys(notice.code for notice in study.warnings))
     return "  ".join(parts)
 
