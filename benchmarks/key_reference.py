@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from slopekit.design.reference import tables
+from benchmarks.key_tables import tables
 
 PAGE = Path(__file__).parents[1] / "docs/design-files.md"
 

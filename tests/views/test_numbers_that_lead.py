@@ -110,6 +110,8 @@ def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
     assert {"W305", "W329"} <= {notice.code for notice in far.warnings}
     assert "W329" in far.line
     assert "W305" not in far.line
+    headless = sk.wedge(DIPS, bolts=["1000@000/10"])  # its moment is not known: that is no mere information
+    assert "W311" in headless.line
 
 
 # -- factors by block --------------------------------------------------------------------------------------------------
