@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 import slopekit as sk
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 
 FRICTION = 35.0
 

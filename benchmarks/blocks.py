@@ -55,7 +55,7 @@ class Answer:
 
 def answer(design: Design, seconds: float = _SECONDS) -> Answer:
     """Analyse a design, without its memory of earlier ones."""
-    from slopekit.errors import SlopekitError
+    from slopekit.core.errors import SlopekitError
     from tests.properties import changes
 
     changes._run.cache_clear()

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from slopekit.core.orientation import Plane
 from slopekit.design.common import Pair
 from slopekit.design.distributions import Angles, Distribution, Fisher, Name, Variable
-from slopekit.orientation import Plane
 from slopekit.studies.prob.sampling import METHODS, chunks, planned
 
 _REPEATS = 5

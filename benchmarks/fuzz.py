@@ -23,7 +23,7 @@ from typing import NoReturn
 from benchmarks.fuzz_mutations import Case, case
 from benchmarks.fuzz_seeds import SEEDS, write_files
 from slopekit.cli.common import load_design as _load
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 from slopekit.kinds import analyse
 
 COUNT, SEED = 10_000, 20260

@@ -17,7 +17,7 @@ import slopekit as sk
 from benchmarks import populations
 from benchmarks.benches import bench
 from benchmarks.populations import Design
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels
 from slopekit.preie.bed import Bed
 

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from math import isfinite
 from typing import Any
 
+from slopekit.core.orientation import Line, Plane, number
 from slopekit.design.common import Design
 from slopekit.design.fields import UNITS, Field, every_field
-from slopekit.orientation import Line, Plane, number
 
 _NAMES = {"*": "NAME"}
 _HEAD = "| key | unit | left out | takes |\n|---|---|---|---|\n"

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.views.scenes import SCENES, compose
 
 BENCH = {

@@ -204,7 +204,7 @@ def _bench_of(rng: np.random.Generator, cohesion: float, most: int) -> Design | 
 def blocks_of(design: Design) -> int:
     """How many blocks a bench has; 2 where none can be cut or none can move."""
     import slopekit as sk
-    from slopekit.errors import SlopekitError
+    from slopekit.core.errors import SlopekitError
     from slopekit.kinds import cut
 
     try:

@@ -11,7 +11,7 @@ from collections import Counter
 
 import numpy as np
 
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.kinds import cut
 from slopekit.kinds.one_block import Clock, find_limit

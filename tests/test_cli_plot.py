@@ -9,9 +9,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.cli import main
+from slopekit.core.errors import DesignError
+from slopekit.core.explanations import explanation
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
-from slopekit.explanations import explanation
 from slopekit.views import drawing
 
 pytest.importorskip("matplotlib")

@@ -30,11 +30,11 @@ import pytest
 
 from benchmarks.key_reference import PAGE, written
 from slopekit.cli import app, main
+from slopekit.core.explanations import explanations
 from slopekit.design.fields import structure_of
 from slopekit.design.registry import KINDS as KINDS_OF_DESIGN
 from slopekit.design.registry import record_of
 from slopekit.design.templates import names, path_of
-from slopekit.explanations import explanations
 from tests.support import forget_kinds
 
 ROOT = Path(__file__).parents[1]

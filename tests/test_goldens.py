@@ -60,7 +60,7 @@ def test_every_command_is_run_and_every_input_is_used() -> None:
 
 def test_every_fault_of_reading_is_stored() -> None:
     package = Path(sk.__file__).parent
-    reading = [*(package / "design").rglob("*.py"), package / "orientation.py", package / "units.py"]
+    reading = [*(package / "design").rglob("*.py"), package / "core/orientation.py", package / "core/units.py"]
     said = {code for path in reading for code in re.findall(r'"(E\d{3})"', path.read_text(encoding="utf-8"))}
     stored = {code for path in in_store().values() for code in re.findall(r"\bE\d{3}\b", path.read_text("utf-8"))}
     assert said - stored == NOT_REACHED.keys()

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import SolverError
+from slopekit.core.explanations import explanations
 from slopekit.design.common import Strength
 from slopekit.design.templates import path_of
-from slopekit.errors import SolverError
-from slopekit.explanations import explanations
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design

@@ -12,7 +12,7 @@ import pytest
 import slopekit as sk
 from slopekit.cli import progress as room
 from slopekit.cli.progress import progress, watched
-from slopekit.onlooker import onlooker, say
+from slopekit.core.onlooker import onlooker, say
 from tests.properties.test_not_unique import TWO_BLOCKS
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from slopekit._version import __version__
 from slopekit.api import analyse, load, plot, report, run, wedge
-from slopekit.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
+from slopekit.core.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, overload
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
-from slopekit.errors import DesignError, Fault
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design

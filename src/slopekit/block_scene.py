@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import DesignError, Fault
 
 #: Contact modes of node pairs by their number.
 MODES = ("stick", "slip", "open")

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import Bolts, Shapes
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.design.common import Bolt
 
 _CLEAR = 1e-9  # of the size of the blocks: a head this near to a face lies on it

@@ -6,8 +6,8 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
 from slopekit.block_scene import Shapes, Solids, closed, contacts_of, prism
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import NO_JSON
 
 

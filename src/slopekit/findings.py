@@ -6,8 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
+from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.geometry.welding import welded
 

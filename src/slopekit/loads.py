@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.patches import Assembly
 

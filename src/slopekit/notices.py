@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import Notice
 from slopekit.design.common import Design, Strength
-from slopekit.errors import Notice
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model

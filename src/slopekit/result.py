@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from slopekit._version import __version__
-from slopekit.arrays import Floats
 from slopekit.block_scene import Arrows, BlockScene, NodePairState
+from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON, json_of
+from slopekit.core.errors import Notice
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, Rule
-from slopekit.errors import Notice
 from slopekit.extents import Geometry
 from slopekit.findings import Findings
 from slopekit.preie.balance import Balance

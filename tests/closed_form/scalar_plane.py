@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, GeometryError
 
 Vector = tuple[float, float]
 _SMALL = 1e-12

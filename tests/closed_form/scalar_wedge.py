@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from slopekit.errors import Fault, GeometryError
-from slopekit.orientation import Plane
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.orientation import Plane
 
 Vector = tuple[float, float, float]
 _SMALL = 1e-12

@@ -17,7 +17,7 @@ from slopekit.closed_form.columns import (
     janbu,
 )
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 
 PAPER = {"centre": (40.0, 0.0, 40.0), "radii": (40.0, math.sqrt(800.0), 40.0), "unit_weight_kn_m3": 21.56}
 FACE = [(60.0, 0.0), (40.0, 0.0), (0.0, 40.0), (-20.0, 40.0)]

@@ -15,7 +15,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry import section
 from slopekit.geometry.section import LEFT, plane_section
 from slopekit.kinds import plane as analysis

@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.special import ellipe
 
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 
 
 def cut(distance: float, dip: float) -> list[tuple[float, float]]:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.toppling import ColumnSlope, toe_force_required, toppling_factor_of_safety, toppling_table
-from slopekit.errors import DesignError
+from slopekit.core.errors import DesignError
 
 BOOK = ColumnSlope([4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 34, 28, 22, 16, 10, 4], 10.0, 1.0, 30.0, 25.0, 38.15)
 VARIED = [

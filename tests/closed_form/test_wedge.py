@@ -7,10 +7,10 @@ import pytest
 
 import slopekit as sk
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.core.orientation import Plane
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
-from slopekit.orientation import Plane
 from slopekit.preie.limit import forces_only_limit, limit_analysis
 from tests.support import random_wedge
 

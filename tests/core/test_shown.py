@@ -10,9 +10,9 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.codec import from_json, json_of
+from slopekit.core.errors import DesignError
 from slopekit.core.sheet import Column, Section, Sheet, Table, sheet_html
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import slopekit as sk
+from slopekit.core.orientation import Line, Plane
+from slopekit.core.units import quantity
 from slopekit.design.common import Strength, Water
 from slopekit.design.templates import path_of
 from slopekit.design.yaml import Source, TreeBuilder, _composed, composed
@@ -15,8 +17,6 @@ from slopekit.geometry.polygons import fault_of_polygon
 from slopekit.kinds.bench import BenchDesign, JointSetInput
 from slopekit.kinds.blocks import BlocksDesign
 from slopekit.kinds.topple import ToppleDesign, column_names
-from slopekit.orientation import Line, Plane
-from slopekit.units import quantity
 
 TOPPLE = """\
 slopekit: 1

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.copula import (
     EIGENVALUE_TOLERANCE,
     factor,
@@ -19,7 +20,6 @@ from slopekit.design.copula import (
 from slopekit.design.correlation import check_correlation
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.nodes import document_from
-from slopekit.orientation import Line, Plane
 
 DIP = Distribution("normal", {"mean": 45.0, "sd": 3.0}, "angle")
 J1, J2 = (Variable(f"joints.{name}.plane", Fisher(Plane(45, 115), 100)) for name in ("J1", "J2"))

@@ -2,6 +2,8 @@
 
 import pytest
 
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.distributions import (
     Angles,
     Distribution,
@@ -13,8 +15,6 @@ from slopekit.design.distributions import (
 )
 from slopekit.design.nodes import document_from
 from slopekit.design.structure import is_distribution
-from slopekit.errors import DesignError
-from slopekit.orientation import Line, Plane
 
 
 def node(value):

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.document import load_document
 from slopekit.design.nodes import Node, document_from
 from slopekit.design.overrides import ALTERNATIVES, parse_override, with_overrides
-from slopekit.errors import DesignError
-from slopekit.orientation import Line, Plane
 
 WALL = """\
 slopekit: 1

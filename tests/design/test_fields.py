@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 import pytest
 
+from slopekit.core.errors import DesignError
 from slopekit.design.fields import every_field, field_at, structure_of, words_of
 from slopekit.design.files import load
 from slopekit.design.registry import KINDS, record_of
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Named, Section
 from slopekit.design.templates import names, path_of
-from slopekit.errors import DesignError
 from slopekit.studies.keys import keys_of
 
 PLANE = {"dip": 45, "dip_direction": 115}

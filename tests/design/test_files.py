@@ -8,10 +8,10 @@ import pytest
 import trimesh
 
 import slopekit as sk
+from slopekit.core.orientation import Line
 from slopekit.design.files import load
 from slopekit.design.templates import path_of
 from slopekit.geometry import meshes, sliding_mass
-from slopekit.orientation import Line
 
 WEDGE = """\
 slopekit: 1

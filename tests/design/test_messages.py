@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.explanations import explanations
+from slopekit.core.explanations import explanations
 from slopekit.kinds.wedge.design import wedge_design
 
 DIPS = ("45/115", "45/245")

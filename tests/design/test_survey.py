@@ -4,9 +4,9 @@ import random
 
 import pytest
 
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Plane
 from slopekit.design.survey import Joint, read_joints
-from slopekit.errors import DesignError
-from slopekit.orientation import Plane
 
 PLAIN = "name,dip,dip_direction\nA,45,115\nB,60.5,245\n"
 WANTED = [("A", Plane(45, 115)), ("B", Plane(60.5, 245))]

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Plane, parse_plane, parse_quadrants
 from slopekit.design.joint_lists import joint_list
 from slopekit.design.survey import Survey, read_joints
-from slopekit.errors import DesignError
-from slopekit.orientation import Plane, parse_plane, parse_quadrants
 
 HERE = Path(__file__).parent / "joint_lists"
 NO_QUADRANTS = ("N25E/45NE", "N95E/45SE", "N25E/95SE", "N25E/45", "E25N/45S", "45/115", "NE/45SE", "")

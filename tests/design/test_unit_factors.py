@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from slopekit.units import quantity
+from slopekit.core.units import quantity
 
 FOOT, INCH, POUND, KILOGRAM_FORCE = 0.3048, 0.0254, 4.4482216152605e-3, 9.80665e-3  # m, m, kN, kN
 

@@ -5,11 +5,11 @@ import pytest
 import trimesh
 
 from slopekit.block_scene import BlockScene
+from slopekit.core.orientation import Plane
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 from slopekit.geometry.splitting import cut_bench
 from slopekit.geometry.welding import open_edges, welded
-from slopekit.orientation import Plane
 from tests.exchange.conftest import TEMPLATES
 
 NAMES = sorted(

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.joint_sets import JointSet, SetPlanes, planes_of_sets
 from slopekit.geometry.splitting import BenchCut, cut_bench, join_slivers

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.columns import BASE, RISER, SIDE, column_assembly, column_outlines
 from slopekit.geometry.section_blocks import section_assembly
 

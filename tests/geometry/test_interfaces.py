@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from slopekit.core.orientation import Plane
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.orientation import Plane
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.bench import BODY_FACES, ConvexBody, bench_body
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
 

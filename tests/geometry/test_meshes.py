@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slopekit.errors import DesignError
+from slopekit.core.errors import DesignError
 from slopekit.geometry import meshes
 from slopekit.geometry.meshes import read_mesh
 from tests.scenes import ellipsoid_mesh, save, sheet

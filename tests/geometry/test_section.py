@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.section import footing_section, line_pairs, plane_section
 
 

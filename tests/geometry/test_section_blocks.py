@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry import box_search
 from slopekit.geometry.box_search import box_pairs
 from slopekit.geometry.clipping import clip_convex, polygon_sums

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.shapes import END, SLIP, Cylinder, Ellipsoid, profile_prism, sheet_solid, smooth_normals
 from tests.scenes import ellipsoid_mesh, sheet
 

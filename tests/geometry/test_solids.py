@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from slopekit.errors import GeometryError
+from slopekit.core.errors import GeometryError
 from slopekit.geometry.meshes import read_mesh
 from slopekit.geometry.solids import mesh_assembly
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from slopekit.errors import DesignError, GeometryError
+from slopekit.core.errors import DesignError, GeometryError
 from slopekit.kinds import cut
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import slopekit as sk
-from slopekit.errors import DesignError
+from slopekit.core.errors import DesignError
 from tests.support import forget_kinds
 
 PAGE = Path(__file__).parents[2] / "docs/add-a-kind.md"

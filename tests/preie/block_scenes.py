@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 import slopekit as sk
+from slopekit.core.orientation import parse_plane
 from slopekit.geometry.bench import bench_body
 from slopekit.geometry.columns import column_assembly
 from slopekit.geometry.joint_sets import JointSet, planes_of_sets
@@ -17,7 +18,6 @@ from slopekit.geometry.splitting import cut_bench
 from slopekit.kinds import cut
 from slopekit.kinds.solver_inputs import joint_strength
 from slopekit.loads import NO_BOLTS, PassiveBolts, assembly_loads
-from slopekit.orientation import parse_plane
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength
 from slopekit.preie.ravelling import Part, ravel

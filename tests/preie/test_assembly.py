@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from slopekit.errors import SolverError
+from slopekit.core.errors import SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.model import JointStrength

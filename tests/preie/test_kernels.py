@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks import populations
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 from slopekit.preie import kernels as module
 from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import limit_of_blocks

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.orientation import Plane
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.kinds import cut
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
-from slopekit.orientation import Plane
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, Model, build_model

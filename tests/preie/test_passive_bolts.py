@@ -14,7 +14,7 @@ from scipy.optimize import linprog
 
 import slopekit as sk
 from benchmarks.wedge_paths import as_assembly, compared
-from slopekit.errors import DesignError
+from slopekit.core.errors import DesignError
 from slopekit.geometry.patches import BEDROCK
 from slopekit.kinds import cut
 from slopekit.kinds.many_blocks_scene import scene_loads

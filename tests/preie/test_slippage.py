@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slopekit.arrays import frozen
+from slopekit.core.arrays import frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.section import line_pairs, plane_section
 from slopekit.preie.limit import curved_limit_analysis

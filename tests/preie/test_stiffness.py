@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from slopekit.errors import SolverError
+from slopekit.core.errors import SolverError
 from slopekit.preie import fronts, stiffness
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.fronts import Fronts

@@ -8,7 +8,7 @@ import pytest
 
 import slopekit as sk
 from benchmarks.wedge_paths import compared
-from slopekit.arrays import frozen
+from slopekit.core.arrays import frozen
 from slopekit.kinds import analyse, cut
 from slopekit.kinds.moments import _bond_gone
 from slopekit.kinds.one_block import Clock, find_limit

@@ -12,7 +12,7 @@ from hypothesis import assume
 from hypothesis import strategies as st
 
 import slopekit as sk
-from slopekit.errors import SlopekitError
+from slopekit.core.errors import SlopekitError
 from slopekit.kinds import cut
 
 Mapping = dict[str, Any]

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.design.common import Strength
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.wedge.design import wedge_design

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.errors import DesignError, GeometryError
+from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.orientation import Plane, line_of
 from slopekit.geometry.rockmass import wedge_rock_mass
-from slopekit.orientation import Plane, line_of
 from slopekit.studies.combos import Combos, combos
 from slopekit.studies.combos import pairs as room
 from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES

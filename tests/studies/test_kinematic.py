@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.errors import DesignError, GeometryError
+from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.orientation import Plane
 from slopekit.geometry.rockmass import wedge_rock_mass
-from slopekit.orientation import Plane
 from slopekit.studies.kinematic import Kinematic, kinematic
 from slopekit.studies.kinematic.criteria import (
     DIRECT,

@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 from scipy.stats import binom, multivariate_normal, norm
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Plane
 from slopekit.design.files import load
-from slopekit.errors import DesignError
-from slopekit.orientation import Plane
 from slopekit.studies import running
 from slopekit.studies.points import point_of
 from slopekit.studies.prob import prob

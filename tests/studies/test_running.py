@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from slopekit.errors import DesignError, SolverError
+from slopekit.core.errors import DesignError, SolverError
 from slopekit.studies.running import Crew, Interrupted, Journal, checked_crew, run_all
 from tests.studies.workers import DiesAlways, DiesOnce, InterruptedAt, dies, one_over, slow_square, square
 

@@ -11,8 +11,8 @@ from types import ModuleType
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError, Fault
 from slopekit.kinds import factors_of
 from slopekit.studies.points import factor_at
 from slopekit.studies.solve import solve

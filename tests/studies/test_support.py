@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError, Notice
+from slopekit.core.orientation import Line
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError, Notice
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.rockmass import J1, J2, wedge_rock_mass
 from slopekit.kinds import cut, factors_of
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import check_bolt
-from slopekit.orientation import Line
 from slopekit.studies.support import run as module
 from slopekit.studies.support.directions import BoltDirections, around, sphere
 from slopekit.studies.support.forces import BoltedBlock, least_along, nearest, slides

@@ -9,8 +9,8 @@ from io import StringIO
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.studies.points import Point
 from slopekit.studies.protocol import Desk
 from slopekit.studies.sweep import sweep

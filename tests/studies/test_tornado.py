@@ -6,8 +6,8 @@ from statistics import NormalDist
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.studies.keys import Key
 from slopekit.studies.tornado import tornado
 from slopekit.studies.tornado.run import ends_of

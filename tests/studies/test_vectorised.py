@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pytest
 
+from slopekit.core.errors import DesignError
 from slopekit.design.files import load, with_values
-from slopekit.errors import DesignError
 from slopekit.kinds import kind_of
 from slopekit.studies.prob.sampling import samples
 from slopekit.studies.prob.vectorised import vectorised

@@ -8,8 +8,8 @@ import numpy as np
 import slopekit as sk
 from slopekit.block_scene import Arrows, Contacts, NodePairState
 from slopekit.closed_form.toppling import ColumnSlope, toppling_factor_of_safety
+from slopekit.core.errors import Notice
 from slopekit.design.templates import path_of
-from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, BlockMotion, Column, Findings, GoverningInterface, Mechanism
 from slopekit.kinds import kind_of
 from slopekit.result import FactorsOfSafety, Forces, ModelSize, Result

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 from slopekit.block_scene import packed
 from slopekit.cli import app
+from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.views.layers import ACTIVE_BOLT, PASSIVE_BOLT, Bar, Picture
 from slopekit.views.plots import draw as draw_any
 from slopekit.views.plots import offers

@@ -3,7 +3,7 @@
 import pytest
 
 from benchmarks.charts import speed_error_chart, sweep_chart
-from slopekit.errors import DesignError
+from slopekit.core.errors import DesignError
 from slopekit.views import charts
 from slopekit.views.charts import Curve
 

@@ -7,10 +7,10 @@ import pytest
 
 import slopekit as sk
 from benchmarks.populations import section
+from slopekit.core.errors import HARMLESS
+from slopekit.core.explanations import explanation, explanations
 from slopekit.core.sheet import factor_text
 from slopekit.design.templates import names, path_of
-from slopekit.errors import HARMLESS
-from slopekit.explanations import explanation, explanations
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.views.report_words import answer
 from slopekit.views.stage import Stage

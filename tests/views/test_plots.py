@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Line
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
 from slopekit.kinds import ladders
 from slopekit.kinds.surface import normals_rungs
-from slopekit.orientation import Line
 from slopekit.views.stereonet import project
 
 pytest.importorskip("matplotlib")

@@ -15,9 +15,9 @@ import pytest
 import slopekit as sk
 from benchmarks.verification_excerpt import excerpt
 from slopekit.cli import app
+from slopekit.core.errors import DesignError
+from slopekit.core.explanations import explanations
 from slopekit.design.templates import path_of
-from slopekit.errors import DesignError
-from slopekit.explanations import explanations
 from slopekit.views import report as room
 from slopekit.views.report import report_of, still_pictures, verification_excerpt
 from slopekit.views.report_inputs import input_tables, value_text

@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 import slopekit as sk
-from slopekit.arrays import Floats
 from slopekit.block_scene import BlockScene, packed
+from slopekit.core.arrays import Floats
 from slopekit.design.templates import path_of
 from slopekit.views import rendering
 from slopekit.views.layers import MODE_COLOURS, Bar, Picture, arrows, free_normal, rigid, rock_around, spheres

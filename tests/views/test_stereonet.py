@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.orientation import Line, Plane, normals
+from slopekit.core.orientation import Line, Plane, normals
 from slopekit.studies.kinematic.criteria import planes_of_poles, zones_of_lines, zones_of_poles
 from slopekit.views.stereonet import (
     cone,

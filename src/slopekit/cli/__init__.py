@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 from slopekit._version import __version__
 from slopekit.cli import designs, outputs, tools
 from slopekit.cli.common import print_faults
-from slopekit.errors import DesignError, Fault, SlopekitError
+from slopekit.core.errors import DesignError, Fault, SlopekitError
 
 #: In the order of the help; wedge, run and those of studies are made of their functions, when they are asked for.
 COMMANDS = (

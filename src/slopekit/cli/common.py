@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, Faults, SlopekitError, writing
+from slopekit.core.errors import DesignError, Fault, Faults, SlopekitError, writing
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design

@@ -7,7 +7,7 @@ import typer
 
 from slopekit._version import __version__
 from slopekit.cli.common import JSON, folder_of, json_text
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 from slopekit.studies.protocol import number_of, whole_number
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TextIO
 
 import typer
 
-from slopekit.onlooker import onlooker
+from slopekit.core.onlooker import onlooker
 
 Advance = Callable[[int], None]
 _SILENT = ("--json", "--quiet")

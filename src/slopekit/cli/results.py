@@ -6,7 +6,7 @@ from typing import Any
 import typer
 
 from slopekit.cli.common import FOLDER, QUIET, draw_to, image_of
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 #: The options of every command that are other ones for results.
 OPTIONS = {

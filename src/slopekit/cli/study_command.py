@@ -21,9 +21,9 @@ from slopekit.cli.common import (
     write,
 )
 from slopekit.cli.progress import progress, watched
+from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.core.options import DESIGN, Argument, Desk, Option, given_by
 from slopekit.core.shown import Shown
-from slopekit.errors import DesignError, Fault, writing
 from slopekit.studies.protocol import VARIANTS, Outcome, function_of
 
 #: The functions that give a result; all other commands that are made so are studies.

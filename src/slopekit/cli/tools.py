@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 
 def _template_names(incomplete: str) -> list[str]:
@@ -17,7 +17,7 @@ def _template_names(incomplete: str) -> list[str]:
 
 def _codes(incomplete: str) -> list[str]:
     """The codes of messages that begin so, for the shell."""
-    from slopekit.explanations import explanations
+    from slopekit.core.explanations import explanations
 
     return [code for code in explanations() if code.startswith(incomplete)]
 
@@ -96,6 +96,6 @@ def explain(
 
         typer.echo(messages_page(), nl=False)
         return
-    from slopekit.explanations import explanation
+    from slopekit.core.explanations import explanation
 
     typer.echo(explanation(code))

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.rotation import Ground, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, GeometryError
 
 Floats = NDArray[np.float64]
 _COUNT = 12  # nodes between two changes, in either direction

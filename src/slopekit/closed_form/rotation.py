@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.errors import Fault, GeometryError
 
 Floats = NDArray[np.float64]
 _COUNT = 16  # slices between two changes of kind

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -82,7 +82,7 @@ class Shown:
         try:
             pandas = import_module("pandas")
         except ImportError:
-            from slopekit.errors import DesignError, Fault
+            from slopekit.core.errors import DesignError, Fault
 
             message = "data frames need pandas, which is not installed"
             raise DesignError([Fault("E374", message, "", "pip install pandas")]) from None
@@ -101,7 +101,7 @@ class Shown:
         """
         frames = self.to_frames()
         if not frames:
-            from slopekit.errors import DesignError, Fault
+            from slopekit.core.errors import DesignError, Fault
 
             raise DesignError([Fault("E375", f"{type(self).__name__} has no table", "", "to_dict() has all of it.")])
         return next(iter(frames.values()))

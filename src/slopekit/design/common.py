@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
+from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import number as shown
 from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
 from slopekit.design.structure import Leaf, ListOf
-from slopekit.orientation import Line, Plane
-from slopekit.orientation import number as shown
 
 if TYPE_CHECKING:
     from slopekit.design.distributions import Variable

@@ -7,7 +7,7 @@ have no negative eigenvalue.
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 
 #: An eigenvalue this far below 0 is rounding.
 EIGENVALUE_TOLERANCE = 1e-9

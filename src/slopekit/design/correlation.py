@@ -6,14 +6,14 @@ from typing import TypeAlias
 
 import numpy as np
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number
+from slopekit.core.units import quantity
 from slopekit.design.common import Pair
 from slopekit.design.copula import EIGENVALUE_TOLERANCE, nearest_ranks, smallest_eigenvalue
 from slopekit.design.distributions import Fisher, Variable
 from slopekit.design.nodes import Node
 from slopekit.design.structure import ANGLES
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number
-from slopekit.units import quantity
 
 #: What a name stands for: a coordinate, or a whole orientation.
 Named: TypeAlias = str | Variable

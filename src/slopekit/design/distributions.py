@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Literal, TypeAlias, cast
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, Plane, number, parse_plane
+from slopekit.core.units import quantity
 from slopekit.design.nodes import Node
 from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution
 from slopekit.design.words import line_of_words
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Line, Plane, number, parse_plane
-from slopekit.units import quantity
 
 Scatter: TypeAlias = "Distribution | Fisher | Angles"
 Name = Literal["normal", "lognormal", "uniform", "triangular"]
@@ -156,7 +156,7 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
     Parameters
     ----------
     node : a mapping with the key dist
-    kind : the kind of quantity, as `slopekit.units.quantity` takes it
+    kind : the kind of quantity, as `slopekit.core.units.quantity` takes it
     name : what it is, for the messages
 
     Raises

@@ -4,11 +4,11 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import NO_TEXT, Document, cut, fail
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.overrides import ALTERNATIVES, Exclusive, with_overrides
 from slopekit.design.yaml import LINE_END, Source, TreeBuilder, composed
-from slopekit.errors import DesignError, Fault
 
 
 def load_document(

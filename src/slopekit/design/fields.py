@@ -21,10 +21,10 @@ from inspect import get_annotations
 from math import inf, isfinite
 from typing import Any, Literal, TypeVar, cast
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number as shown
+from slopekit.core.units import unit_of
 from slopekit.design.structure import ANGLES, AnyOf, Leaf, ListOf, Named, OrientationKind, Section, Spec
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number as shown
-from slopekit.units import unit_of
 
 #: What a number is: of the slope itself, a coordinate, how something scatters, or how the analysis is done.
 Role = Literal["quantity", "coordinate", "scatter", "setting"]
@@ -54,7 +54,7 @@ class Field:
     Attributes
     ----------
     path : dotted, within its record; * is a name of the user's or the number of a list item
-    measures : a kind of `slopekit.units.quantity`, or plane, line, point, text, group
+    measures : a kind of `slopekit.core.units.quantity`, or plane, line, point, text, group
     least, most : limits, which themselves are not taken where `above`, `below`
     whole : whether it counts something, `is_odd` in odd numbers; words : that may stand for it (`middle`)
     is_required, default : whether it has to be given, else what it is; `may_lack`: other values may stand for it

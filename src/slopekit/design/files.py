@@ -9,6 +9,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
@@ -17,7 +18,6 @@ from slopekit.design.overrides import with_overrides
 from slopekit.design.reader import Reader
 from slopekit.design.registry import KINDS, kind_named, record_of
 from slopekit.design.structure import Section, check_structure
-from slopekit.errors import DesignError, Fault
 
 Overrides = Sequence[tuple[str, object]]
 VERSION = 1

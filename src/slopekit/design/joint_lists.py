@@ -8,11 +8,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Plane, normals, parse_plane
 from slopekit.design.survey import Joint, Survey, read_frame, read_joints
 from slopekit.design.survey.tables import is_frame
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, normals, parse_plane
 
 MOST_JOINTS = 3000  # 4.5 million pairs
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Plane
 from slopekit.design.common import Strength
 from slopekit.design.fields import Field, count
 from slopekit.design.named_files import beside
@@ -11,8 +13,6 @@ from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_strength, standard_strength, strength_names
 from slopekit.design.structure import AnyOf, Leaf, ListOf, Section
-from slopekit.errors import DesignError
-from slopekit.orientation import Plane
 
 #: A joint list in place of joints.
 FROM_CSV = Section(

@@ -3,11 +3,11 @@
 import hashlib
 from pathlib import Path
 
+from slopekit.core.errors import DesignError
 from slopekit.design.common import MeshFile
 from slopekit.design.nodes import Node
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.reader import Reader
-from slopekit.errors import DesignError
 
 _MOST_MESH_BYTES = 200_000_000
 

@@ -12,8 +12,8 @@ from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Line, Plane
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, Plane
 
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
 Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"

@@ -5,8 +5,8 @@ from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import cut, fail, printable
-from slopekit.errors import DesignError, Fault
 
 MAX_BYTES = 5_000_000
 

@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import (
     MAX_DEPTH,
     NO_TEXT,
@@ -21,7 +22,6 @@ from slopekit.design.nodes import (
 )
 from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution, orientation_kind
 from slopekit.design.yaml import NULLS, Source, TreeBuilder, composed
-from slopekit.errors import DesignError, Fault
 
 Exclusive: TypeAlias = Mapping[str, Sequence[str]]
 

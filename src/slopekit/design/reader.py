@@ -6,14 +6,14 @@ from dataclasses import replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design, Strength
 from slopekit.design.fields import Field, every_field, field_at, fields_of
 from slopekit.design.nodes import Document, Node, as_text
 from slopekit.design.structure import has_angles, is_distribution, orientation_kind
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, parse_plane
-from slopekit.units import is_unit_of, quantity, unit_of
 
 if TYPE_CHECKING:
     from slopekit.design.common import Pair

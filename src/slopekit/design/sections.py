@@ -3,14 +3,14 @@
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
+from slopekit.core.errors import Fault
+from slopekit.core.orientation import number as shown
 from slopekit.design import words
 from slopekit.design.common import Design, HyperbolaParameters, Project, Seismic, Stiffness, Strength, Water
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Node, Place
 from slopekit.design.reader import Reader
 from slopekit.design.structure import is_distribution
-from slopekit.errors import Fault
-from slopekit.orientation import number as shown
 
 _MOST_FACTORS = 200
 _NOTHING = Node({}, Place("", 0, 0, ""), "", Place("", 0, 0, ""))

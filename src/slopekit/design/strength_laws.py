@@ -9,11 +9,11 @@ from difflib import get_close_matches
 from math import inf
 from typing import Any
 
+from slopekit.core.orientation import number
 from slopekit.design.common import Strength
 from slopekit.design.fields import Field, fields_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
-from slopekit.orientation import number
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.protocol import StrengthLaw
 from slopekit.strength.registry import LAWS

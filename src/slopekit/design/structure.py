@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
 from typing import Literal, TypeAlias
 
+from slopekit.core.errors import Fault
 from slopekit.design.nodes import Node
-from slopekit.errors import Fault
 
 Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf"
 OrientationKind = Literal["plane", "line"]

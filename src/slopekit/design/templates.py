@@ -3,7 +3,7 @@
 from difflib import get_close_matches
 from pathlib import Path
 
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _PLACES = (_PACKAGE / "templates", _PACKAGE.parent.parent / "templates")

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, number
+from slopekit.core.units import quantity
 from slopekit.design.common import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Line, number
-from slopekit.units import quantity
 
 RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest",

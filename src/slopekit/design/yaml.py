@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.nodes import (
     MAX_DEPTH,
     MAX_VALUES,
@@ -18,7 +19,6 @@ from slopekit.design.nodes import (
     joined,
     printable,
 )
-from slopekit.errors import DesignError, Fault
 
 _MAX_REPEATED = 50_000
 NULLS = ("", "~", "null", "Null", "NULL")

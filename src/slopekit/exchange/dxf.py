@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
 from slopekit.bolts import nearest
+from slopekit.core.arrays import Floats
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Body, Picked
 from slopekit.exchange.solids import Files

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import BlockScene, Contacts
+from slopekit.core.arrays import Floats, Ints
 
 _NEAREST = 12  # panels that a node pair may lie on, by the distance of their triangles' middles
 

@@ -6,9 +6,9 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, NodePairState
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import DesignError, Fault
 
 #: What can be written.
 WHAT = ("blocks", "interfaces", "pairs", "bolts")

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import joined
 from slopekit.bolts import nearest, plates, rods
+from slopekit.core.arrays import Floats, Ints
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.picking import Picked
 from slopekit.geometry.meshes import Z_UP

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
 from slopekit.block_scene import BlockScene
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
 from slopekit.exchange.panels import areas_of
 from slopekit.kinds import known_kind
 from slopekit.kinds.protocol import Carried, CarriedJoint

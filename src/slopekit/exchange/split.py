@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from slopekit._version import __version__
-from slopekit.arrays import Floats
-from slopekit.errors import Notice, writing
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import Notice, writing
 from slopekit.exchange.losses import (
     acceptance,
     lost_of_criterion,

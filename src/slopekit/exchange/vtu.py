@@ -12,8 +12,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES
+from slopekit.core.arrays import Floats, Ints
 from slopekit.exchange.panels import panel_states
 from slopekit.exchange.picking import Picked
 from slopekit.exchange.solids import Files

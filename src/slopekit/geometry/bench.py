@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.tolerances import FLATTEST_FACE_DEG, SAME_DIP_DEG
 
 #: The faces of a bench in the order of its planes.

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.geometry.tolerances import TINY
 
 _AT_ONCE = 2_000_000  # candidate pairs looked at in one go: bounds the memory

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.plane_stacks import PlaneStack, Soup
 from slopekit.geometry.tolerances import NO_VOLUME
 

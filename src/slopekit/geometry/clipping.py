@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 
 
 def polygon_sums(polygons: Floats, counts: Ints) -> tuple[Floats, Floats, Floats]:

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Floats, Ints, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 
 BASE, SIDE, RISER = range(3)

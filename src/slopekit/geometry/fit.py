@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import Fault, GeometryError
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, cross, frozen
-from slopekit.errors import Fault, SolverError
+from slopekit.core.arrays import Floats, Ints, cross, frozen
+from slopekit.core.errors import Fault, SolverError
 from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.tolerances import SAME_PLANE
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import DesignError, Fault
 
 #: The node of slopekit's own GLB files that turns z upward into glTF's y upward; below it are the user's axes.
 Z_UP = "slopekit: z is up"

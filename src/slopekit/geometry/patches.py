@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.interfaces import BEDROCK
 
 __all__ = ["BEDROCK", "Assembly", "Patches"]

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 
 Point2 = tuple[float, float]
 _SMALLEST_AREA = 1e-12  # of the square of the perimeter: below that the points lie in one line

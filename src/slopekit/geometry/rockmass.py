@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, cross, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Floats, cross, frozen
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.orientation import downward, line_of
 from slopekit.geometry.tolerances import NEARLY_PARALLEL, SAME_DIRECTION
-from slopekit.orientation import downward, line_of
 
 J1, J2, FACE, UPPER, CRACK = range(5)
 PLANE_NAMES = ("J1", "J2", "face", "upper slope", "crack")

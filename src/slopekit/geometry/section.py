@@ -9,8 +9,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.cutting import Block, cut_convex
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.tolerances import PARALLEL_DEG

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import triangulate
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Fault
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Fault
 from slopekit.geometry.box_search import box_pairs
 from slopekit.geometry.clipping import are_apart, clip_convex, polygon_sums
 from slopekit.geometry.fit import Gaps, Overlaps, contact_tolerance, refuse, size_faults

@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.tolerances import ON_EDGE, TINY, UPRIGHT
 
 SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on

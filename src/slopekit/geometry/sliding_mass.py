@@ -12,8 +12,8 @@ from typing import Literal
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import DesignError, Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY

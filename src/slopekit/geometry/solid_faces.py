@@ -7,8 +7,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from slopekit.arrays import Bools, Floats, Ints
-from slopekit.errors import Fault
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import Fault
 from slopekit.geometry.fit import contact_tolerance, refuse, size_faults
 from slopekit.geometry.tolerances import BENT, FACE_FLAT, TINY
 

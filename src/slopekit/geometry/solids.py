@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.geometry.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.fit import Gaps, Overlaps

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
 from slopekit.geometry.joint_sets import SetPlanes

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.geometry.tolerances import SAME_CORNER
 
 

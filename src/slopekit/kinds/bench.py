@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import Plane
 from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.errors import Notice
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
-from slopekit.orientation import Plane
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
 

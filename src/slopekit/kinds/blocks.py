@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import MeshFile, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
@@ -16,7 +17,6 @@ from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.design.structure import Leaf, ListOf, Named
-from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.geometry.polygons import fault_of_polygon
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, no_closed_form, no_notices
 from slopekit.kinds.many_blocks_design import AssemblyDesign, Point2, common, pressures, water_by

@@ -8,9 +8,9 @@ from typing import Any, Generic, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.design.common import Design, Strength
-from slopekit.errors import Fault, GeometryError
 from slopekit.kinds.protocol import ClosedForm, D, one_or_error
 from slopekit.kinds.secants import on_secants
 

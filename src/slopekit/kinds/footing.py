@@ -9,11 +9,11 @@ import numpy as np
 
 from slopekit.closed_form.footing import footing
 from slopekit.core import sheet
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.design.common import Design, Stiffness, Strength
 from slopekit.design.fields import Field, count, number
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
-from slopekit.errors import Fault, GeometryError
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
 from slopekit.kinds.one_block import Cut, kind_of_one_block, on_one_plane, other_strengths
 from slopekit.kinds.protocol import ClosedForm

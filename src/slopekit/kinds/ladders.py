@@ -11,10 +11,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+from slopekit.core.onlooker import say
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, D
-from slopekit.onlooker import say
 from slopekit.preie.balance import Balance
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, passes_limit
 from slopekit.preie.mechanism import COLD, Stages

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from slopekit.arrays import frozen
 from slopekit.block_scene import Contacts
+from slopekit.core.arrays import frozen
+from slopekit.core.errors import Notice
+from slopekit.core.onlooker import say
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
-from slopekit.errors import Notice
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
@@ -27,7 +28,6 @@ from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import first_and_last, loads_part, size_number, strength_in_words, weight_in_words
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import SQUARE, common_notices
-from slopekit.onlooker import say
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import Balance, balance, of_blocks
 from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks

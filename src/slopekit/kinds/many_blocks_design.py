@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from slopekit.core.orientation import number
 from slopekit.design import words
 from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.fields import Field, count, group
@@ -11,7 +12,6 @@ from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
 from slopekit.design.structure import Leaf
-from slopekit.orientation import number
 
 Point2 = tuple[float, float]
 MOST_BLOCKS = 200_000

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.orientation import Line
 from slopekit.design.common import Bolt, Force, Strength
-from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
-from slopekit.orientation import Line
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.findings import BlockMotion, GoverningInterface, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.onlooker import say
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader
-from slopekit.errors import GeometryError, Notice
 from slopekit.extents import Geometry
 from slopekit.geometry.cutting import Block
 from slopekit.kinds.moments import (
@@ -40,7 +41,6 @@ from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
-from slopekit.onlooker import say
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound

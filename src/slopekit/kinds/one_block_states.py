@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.contact import JointStiffness

@@ -7,16 +7,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats
 from slopekit.closed_form.plane import OUTCOMES, PlaneArrays, plane_failures
 from slopekit.core import sheet
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import Fault, GeometryError, Notice
+from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import number as shown
 from slopekit.design.common import Design, Strength, Water
 from slopekit.design.fields import Field, group, number, orientation
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
-from slopekit.errors import Fault, GeometryError, Notice
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
@@ -26,8 +28,6 @@ from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_beddi
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
-from slopekit.orientation import Line, Plane
-from slopekit.orientation import number as shown
 from slopekit.result import Result, Words
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)

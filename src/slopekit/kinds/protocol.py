@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from slopekit.core.errors import GeometryError
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader
-from slopekit.errors import GeometryError
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.kinds.one_block_states import Bedding

@@ -14,19 +14,19 @@ from slopekit.closed_form.toppling import (
     toppling_factor_of_safety,
     toppling_table,
 )
+from slopekit.core.errors import DesignError, Notice
+from slopekit.core.orientation import number as shown
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, number
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
-from slopekit.errors import DesignError, Notice
 from slopekit.findings import Column, Mechanism
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, Point2, common, pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
-from slopekit.orientation import number as shown
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
 

@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
+from slopekit.core.orientation import Line
 from slopekit.core.sheet import Section
 from slopekit.design.common import Bolt, Design, Force, Strength
-from slopekit.orientation import Line
 from slopekit.result import Result
 
 MOST_RUNS = 4

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from slopekit.arrays import Bools
+from slopekit.core.arrays import Bools
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model

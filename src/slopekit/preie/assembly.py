@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import sparse
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Fault, SolverError
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Fault, SolverError
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, Model, local_axes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
-from slopekit.errors import SolverError
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.patterns import ContactPattern

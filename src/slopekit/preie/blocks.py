@@ -20,7 +20,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound

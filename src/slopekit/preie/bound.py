@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.distance import StaticBound, bound_by_programs
 from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.model import Model

@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.onlooker import say
+from slopekit.core.arrays import Floats
+from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths

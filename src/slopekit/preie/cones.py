@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.kernels import compiled
 from slopekit.preie.tolerances import TINY
 

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.strength.mohr_coulomb import line
 
 #: k_t / k_n of the elastic path and bed, as the definition has it (METHOD-3 §13): from 0.1 to 1 the limit is the same

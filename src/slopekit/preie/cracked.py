@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.linear import split_space
 from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
 from slopekit.preie.tolerances import (

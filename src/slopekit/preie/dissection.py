@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, maximum_bipartite_matching
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 
 _UNEVEN = 0.15  # of a piece, how far from its middle it may be cut

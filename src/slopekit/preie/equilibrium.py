@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY

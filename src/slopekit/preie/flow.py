@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.errors import SolverError
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import SolverError
 from slopekit.preie.bed import Bed, BedForces, NewtonStep
 
 EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import blas, lapack
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.dissection import along_joints, dissection, touching_blocks
 from slopekit.preie.kernels import compiled

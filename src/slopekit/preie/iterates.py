@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.cones import longest_step, longest_step_to_zero
 
 _TO_BOUNDARY = 0.99

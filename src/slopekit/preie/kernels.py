@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from slopekit.errors import Fault, SlopekitError
+from slopekit.core.errors import Fault, SlopekitError
 
 _ROUTINES = {
     "cython_blas": ("dtrsm", "dgemm", "dsyrk", "dtrsv", "dgemv"),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import Assembly
 from slopekit.loads import AssemblyLoads
 from slopekit.preie.model import JointStrength

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import (
     dilating_limit_state,

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import LOST_STEP, NOT_DRAWN, TINY

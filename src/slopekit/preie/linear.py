@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.preie.tolerances import TINY
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import TINY
 

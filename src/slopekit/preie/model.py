@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, cross, frozen
-from slopekit.errors import Fault, SolverError
+from slopekit.core.arrays import Floats, Ints, cross, frozen
+from slopekit.core.errors import Fault, SolverError
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.tolerances import ORTHONORMAL

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.geometry.interfaces import BEDROCK
 from slopekit.preie.assembly import AssemblyModel, one_block
 from slopekit.preie.bed import Bed, Drive

@@ -11,7 +11,7 @@ from enum import Enum
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.mechanism import COLD, WARM, LeastWorkMechanism, least_work_mechanism
 from slopekit.preie.model import Model

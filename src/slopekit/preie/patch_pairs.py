@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.geometry.patches import Patches
 from slopekit.preie.tolerances import PARALLELOGRAM
 

@@ -17,8 +17,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.onlooker import say
+from slopekit.core.arrays import Floats
+from slopekit.core.onlooker import say
 from slopekit.preie.bed import Bed
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of

@@ -8,7 +8,7 @@ from enum import StrEnum
 import numpy as np
 from scipy.linalg import lapack
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.tolerances import (
     ADMISSIBLE,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.kernels import compiled
 

@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.errors import SolverError
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
 from slopekit.preie.iterates import Iterate, IterateStep

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.onlooker import say
+from slopekit.core.arrays import Floats
+from slopekit.core.onlooker import say
 from slopekit.preie.bed import Bed, NewtonStep
 from slopekit.preie.flow import stepped
 from slopekit.preie.path_limit import PathLimit, PathOutcome, result_of

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly

@@ -20,8 +20,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.errors import SolverError
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import SolverError
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
 from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, frozen
+from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.tolerances import ALIKE_MOTIONS, DRIVEN, FARTHEST_DEG, TANGENT_DEG, TINY, TURNED
 

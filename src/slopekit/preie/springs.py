@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, along_rows
 from slopekit.preie.patterns import ContactPattern

@@ -29,8 +29,8 @@ from scipy import sparse
 from scipy.linalg import lapack
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from slopekit.arrays import Floats, Ints
-from slopekit.errors import Fault, SolverError
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import Fault, SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.dissection import touching_blocks
 from slopekit.preie.fronts import FINER, Fronts, Solver

@@ -15,7 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints, frozen
+from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import BlocksLimit
 from slopekit.preie.bounds import static_bound

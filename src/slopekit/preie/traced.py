@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.preie.bed import Bed, BedForces, NewtonStep
 from slopekit.preie.flow import relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of

@@ -12,9 +12,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from slopekit.arrays import Bools, Floats, Ints
-from slopekit.errors import SolverError
-from slopekit.onlooker import say
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import SolverError
+from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.flow import Flow, relaxed

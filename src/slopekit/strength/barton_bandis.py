@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.strength.reduced import Reduced
 
 STEEPEST_DEG = 70.0

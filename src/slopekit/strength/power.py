@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 
 #: Least normal traction, kPa, at which a line is drawn: 1e-6 of the weight of a metre of rock.
 LEAST_KPA = 2.5e-5

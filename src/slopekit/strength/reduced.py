@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.strength.protocol import StrengthLaw
 
 

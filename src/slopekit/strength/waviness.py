@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.strength.protocol import StrengthLaw
 
 

@@ -13,6 +13,9 @@ from dataclasses import astuple, dataclass, replace
 from difflib import get_close_matches
 from typing import Any
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Plane
+from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design, Strength
 from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation
 from slopekit.design.fields import UNITS, Field, Role, field_at, fields_of
@@ -20,9 +23,6 @@ from slopekit.design.files import with_values
 from slopekit.design.nodes import Node
 from slopekit.design.overrides import spread
 from slopekit.design.structure import WRITTEN, OrientationKind, is_distribution, orientation_kind
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane
-from slopekit.units import is_unit_of, quantity, unit_of
 
 _NO_NUMBERS = ("slopekit", "kind", "title", "project", "acceptance")
 _MOST_LISTED = 12
@@ -65,7 +65,7 @@ class Key:
         return UNITS[self.kind]
 
     def read(self, value: object) -> float:
-        """A number that may carry a unit. Raises DesignError E105 to E108 as `slopekit.units.quantity`."""
+        """A number that may carry a unit. Raises DesignError E105 to E108 as `slopekit.core.units.quantity`."""
         return quantity(value, self.kind, self.path)
 
     def written(self, value: float) -> str:

@@ -12,12 +12,12 @@ from functools import partial
 import numpy as np
 from scipy.special import erf, ndtr, ndtri
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Variable
 from slopekit.design.fields import Field, field_at
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number
 
 #: The largest share that is left to a study, which counts such samples as impossible.
 MOST_BEYOND = 0.01
@@ -131,7 +131,7 @@ def checked_limits(design: Design) -> tuple[Beyond, ...]:
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": joints, "strength": {"weak": weak}})
     >>> checked_limits(wedge)
     Traceback (most recent call last):
-    slopekit.errors.DesignError: E281 10.6 % of strength.weak.c lies below 0, where no design can be
+    slopekit.core.errors.DesignError: E281 10.6 % of strength.weak.c lies below 0, where no design can be
          design: strength.weak.c = {dist: …, mean: …, sd: …}
          Add min: 0 to the distribution, or make it narrower.
     """

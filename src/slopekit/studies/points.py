@@ -8,12 +8,12 @@ from typing import Any, Literal
 import numpy as np
 
 from slopekit.core.codec import record_of
+from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.errors import DesignError, Fault, SlopekitError
 from slopekit.kinds import factors_of
 from slopekit.kinds.protocol import Factors
-from slopekit.orientation import number
 from slopekit.studies.running import Record
 
 Method = Literal["closed_form", "pre_ie"]

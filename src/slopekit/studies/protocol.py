@@ -9,11 +9,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any
 
 from slopekit._version import __version__
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Advance, Argument, Bar, Desk, Option, as_it_is, documented, given_by
 from slopekit.core.shown import Shown
+from slopekit.core.units import quantity
 from slopekit.design.common import Design
-from slopekit.errors import DesignError, Fault
-from slopekit.units import quantity
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet

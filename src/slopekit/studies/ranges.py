@@ -5,10 +5,10 @@ import re
 from collections.abc import Sequence
 from typing import NoReturn, TypeAlias
 
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number
+from slopekit.core.units import unit_of
 from slopekit.studies.keys import Key
-from slopekit.units import unit_of
 
 #: Two ends: a pair, or a text `lo:hi`.
 Within: TypeAlias = str | Sequence[float | str]

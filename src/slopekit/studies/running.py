@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, SlopekitError, SolverError, writing
+from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
 
 _EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.

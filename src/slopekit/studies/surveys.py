@@ -6,10 +6,10 @@ from typing import Annotated, Any
 import numpy as np
 
 from slopekit._version import __version__
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import Notice
 from slopekit.core.sheet import counted
 from slopekit.design.joint_lists import JointList
-from slopekit.errors import Notice
 from slopekit.studies.protocol import Argument, Option
 
 

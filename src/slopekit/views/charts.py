@@ -11,8 +11,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.sheet import factor_text
-from slopekit.errors import DesignError, Fault
 from slopekit.kinds.ladders import METHODS
 from slopekit.views.drawing import BLUE, DARK, GREY, PURPLE, RED, Damaged, finish, note, nothing, short, title_of
 

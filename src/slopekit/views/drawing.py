@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NoReturn
 
-from slopekit.errors import DesignError, Fault, writing
+from slopekit.core.errors import DesignError, Fault, writing
 
 #: Colours that the colour-blind tell apart (Okabe & Ito 2008), darkened where they stand on white.
 BLUE, RED, GREEN, PURPLE, ORANGE, SKY = "#0064a4", "#c8500a", "#007f5f", "#a8548a", "#d89000", "#56b4e9"

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.orientation import parse_plane
 from slopekit.kinds.sheets.bolts import (
     FILE,
     ScheduledBolt,
@@ -17,7 +18,6 @@ from slopekit.kinds.sheets.bolts import (
     schedule,
     without_head,
 )
-from slopekit.orientation import parse_plane
 from slopekit.views.drawing import DARK, finish, nothing, short, title_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
-from slopekit.orientation import Plane, number, parse_plane
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.orientation import Plane, number, parse_plane
 from slopekit.studies.kinematic.criteria import (
     Lines,
     Modes,

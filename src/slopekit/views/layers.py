@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import Shapes
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 
 Colour = tuple[int, int, int]
 _ROUND = 12  # sides of the shaft and the head of an arrow

@@ -11,9 +11,9 @@ from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 
+from slopekit.core.explanations import explanations, weight_of
 from slopekit.design.fields import every_field
 from slopekit.design.registry import KINDS, record_of
-from slopekit.explanations import explanations, weight_of
 
 _CODE = re.compile(r"[EW]\d{3}")
 _MOST = 4  # first lines of one code

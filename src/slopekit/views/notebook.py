@@ -6,8 +6,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from slopekit.core.errors import DesignError
 from slopekit.core.shown import Shown
-from slopekit.errors import DesignError
 from slopekit.views.report import picture_of
 
 if TYPE_CHECKING or os.name != "nt":  # not one expression: a class needs a base that is known

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.orientation import Line, Plane, downward, line_of, number, parse_plane
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import Line, Plane, downward, line_of, number, parse_plane
 from slopekit.studies.kinematic.criteria import zones_of_lines, zones_of_poles
 from slopekit.studies.kinematic.run import LATERAL_DEG
 from slopekit.views.drawing import BLUE, DARK, GREY, RED, nothing, short, title_of

@@ -10,7 +10,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, no_window, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES

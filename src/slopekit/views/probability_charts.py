@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.orientation import number
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import number
 from slopekit.views.drawing import BLUE, DARK, RED, finish, nothing, title_of
 
 Document = Mapping[str, Any]

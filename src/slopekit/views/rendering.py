@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, cross
-from slopekit.errors import DesignError, Fault, writing
+from slopekit.core.arrays import Floats, cross
+from slopekit.core.errors import DesignError, Fault, writing
 from slopekit.exchange.solids import save_gltf
 from slopekit.views.drawing import no_window
 from slopekit.views.layers import Bar, Layer, Picture

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from slopekit._version import __version__
-from slopekit.errors import DesignError, Fault, Notice, writing
+from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.kinds import words_named
 from slopekit.views import report_tables as tables
 from slopekit.views.plots import checked_document

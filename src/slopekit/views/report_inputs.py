@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from slopekit.core.orientation import Line, Plane, number
 from slopekit.design.common import Water
 from slopekit.kinds.words import line_in_words
-from slopekit.orientation import Line, Plane, number
 
 _PLANE = re.compile(r"^(\d+(?:\.\d+)?)/(\d+(?:\.\d+)?)$")
 _UNITS = {

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.codec import from_json
+from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Section
 from slopekit.findings import GoverningInterface
 from slopekit.kinds.sheets.many_blocks import governing
 from slopekit.kinds.words import line_in_words
-from slopekit.orientation import line_of
 from slopekit.views.report_inputs import Table
 
 Document = Mapping[str, Any]

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from slopekit.core.errors import HARMLESS
 from slopekit.core.sheet import factor_text
-from slopekit.errors import HARMLESS
 from slopekit.kinds.sheets.many_blocks import path_in_words
 from slopekit.result import JUDGED
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import nearest, plates, rods
+from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head

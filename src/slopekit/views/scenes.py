@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
 from slopekit.block_scene import MODES, OPEN
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import DesignError, Fault
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
 from slopekit.views.layers import (

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, cross
 from slopekit.block_scene import BlockScene
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, parse_plane
 from slopekit.kinds import known_kind
-from slopekit.orientation import Line, parse_plane
 from slopekit.result import JUDGED
 from slopekit.views.layers import (
     BLOCK,

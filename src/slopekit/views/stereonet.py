@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
-from slopekit.orientation import Plane, number
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.orientation import Plane, number
 from slopekit.views.drawing import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY
 
 Net = Literal["area", "angle"]

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
 from slopekit.block_scene import MODES, BlockScene, Contacts, Shapes, Solids, joined, unreadable
+from slopekit.core.arrays import Floats, Ints
 from slopekit.exchange.panels import triangles_of
 from slopekit.views.layers import (
     ACTIVE_BOLT,

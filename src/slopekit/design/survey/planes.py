@@ -3,9 +3,8 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 
-from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import (
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import (
     Plane,
     look_like_radians,
     number,
@@ -14,7 +13,8 @@ from slopekit.orientation import (
     parse_strike,
     plane_by_side,
 )
-from slopekit.units import quantity
+from slopekit.core.units import quantity
+from slopekit.design.survey.columns import STRIKE_TO_DIP_DIRECTION, STRIKE_WITH_SIDE
 
 #: The order in which missing cells are named.
 DIP_FIRST = ("dip", "dip_direction", "strike", "plane", "clar", "strike/dip", "trend", "plunge").index

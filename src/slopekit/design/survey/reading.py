@@ -8,6 +8,15 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, NoReturn
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import (
+    Plane,
+    azimuth_of,
+    number,
+    parse_quadrants,
+    plane_by_side,
+)
+from slopekit.core.units import quantity
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.survey.columns import (
     COLUMNS,
@@ -29,15 +38,6 @@ from slopekit.design.survey.columns import (
 from slopekit.design.survey.planes import DIP_FIRST, PlaneReader
 from slopekit.design.survey.preamble import Preamble, preamble_of
 from slopekit.design.survey.tables import Table, frame_table, table_of
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import (
-    Plane,
-    azimuth_of,
-    number,
-    parse_quadrants,
-    plane_by_side,
-)
-from slopekit.units import quantity
 
 _NUMBER = re.compile(r"^[+-]?(\d+([.,]\d*)?|[.,]\d+)°?$")
 _PLANE = re.compile(r"^\d+([.,]\d+)?°?\s*/\s*\d+([.,]\d+)?°?$")

@@ -9,8 +9,8 @@ from typing import Any, NoReturn, Protocol
 from zipfile import BadZipFile
 from zlib import error as ZlibError
 
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import number
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import number
 
 #: What zipfile, the parser of XML and openpyxl raise over a part that is broken, missing or encrypted.
 _BROKEN = (

@@ -6,6 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
 from slopekit.findings import Column as GoodmanBray
@@ -25,7 +26,6 @@ from slopekit.kinds.sheets.shared import (
     verdict,
 )
 from slopekit.kinds.words import first_and_last, in_order, line_in_words, names_in_runs, size_number
-from slopekit.orientation import line_of
 from slopekit.result import Result
 
 _PLURALS = {"slides": "slide", "topples": "topple", "rotates": "turn", "falls": "fall", "lifts": "are lifted"}

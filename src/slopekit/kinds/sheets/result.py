@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from slopekit._version import __version__
+from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Section, Sheet
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.sheets.many_blocks import sections_of_many
@@ -24,7 +25,6 @@ from slopekit.kinds.sheets.shared import (
 )
 from slopekit.kinds.words import line_in_words, size_number
 from slopekit.notices import INVENTED
-from slopekit.orientation import line_of
 from slopekit.result import Result
 
 _NARROW = 2e-3  # a range of factors narrower than this part is not printed: node pairs are not refined any closer

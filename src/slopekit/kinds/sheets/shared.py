@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from slopekit.arrays import Floats, frozen
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.onlooker import say
+from slopekit.core.orientation import Line
 from slopekit.core.sheet import Section
-from slopekit.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
@@ -35,8 +37,6 @@ from slopekit.kinds.surface.design import SurfaceDesign, read_surface
 from slopekit.kinds.words import loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, PointForce, block_loads, judge_bolt
 from slopekit.notices import Interface
-from slopekit.onlooker import say
-from slopekit.orientation import Line
 from slopekit.preie.limit import curved_limit_analysis
 from slopekit.preie.model import build_model
 from slopekit.preie.passes import Outcome

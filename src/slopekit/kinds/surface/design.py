@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from slopekit.core.units import quantity
 from slopekit.design.common import Design, MeshFile, Strength, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
 from slopekit.design.named_files import mesh_file
@@ -11,7 +12,6 @@ from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths, read_water
 from slopekit.design.structure import Leaf, ListOf
-from slopekit.units import quantity
 
 Points = tuple[tuple[float, ...], ...]
 #: What gives the size of each shape of slip surface.

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import frozen
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.core.arrays import frozen
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
 from slopekit.design.common import Strength
-from slopekit.errors import Notice
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
@@ -26,7 +27,6 @@ from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
 from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
-from slopekit.orientation import Line, Plane, line_of
 from slopekit.preie.model import build_model
 from slopekit.result import Result, Words
 

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Design, Strength, Water
 from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
@@ -13,9 +16,6 @@ from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Plane, parse_plane
-from slopekit.units import is_unit_of, unit_of
 
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw

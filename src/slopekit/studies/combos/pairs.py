@@ -18,16 +18,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.arrays import Bools, Floats, Ints
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.core.orientation import Plane, number
+from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
-from slopekit.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.orientation import Plane, number
 from slopekit.studies.surveys import range_of
-from slopekit.units import quantity
 
 #: What made a wedge smaller.
 LIMITED_BY = ("", "persistence", "bench width", "max volume")

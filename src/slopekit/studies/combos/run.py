@@ -16,13 +16,13 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Bools
+from slopekit.core.arrays import Bools
 from slopekit.core.codec import json_of, record_of
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import Plane
 from slopekit.design.joint_lists import JointList
-from slopekit.errors import Notice
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.orientation import Plane
 from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all

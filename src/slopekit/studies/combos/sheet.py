@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.kinds import kind_named
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
-from slopekit.orientation import number
 from slopekit.studies.combos.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
 from slopekit.studies.surveys import head, partners_entry, survey_entry

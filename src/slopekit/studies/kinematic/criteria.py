@@ -36,9 +36,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.orientation import Plane, normals
 from slopekit.design.joint_lists import JointList
-from slopekit.orientation import Plane, normals
 
 #: Wedges by how they would slide: primary on both joints or on one, secondary.
 NO_WEDGE, PRIMARY_BOTH, PRIMARY_ONE, SECONDARY = range(4)

@@ -18,19 +18,19 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.orientation import Plane, number
+from slopekit.core.units import quantity
 from slopekit.design.common import Strength
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
-from slopekit.errors import DesignError, Fault, Faults, Notice
-from slopekit.orientation import Plane, number
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
 from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
-from slopekit.units import quantity
 
 PHI_DEG, LATERAL_DEG, LATERAL_TOPPLING_DEG = 30.0, 20.0, 30.0
 _MOST_FACES = 200

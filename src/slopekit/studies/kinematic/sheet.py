@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
 
+from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table
-from slopekit.orientation import number
 from slopekit.studies.kinematic.criteria import (
     DIRECT,
     OBLIQUE,

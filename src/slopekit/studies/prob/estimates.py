@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 
 _LEAST_IN_REPLICATES = 5  # cases of the rarer kind that each replicate needs for their scatter to mean something
 _MOST_BINS = 60

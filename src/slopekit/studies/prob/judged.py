@@ -9,8 +9,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
-from slopekit.errors import Notice
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import Notice
 from slopekit.studies.points import Point, falls_short
 from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation
 from slopekit.studies.prob.sampling import Samples

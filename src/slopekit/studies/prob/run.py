@@ -12,14 +12,14 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
+from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
-from slopekit.errors import DesignError, Fault, Notice
 from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
-from slopekit.orientation import number
 from slopekit.studies.marginals import checked_limits
 from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of

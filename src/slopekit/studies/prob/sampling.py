@@ -11,13 +11,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.common import Pair
 from slopekit.design.correlation import contradictions
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable
 from slopekit.design.nodes import as_text
-from slopekit.errors import DesignError, Fault
-from slopekit.orientation import Line, Plane
 from slopekit.studies.marginals import Marginal, marginal, standard_normal
 from slopekit.studies.prob import sources
 from slopekit.studies.prob.sources import fisher, folded_lines, folded_planes

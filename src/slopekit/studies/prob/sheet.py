@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.kinds import status_text
-from slopekit.orientation import number
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary

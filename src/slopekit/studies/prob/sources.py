@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import Line, Plane
 from slopekit.design.common import Pair
 from slopekit.design.copula import factor, normal_correlation
-from slopekit.orientation import Line, Plane
 from slopekit.studies.marginals import Marginal
 
 Column: TypeAlias = Callable[[int, Marginal], Floats]

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError
+from slopekit.core.orientation import Plane
 from slopekit.design.common import Design, Strength
 from slopekit.design.fields import field_at, fields_of
 from slopekit.design.files import with_values
 from slopekit.design.reader import strength_of
-from slopekit.errors import DesignError
 from slopekit.kinds import kind_of
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays
-from slopekit.orientation import Plane
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]

@@ -9,9 +9,9 @@ from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.errors import DesignError, Fault
 from slopekit.kinds import dilates, kind_of
 from slopekit.kinds.protocol import Factors
 from slopekit.studies.keys import Key, key_of, values_of

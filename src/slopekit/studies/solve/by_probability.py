@@ -12,10 +12,10 @@ from functools import partial
 from typing import Any, ClassVar, TypeAlias
 
 from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
+from slopekit.core.orientation import number
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
-from slopekit.errors import DesignError, Fault, Notice, SlopekitError
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, keys_of, values_of
 from slopekit.studies.protocol import Advance, Outcome
 from slopekit.studies.ranges import Within, parse_within

@@ -10,8 +10,8 @@
 
 from typing import Annotated
 
+from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
-from slopekit.errors import DesignError, Fault
 from slopekit.studies.prob import prob
 from slopekit.studies.protocol import (
     DESK,

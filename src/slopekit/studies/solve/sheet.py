@@ -2,9 +2,9 @@
 
 import math
 
+from slopekit.core.errors import Fault
+from slopekit.core.orientation import number
 from slopekit.core.sheet import Section, Sheet, factor_text
-from slopekit.errors import Fault
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue

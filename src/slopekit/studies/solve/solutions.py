@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
+from slopekit.core.errors import Fault, Notice
+from slopekit.core.orientation import number
 from slopekit.design.common import Design
-from slopekit.errors import Fault, Notice
 from slopekit.notices import means_taken
-from slopekit.orientation import number
 from slopekit.studies.keys import Key
 from slopekit.studies.points import Method, Point
 from slopekit.studies.protocol import Outcome

@@ -11,7 +11,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 #: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {

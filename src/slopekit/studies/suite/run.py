@@ -15,8 +15,8 @@ from typing import Any, ClassVar
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
+from slopekit.core.errors import SlopekitError
 from slopekit.design.files import load
-from slopekit.errors import SlopekitError
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
 from slopekit.studies.protocol import DESK, Desk, Outcome, study

@@ -10,10 +10,10 @@ from typing import Literal
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import Line
 from slopekit.design.common import Bolt
-from slopekit.errors import Notice
-from slopekit.orientation import Line
 from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
 from slopekit.studies.support.search import Answer, Found, Site, least_force
 

@@ -22,7 +22,7 @@ from itertools import combinations
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 
 _KEEPS = 1e-9  # least normal force (in parts of the size of the loads) of a joint that counts as closed
 _SMALL = 1e-12

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Bools, Floats, Ints, frozen
-from slopekit.errors import Notice
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import Notice
 from slopekit.studies.support.search import Site
 
 MOST_BOLTS = 5000

@@ -9,17 +9,17 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of, record_of
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.orientation import Line, number
+from slopekit.core.units import quantity
 from slopekit.design.common import Bolt, Design
 from slopekit.design.words import above_zero, line_of_words
-from slopekit.errors import DesignError, Fault, Faults, Notice
-from slopekit.orientation import Line, number
 from slopekit.studies.protocol import Outcome
 from slopekit.studies.support.directions import Optimum
 from slopekit.studies.support.pattern import Layout
 from slopekit.studies.support.search import Answer
-from slopekit.units import quantity
 
 _UP = Context(prec=5, rounding=ROUND_CEILING)
 Which = Literal["best", "given", "practical"]

@@ -17,12 +17,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from slopekit.arrays import Floats, Ints
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import Line
 from slopekit.design.common import Bolt, Design
-from slopekit.errors import Notice
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
-from slopekit.orientation import Line
 from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from slopekit.arrays import Floats
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Line, line_of
 from slopekit.design.common import Bolt, Design, Force
-from slopekit.errors import DesignError, Fault
 from slopekit.geometry.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of
 from slopekit.kinds.one_block import Clock, find_limit
-from slopekit.orientation import Line, line_of
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Outcome
 from slopekit.studies.support.forces import BoltedBlock

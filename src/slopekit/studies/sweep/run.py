@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.orientation import number
 from slopekit.core.sheet import is_number
 from slopekit.design.common import Design
-from slopekit.errors import DesignError, Fault, Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import GIVEN_UP, Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import (

@@ -8,8 +8,8 @@ from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Any, TypeAlias
 
+from slopekit.core.orientation import number
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
-from slopekit.orientation import number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at
 from slopekit.studies.sweep.run import Critical, Sweep

@@ -16,9 +16,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from slopekit.core.codec import json_of
+from slopekit.core.errors import Faults, Notice
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
-from slopekit.errors import Faults, Notice
 from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key, key_of, keys_of, values_of

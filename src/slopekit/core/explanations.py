@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 
-from slopekit.errors import HARMLESS, DesignError, Fault
+from slopekit.core.errors import HARMLESS, DesignError, Fault
 
 
 @cache

@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from typing import SupportsFloat
 
-from slopekit.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault
 
 # factor to the unit that a bare number has; None marks angles in radians, which are refused by name
 _UNITS: Mapping[str, Mapping[str, float]] = {

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slopekit.arrays import Floats
-from slopekit.errors import DesignError, Fault
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 _PAIR = re.compile(r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$")
