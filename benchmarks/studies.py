@@ -148,7 +148,7 @@ def prob_rows() -> list[str]:
         for target in (1.0, 1.4, 1.5):
             exact = by_quadrature(target, rank)
             for method in METHODS:
-                study = prob(load(default_wedge(rank)), 100_000, method=method, target=target, confirm=0, near=0.0)
+                study = prob(load(default_wedge(rank)), 100_000, method=method, fos=target, confirm=0, near=0.0)
                 found = study.all_samples
                 within = found.low <= exact <= found.high
                 rows.append(

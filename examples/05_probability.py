@@ -18,7 +18,7 @@ wedge = {
 print("P(F < 1.4), dry, 20,000 samples each, by the correlation of the two friction angles:")
 print(f"{'rank correlation':>18s}{'estimate':>11s}{'95 % limits':>22s}")
 for rank in (0.0, 0.5, 1.0):
-    study = sk.prob(sk.load(wedge, set={"correlation": {"J1.phi/J2.phi": rank}}), target=1.4, confirm=20, near=0)
+    study = sk.prob(sk.load(wedge, set={"correlation": {"J1.phi/J2.phi": rank}}), fos=1.4, confirm=20, near=0)
     share = study.all_samples
     print(f"{rank:18.1f}{share.share:11.4f}{share.low:12.4f} to {share.high:.4f}")
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from slopekit._version import __version__
 from slopekit.api import analyse, load, plot, report, run, wedge
 from slopekit.core.errors import DesignError, Fault, GeometryError, SlopekitError, SolverError
+from slopekit.core.taken import checked
 
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
@@ -50,14 +51,18 @@ _LATER = {
 }  # fmt: skip
 
 
+globals().update({one.__name__: checked(one) for one in (analyse, load, plot, report, run, wedge)})
+
+
 def __getattr__(name: str) -> Any:
     if name in _LATER:
-        return getattr(import_module(f"slopekit.{_LATER[name]}"), name)
+        found = getattr(import_module(f"slopekit.{_LATER[name]}"), name)
+        return found if isinstance(found, type) else checked(found)
     from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
 
     if name not in STUDIES and name not in VARIANTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return function_of(name)
+    return checked(function_of(name))
 
 
 def __dir__() -> list[str]:

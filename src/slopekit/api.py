@@ -3,10 +3,11 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, overload
+from typing import TYPE_CHECKING, Annotated, Any, Literal, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
+from slopekit.core.taken import wrong_kind
 
 if TYPE_CHECKING:
     from slopekit.design.common import Design
@@ -68,7 +69,7 @@ def wedge(
     return analyse(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
 
 
-def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str, Any] | None" = None) -> "Design":
+def load(source: str | os.PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> "Design":
     """Read and check a design file, or the same as a dict.
 
     Parameters
@@ -87,15 +88,18 @@ def load(source: "str | os.PathLike[str] | Mapping[str, Any]", set: "Mapping[str
 
 def analyse(design: "Design") -> "Result":
     """Analyse a loaded design of any kind. Raises GeometryError where no block can be formed."""
+    from slopekit.design.common import Design
     from slopekit.kinds import analyse as analyse_design
 
+    if not isinstance(design, Design):
+        raise wrong_kind("analyse", "design", "a design", design, DESIGN.advice)
     return analyse_design(design)
 
 
 @documented
 def run(
     source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
-    set: "Mapping[str, Any] | None" = None,
+    set: Mapping[str, Any] | None = None,
 ) -> "Result":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
@@ -116,6 +120,8 @@ def run(
     from slopekit.design.common import Design
 
     if not isinstance(source, Design):
+        if not isinstance(source, str | os.PathLike | Mapping):
+            raise wrong_kind("run", "source", "the path of a design file, the same as a dict, or a design", source)
         source = load(source, set)
     elif set:
         raise DesignError(
@@ -135,21 +141,36 @@ def plot(source: Any, what: None = None) -> dict[str, str]: ...
 def plot(
     source: Any,
     what: str,
-    path: "str | os.PathLike[str] | None" = None,
+    path: str | os.PathLike[str] | None = None,
     *,
-    show: bool = False,
+    show: Literal[False] = False,
     equal_angle: bool = False,
     test: str | None = None,
     explode: float | None = None,
     magnify: float | None = None,
     step: int = 1,
-) -> "Drawing | None": ...
+) -> "Drawing": ...
+
+
+@overload
+def plot(
+    source: Any,
+    what: str,
+    path: None = None,
+    *,
+    show: Literal[True],
+    equal_angle: bool = False,
+    test: str | None = None,
+    explode: float | None = None,
+    magnify: float | None = None,
+    step: int = 1,
+) -> None: ...
 
 
 def plot(
     source: Any,
     what: str | None = None,
-    path: "str | os.PathLike[str] | None" = None,
+    path: str | os.PathLike[str] | None = None,
     *,
     show: bool = False,
     equal_angle: bool = False,
@@ -202,10 +223,10 @@ def plot(
 
 def report(
     results: Any,
-    path: "str | os.PathLike[str]" = "report.html",
+    path: str | os.PathLike[str] = "report.html",
     *,
     pictures: bool = True,
-    project: "Mapping[str, str] | None" = None,
+    project: Mapping[str, str] | None = None,
 ) -> "Path":
     """Write a page of HTML that needs no network, of a result, a study, or several of them (extra: report).
 
@@ -231,11 +252,13 @@ def report(
     target = Path(path)
     target = target / "report.html" if target.is_dir() else target
     several = list(results) if isinstance(results, list | tuple) else [results]
+    if not several:
+        raise wrong_kind("report", "results", "one result or study, or more", results)
     write_report([_document(one) for one in several], target, with_pictures=pictures, project=project)
     return target
 
 
-def _document(source: Any) -> "Mapping[str, Any]":
+def _document(source: Any) -> Mapping[str, Any]:
     """The JSON of anything that has one."""
     from slopekit.views.plots import document_file, read_document
 
@@ -244,4 +267,6 @@ def _document(source: Any) -> "Mapping[str, Any]":
     if callable(own := getattr(source, "to_dict", None)):
         found: Mapping[str, Any] = own()
         return found
+    if not isinstance(source, str | os.PathLike):
+        raise wrong_kind("report", "results", "results, studies, or paths of their JSON", source)
     return read_document(document_file(Path(source)))

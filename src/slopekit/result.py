@@ -1,7 +1,7 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,7 +19,7 @@ from slopekit.findings import Findings
 from slopekit.preie.balance import Balance
 
 if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet
+    from slopekit.core.sheet import Sheet, Table
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -357,6 +357,24 @@ class Result(Shown):
         # kinds, which know how each says what it is, are a floor above; asked for by name, and only here
         found: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
         return found
+
+    def tables(self) -> dict[str, "Table[Any]"]:
+        """Its tables by name: first, in one row, the numbers that it leads with."""
+        from operator import attrgetter
+
+        from slopekit.core.sheet import Column, Table
+
+        columns: list[Column[Result]] = [Column(name, attrgetter(name), name) for name in ("kind", "status")]
+        columns += [Column(one.name, attrgetter(f"fos.{one.name}"), f"fos_{one.name}") for one in fields(self.fos)]
+        columns += [
+            Column(name, attrgetter(name), name)
+            for name in ("criterion_fos", "difference", "agree", "moments_govern", "accepted")
+        ]
+        columns += [
+            Column("volume", attrgetter("geometry.volume_m3"), "volume_m3", "m³"),
+            Column("weight", attrgetter("forces.weight"), "weight_kn", "kN"),
+        ]
+        return {self.name: Table(columns, [self]), **Shown.tables(self)}
 
     @property
     def scene(self) -> BlockScene:

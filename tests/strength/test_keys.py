@@ -158,7 +158,7 @@ def test_studies_ask_the_law() -> None:
         assert factor == pytest.approx(own.fos.closed_form, rel=1e-12)
     solved = sk.solve(design, "strength.rough.jrc", fos=found[1])
     assert [root.value for root in solved.closed_form.roots] == pytest.approx([8.0], rel=1e-9)
-    drawn = sk.prob(design, n=60, seed=3, confirm=4, target=found[1])
+    drawn = sk.prob(design, n=60, seed=3, confirm=4, fos=found[1])
     assert 0.2 < drawn.all_samples.share < 0.8  # F rises with JRC, which lies below 8 in half of the samples
 
 

@@ -67,7 +67,7 @@ def test_the_default_wedge_against_quadrature(rank, method) -> None:
     for target in (1.0, 1.4, 1.5):
         exact = by_quadrature(target, rank or 0.0)
         study = prob(
-            load(default_wedge(rank)), 20_000, method=method, target=target, confirm=0, near=0.0,
+            load(default_wedge(rank)), 20_000, method=method, fos=target, confirm=0, near=0.0,
             confidence=0.999,  # 27 comparisons: one in twenty would miss at 0.95
         )  # fmt: skip
         assert study.evaluator == "closed form, all at once"
@@ -154,7 +154,7 @@ def test_all_at_once_is_one_at_a_time(values, met) -> None:
 
 def test_passive_bolts_and_directions_go_one_at_a_time() -> None:
     passive = default_wedge() | {"support": {"bolts": [{"force": 2e5, "toward": "000/10", "acts": "passive"}]}}
-    study = prob(load(passive), 60, target=1.6, confirm=10, near=0.0)
+    study = prob(load(passive), 60, fos=1.6, confirm=10, near=0.0)
     assert study.evaluator == "closed form, sample by sample"
     assert study.confirmation.agree == 10
     turning = {"force": 500, "toward": {"dist": "fisher", "mean": "180/10", "k": 200}}
@@ -163,7 +163,7 @@ def test_passive_bolts_and_directions_go_one_at_a_time() -> None:
 
 
 def test_pre_ie_confirms_at_random_and_near_the_target() -> None:
-    study = prob(load(default_wedge(0.8)), 2_000, target=1.5, confirm=30, near=0.002)
+    study = prob(load(default_wedge(0.8)), 2_000, fos=1.5, confirm=30, near=0.002)
     checked = study.confirmation
     near = np.abs(study.factor / 1.5 - 1.0) <= 0.002
     assert checked.near == near.sum() > 5
@@ -193,8 +193,8 @@ def test_where_moments_govern_the_closed_form_is_not_trusted() -> None:
     means = sk.analyse(design)
     assert means.moments_govern
     target = 0.5 * (means.fos.limit + means.fos.closed_form)
-    study = prob(design, 30, target=target, confirm=15, near=0.0)
-    every = prob(design, 30, target=target, by="pre-ie")
+    study = prob(design, 30, fos=target, confirm=15, near=0.0)
+    every = prob(design, 30, fos=target, by="pre-ie")
     assert study.confirmation.governed == 15
     assert study.confirmation.unsafe > 5
     assert {"W353", "W354"} <= {notice.code for notice in study.warnings}
@@ -264,10 +264,10 @@ def test_too_many_of_them_are_refused_and_small_friction_is_no_radian() -> None:
 def test_nothing_that_speaks_against_it_is_accepted() -> None:
     design = load(default_wedge() | {"support": {"bolts": [
         {"force": 1e5, "toward": "000/10", "head": [0, -40, 20], "length": 1}]}})  # fmt: skip
-    by_pre_ie = prob(design, 6, by="pre-ie", target=1.7, accept=0.99)
+    by_pre_ie = prob(design, 6, by="pre-ie", fos=1.7, accept=0.99)
     assert by_pre_ie.counts == {"E212": 6} or by_pre_ie.counts == {"E211": 6}
     assert (by_pre_ie.unjudged, by_pre_ie.all_samples.of, by_pre_ie.accepted) == (6, 0, False)
-    study = prob(design, 300, target=1.7, accept=0.99, confirm=5)
+    study = prob(design, 300, fos=1.7, accept=0.99, confirm=5)
     assert study.confirmation.settled == 0
     assert study.accepted is False
     said = " ".join(str(study).split())
@@ -312,7 +312,7 @@ def test_samples_without_an_answer_and_too_few_failures_are_said(monkeypatch) ->
 @pytest.mark.parametrize(
     ("options", "code"),
     [
-        ({"n": 0}, "E307"), ({"seed": -1}, "E307"), ({"target": 0.0}, "E307"), ({"confidence": 1.0}, "E307"),
+        ({"n": 0}, "E307"), ({"seed": -1}, "E307"), ({"fos": 0.0}, "E307"), ({"confidence": 1.0}, "E307"),
         ({"accept": 1.5}, "E307"), ({"method": "monte carlo"}, "E308"), ({"by": "bishop"}, "E308"),
     ],
 )  # fmt: skip

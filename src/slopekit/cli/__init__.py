@@ -75,7 +75,7 @@ app.command()(tools.explain)
 
 
 #: Two spellings of one option.
-_SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept"}
+_SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept", "--target": "--fos"}
 
 
 def _refuse_repeats(arguments: list[str]) -> None:

@@ -58,6 +58,7 @@ class Argument:
     ----------
     many : takes all that follow; `reads` then gets the list of them
     called : its name where a variant calls it otherwise
+    advice : what a script that gives something else is told
     """
 
     help: str
@@ -65,10 +66,11 @@ class Argument:
     reads: Callable[[Any, str], Any] = as_it_is
     many: bool = False
     called: str = ""
+    advice: str = ""
 
 
 #: A design: a file on the command line, with `--set`.
-DESIGN = Argument("A design file (YAML).", "DESIGN")
+DESIGN = Argument("A design file (YAML).", "DESIGN", advice='Give what sk.load("my.yaml") returns, or result.design.')
 
 
 def _silent(_done: int) -> None:

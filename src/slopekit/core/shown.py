@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 class Shown:
-    """Has a sheet, and shows it: `print(r)` writes it, a notebook draws it, `r.to_frame()` gives its first table."""
+    """Has a sheet, and shows it: `print(r)` writes it, a notebook draws it, `r.to_frame()` gives its leading table."""
 
     __slots__ = ()
     #: Of its files: NAME.json and NAME.txt, or another name of the text.
@@ -92,7 +92,7 @@ class Shown:
         }
 
     def to_frame(self) -> Any:
-        """The first of its tables as a data frame (needs pandas).
+        """The first of its tables as a data frame (needs pandas): of a result its leading numbers, in one row.
 
         Raises
         ------

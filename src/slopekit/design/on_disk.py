@@ -53,4 +53,11 @@ def _nearest_file(path: Path) -> str:
     near = get_close_matches(path.name.lower(), names, n=1) or [
         name for name in names if name.startswith(path.name.lower() + ".")
     ]
-    return f"Did you mean {printable(str(path.parent / names[near[0]]))}?" if near else ""
+    if near:
+        return f"Did you mean {printable(str(path.parent / names[near[0]]))}?"
+    from slopekit.design.templates import path_of  # what is there is not asked for
+
+    with suppress(DesignError):
+        name = path_of(path.name).stem
+        return f"{name} is a template: slopekit templates new {name} writes {name}.yaml."
+    return ""

@@ -110,7 +110,7 @@ def words_of_what(what: str | Sequence[str]) -> tuple[str, ...]:
     ('blocks', 'pairs')
     """
     said = what.split(",") if isinstance(what, str) else list(what)
-    words = [word.strip().lower() for word in said if word.strip()]
+    words = [word for one in said if (word := str(one).strip().lower())]
     for word in words:
         if word not in WHAT:
             near = get_close_matches(word, WHAT, n=1)

@@ -236,7 +236,9 @@ def prob(
     *,
     method: Annotated[Method, Option("monte-carlo, latin-hypercube or sobol [monte-carlo].")] = "monte-carlo",
     by: Annotated[By | None, Option("closed-form or pre-ie: whose factors count.")] = None,
-    target: Annotated[float, Option("What fails has a factor of safety below this [1].", number_of, "--fos")] = 1.0,
+    fos: Annotated[
+        float, Option("What fails has a factor of safety below this [1].", number_of, also=("--target",))
+    ] = 1.0,
     confirm: Annotated[int, Option("Samples at random that PRE-IE looks at too [200].", whole_number)] = 200,
     near: Annotated[float | None, Option("It looks at all within this of the target [1%].", number_of)] = None,
     confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
@@ -261,7 +263,7 @@ def prob(
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
     crew = checked_crew(jobs, scheduler, executor)
-    asked = _asked(design, n, seed, method, by, target, confirm, near, confidence, accept)
+    asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):
         samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)

@@ -78,7 +78,7 @@ def solve(
 
     def failure_probability(changed: Design) -> Estimate:
         """By the samples of `prob`, without PRE-IE's confirmation."""
-        found = prob(changed, n, seed=1 if seed is None else seed, target=1.0 if fos is None else fos, confirm=0,
+        found = prob(changed, n, seed=1 if seed is None else seed, fos=1.0 if fos is None else fos, confirm=0,
                      near=0.0, jobs=jobs, scheduler=scheduler)  # fmt: skip
         share = found.all_samples
         if share.share is None or found.forming.share is None:  # no block is no safety

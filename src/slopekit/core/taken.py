@@ -1,0 +1,144 @@
+"""What the functions of a script are given: counted, named and tested before they begin, by their own signatures.
+
+A parameter whose type is made of plain ones (numbers, texts, paths, mappings, classes) takes nothing else; one that is
+`Any` is tested by the function. A number may be a text, "5%", where the option of the command reads it so.
+"""
+
+import inspect
+import os
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from functools import cache, wraps
+from numbers import Integral, Real
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
+
+from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.options import Argument, Option, as_it_is, given_by
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_PLAIN = {str: "a text", float: "a number", int: "a whole number", bool: "True or False", os.PathLike: "a path",
+          Mapping: "a mapping"}  # fmt: skip
+
+
+def checked(function: Function) -> Function:
+    """The function, which says what it takes where it is given something else.
+
+    Raises
+    ------
+    DesignError
+        E405 a value of another type, E406 too many values, or one by two names, E407 a name that it has not, E408 a
+        value that is missing.
+    """
+    return cast(Function, _asking(function))
+
+
+@cache
+def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
+    own = inspect.signature(function)
+    by_name = [one.name for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
+    open_ended = len(by_name) < len(own.parameters)
+    older = {
+        flag.lstrip("-").replace("-", "_"): name
+        for name, one in own.parameters.items()
+        if isinstance(how := given_by(one), Option)
+        for flag in (*([how.flag] if how.flag else ()), *how.also)
+        if flag.startswith("--") and flag.lstrip("-").replace("-", "_") not in own.parameters
+    }
+
+    @wraps(function)
+    def asked(*values: Any, **named: Any) -> Any:
+        faults = Faults()
+        for name in [name for name in named if name in older]:
+            if older[name] in named:
+                faults.append(Fault("E406", f"{name} and {older[name]} are one", name, "Give one of them."))
+            named[older[name]] = named.pop(name)
+        if not open_ended:
+            faults += [_unknown(function, name, by_name) for name in named if name not in own.parameters]
+        try:
+            given = own.bind(*values, **named).arguments
+        except TypeError:
+            raise DesignError(faults or [_misplaced(function, own, values, named)]) from None
+        for name, value in given.items():
+            if not open_ended:  # one that takes any name reads all values itself, and says all faults at once
+                with faults.kept():
+                    given[name] = _taken(function, own.parameters[name], value)
+        faults.refuse()
+        bound = inspect.BoundArguments(own, given)
+        return function(*bound.args, **bound.kwargs)
+
+    return asked
+
+
+def wrong_kind(function: str, name: str, takes: str, value: object, advice: str = "") -> DesignError:
+    """E405: what a function takes, and what it was given.
+
+    >>> print(wrong_kind("run", "source", "a path", 5))
+    E405 run takes a path, not 5
+         source=5
+    """
+    text = "the module slopekit" if inspect.ismodule(value) else repr(value).partition("\n")[0]
+    shown = text if len(text) <= 40 else f"a {type(value).__name__}"
+    where = f"{name}={text if len(text) <= 40 else '…'}"
+    return DesignError([Fault("E405", f"{function} takes {takes}, not {shown}", where, advice)])
+
+
+def _unknown(function: Callable[..., Any], name: str, known: list[str]) -> Fault:
+    """A name that the function has not, and the nearest that it has."""
+    near = get_close_matches(name, known, n=1)
+    advice = f"Did you mean {near[0]}?" if near else f"It takes {', '.join(one for one in known if one != 'desk')}."
+    return Fault("E407", f"{function.__name__} takes no {name}", f"{name}=", advice)
+
+
+def _misplaced(
+    function: Callable[..., Any], own: inspect.Signature, values: tuple[Any, ...], named: Mapping[str, Any]
+) -> Fault:
+    """Why the values do not fit the signature."""
+    parameters = [one for one in own.parameters.values() if one.name != "desk"]
+    placed = [one for one in parameters if one.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
+    behind = [one for one in parameters if one.kind is inspect.Parameter.KEYWORD_ONLY and one.name not in named]
+    name = function.__name__
+    if len(values) > len(placed):
+        first = ", ".join(one.name for one in placed)
+        message = f"{name} takes {len(placed)} without a name, {first}; {len(values)} are given"
+        surplus = repr(values[len(placed)])
+        advice = f"Write {behind[0].name}={surplus if len(surplus) <= 40 else '...'}." if behind else ""
+        return Fault("E406", message, "", advice)
+    for one in placed[: len(values)]:
+        if one.name in named:
+            return Fault("E406", f"{one.name} is given twice", f"{one.name}=", "Give it once.")
+    here = [one.name for one in placed[: len(values)]] + list(named)
+    missing = [one for one in parameters if one.default is inspect.Parameter.empty and one.name not in here]
+    missing = [one for one in missing if one.kind is not inspect.Parameter.VAR_KEYWORD]
+    said = [f"{one.name}{f' ({how.help})' if (how := given_by(one)) else ''}" for one in missing]
+    return Fault("E408", f"{name} needs {' and '.join(one.name for one in missing)}", "", f"It takes {'; '.join(said)}")
+
+
+def _taken(function: Callable[..., Any], parameter: inspect.Parameter, value: Any) -> Any:
+    """The value where it is of the type of the parameter, as its option reads it where it is a text."""
+    type_, how = parameter.annotation, given_by(parameter)
+    if get_origin(type_) is Annotated:
+        type_ = get_args(type_)[0]
+    arms = get_args(type_) if get_origin(type_) in (Union, UnionType) else (type_,)
+    kinds = [get_origin(arm) or arm for arm in arms]
+    if Any in kinds or not all(isinstance(kind, type) for kind in kinds):
+        return value
+    if type(None) in kinds and value is None:
+        return value
+    for kind in kinds:
+        if kind in (int, float):
+            if isinstance(value, bool) or not isinstance(value, Real):
+                continue
+            if isinstance(value, Integral):
+                return int(value)  # of NumPy's a Python number
+            if kind is float or value == value // 1:
+                return kind(float(value))
+        elif isinstance(value, kind) or (kind is bool and type(value).__name__.startswith("bool")):  # NumPy's own
+            return value
+    if isinstance(value, str) and isinstance(how, Option) and how.reads is not as_it_is:
+        return how.reads(value, parameter.name)
+    said = [_PLAIN.get(kind, f"a {kind.__name__.lower()}") for kind in kinds if kind is not type(None)]
+    takes = f"{', '.join(said[:-1])} or {said[-1]}" if len(said) > 1 else said[0]
+    advice = how.advice if isinstance(how, Argument) else ""
+    raise wrong_kind(function.__name__, parameter.name, f"{takes} for {parameter.name}", value, advice)

@@ -1,0 +1,146 @@
+"""What a script gets that gives the public functions something of the wrong kind: a code that says what they take."""
+
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.core.taken import checked
+from slopekit.design.templates import path_of
+
+DESIGN = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+          "strength": {"weak": {"c": 50, "phi": 20}}}  # fmt: skip
+#: What each function needs; it is given these, but for one.
+NEEDED: dict[str, dict[str, Any]] = {
+    "run": {"source": DESIGN}, "load": {"source": DESIGN}, "wedge": {"dips": ("45/115", "45/245")},
+    "sweep": {"keys": {"strength.weak.phi": [20]}}, "tornado": {"ranges": {"strength.weak.phi": "20:21"}},
+    "solve": {"key": "strength.weak.c=40:60"}, "prob": {"n": 20, "confirm": 0},
+    "combos": {"joints": ["45/115", "45/245"], "face": "60/180"},
+    "kinematic": {"joints": ["45/115", "45/245"], "face": "60/180"},
+}  # fmt: skip
+WRONG = (None, 5, float("nan"), "", b"x", [], {}, [None], object())
+
+
+def functions() -> Iterator[tuple[str, Callable[..., Any]]]:
+    for name in dir(sk):
+        one = getattr(sk, name)
+        if callable(one) and not isinstance(one, type):
+            yield name, one
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder(tmp_path, monkeypatch) -> None:
+    """Some of what is given is a file to write."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def given() -> dict[str, Any]:
+    result = sk.run(DESIGN)
+    return {"design": sk.load(DESIGN), "result": result, "results": result, "source": result, "what": "histogram"}
+
+
+@pytest.mark.parametrize("name", [name for name, _ in functions()])
+def test_no_function_breaks_on_the_wrong_kind_of_thing(name, given) -> None:
+    """It works, or says by a code what is wrong; nothing else comes out of it."""
+    function = getattr(sk, name)
+    parameters = inspect.signature(function).parameters
+    needed = {key: given[key] for key in parameters if key in given} | NEEDED.get(name, {})
+    quick = {"pictures": False} if "pictures" in parameters else {}
+    refused = 0
+    for key in (key for key in parameters if key not in ("desk", "unknown", "jobs", "pictures")):
+        for value in WRONG:
+            if name == "solve" and key == "pf" and value == 5:
+                continue
+            try:
+                function(**{**needed, **quick, key: value})
+            except sk.SlopekitError as error:
+                refused += bool(error.faults[0].message)
+    assert refused > len(WRONG) // 2
+
+
+@pytest.mark.parametrize("name", [name for name, _ in functions() if name != "wedge"])
+def test_a_call_says_what_is_missing_too_many_or_unknown(name, given) -> None:
+    function = getattr(sk, name)
+    for values, named, code in (((), {}, "E408"), (range(30), {}, "E406"), ((), {"nonsense": 1}, "E407")):
+        with pytest.raises(sk.DesignError) as caught:
+            function(*values, **named)
+        assert caught.value.codes == (code,)
+
+
+CALLS: list[tuple[Callable[[], Any], str]] = [
+    (lambda: sk.load(5), "E405 load takes a text, a path or a mapping for source, not 5"),
+    (lambda: sk.run(None), "E405 run takes the path of a design file, the same as a dict, or a design, not None"),
+    (lambda: sk.report(None), "E405 report takes results, studies, or paths of their JSON, not None"),
+    (lambda: sk.prob("x"), "E405 prob takes a design for design, not 'x'"),
+    (lambda: sk.prob(sk.run(DESIGN)), "E405 prob takes a design for design, not a Result"),
+    (lambda: sk.sweep(sk.load(DESIGN), 3), "E405 sweep takes a mapping for keys, not 3"),
+    (lambda: sk.sweep(sk.load(DESIGN), {"strength.weak.phi": [20]}, fos=[1]), "E405 sweep takes a number for fos"),
+    (lambda: sk.solve(sk.load(DESIGN), "strength.weak.c", 1.3), "E406 solve takes 2 without a name, design, key; 3"),
+    (lambda: sk.load(DESIGN, source=DESIGN), "E406 source is given twice"),
+    (lambda: sk.prob(sk.load(DESIGN), fos=1.2, target=1.3), "E406 target and fos are one"),
+    (lambda: sk.sweep(sk.load(DESIGN), {}, fso=1.3), "E407 sweep takes no fso"),
+    (lambda: sk.solve(sk.load(DESIGN)), "E408 solve needs key"),
+    (lambda: sk.report([]), "E405 report takes one result or study, or more, not []"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "said"), CALLS, ids=[said[:30] for _, said in CALLS])
+def test_what_is_said(call, said) -> None:
+    with pytest.raises(sk.DesignError) as caught:
+        call()
+    assert str(caught.value).startswith(said)
+
+
+def test_a_design_that_is_loaded_takes_no_values() -> None:
+    with pytest.raises(sk.DesignError, match="E160"):
+        sk.run(sk.load(DESIGN), set={"slope.height": 20})
+
+
+@pytest.mark.parametrize("call", [sk.load, sk.run])
+def test_a_template_is_no_file_and_how_to_get_one_is_said(call) -> None:
+    with pytest.raises(sk.DesignError, match="E147 topple does not exist") as caught:
+        call("topple")
+    assert caught.value.faults[0].advice == "topple is a template: slopekit templates new topple writes topple.yaml."
+
+
+def test_advice_leads_somewhere() -> None:
+    with pytest.raises(sk.DesignError) as caught:
+        sk.solve(sk.load(DESIGN), "strength.weak.c", 1.3)
+    assert caught.value.faults[0].advice == "Write fos=1.3."
+    with pytest.raises(sk.DesignError) as caught:
+        sk.sweep(sk.load(DESIGN), {}, fso=1.3)
+    assert caught.value.faults[0].advice == "Did you mean fos?"
+
+
+def test_numbers_come_as_texts_and_from_numpy() -> None:
+    design = sk.load(DESIGN)
+    one, other, third = (
+        sk.solve(design, "strength.weak.c", fos=fos, within="40:60") for fos in (1.5, "1.5", np.float64(1.5))
+    )
+    assert one == other == third
+    scattered = sk.load(path_of("wedge-scatter"))
+    few = sk.prob(scattered, n=2e1, confirm="0", fos=np.int64(1))
+    assert (few.asked.n, few.asked.confirm, few.asked.target) == (20, 0, 1)
+    with pytest.raises(sk.DesignError, match=r"E405 prob takes a whole number for n, not 20\.5"):
+        sk.prob(scattered, n=20.5)
+
+
+def test_the_older_word_is_understood() -> None:
+    scattered = sk.load(path_of("wedge-scatter"))
+    new, old = (sk.prob(scattered, 200, confirm=0, **{word: 1.3}) for word in ("fos", "target"))
+    assert new.asked == old.asked
+    assert new.asked.target == 1.3
+    assert sk.wedge(**NEEDED["wedge"], accept_fos=1.2).exit_code == sk.wedge(**NEEDED["wedge"], accept=1.2).exit_code
+
+
+def test_a_function_stays_what_it_is() -> None:
+    """Signature, name and docstring: those of the function that is called."""
+    from slopekit import api
+
+    assert checked(api.run) is checked(api.run) is sk.run
+    assert inspect.signature(sk.run) == inspect.signature(api.run)
+    assert (sk.run.__name__, sk.run.__doc__) == ("run", api.run.__doc__)
