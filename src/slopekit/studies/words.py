@@ -17,9 +17,9 @@ def head(design: Design, study: str) -> str:
     return f"slopekit {__version__}   {study}   {design.kind}   sha {design.input_hash()[:6]}{title}"
 
 
-def status_words(kind: str, status: str) -> str:
-    """A status as a sentence, a code as it is."""
-    return status_text(kind, status) if status in STATUSES else status
+def status_words(design: Design, status: str) -> str:
+    """A status as a sentence with the user's own names of joints, a code as it is."""
+    return design.in_own_names(status_text(design.kind, status)) if status in STATUSES else status
 
 
 def cell(factor: float | None) -> str:

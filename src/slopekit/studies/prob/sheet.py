@@ -8,13 +8,12 @@ from typing import Any
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
-from slopekit.kinds import status_text
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
-from slopekit.studies.words import head
+from slopekit.studies.words import head, status_words
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
 #: Why planes form no block, in a few words; the whole is in `slopekit explain CODE`.
@@ -109,7 +108,7 @@ def _inputs(study: Probability) -> list[Entry]:
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:
     def words(outcome: tuple[str, int]) -> str:
         name = outcome[0]
-        said = status_text(study.design.kind, name) if name in STATUSES else NO_BLOCK.get(name, "")
+        said = status_words(study.design, name) if name in STATUSES else NO_BLOCK.get(name, "")
         return f"  {f'{name}: ' if name.startswith('E') else ''}{said or name}"
 
     of = len(study.samples.values)
@@ -153,7 +152,7 @@ def _at_means(study: Probability) -> str:
         return f"{study.means.code} {study.means.message}".strip() or "not asked"
     named = ((found.limit, "PRE-IE"), (found.closed_form, "closed form"))
     factors = [f"{value:.4f} {name}" for value, name in named if value is not None]
-    words = status_text(study.design.kind, found.status)
+    words = status_words(study.design, found.status)
     return f"{words}: F {', '.join(factors)}" if factors else words
 
 

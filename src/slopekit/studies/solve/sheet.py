@@ -1,10 +1,14 @@
 """The sheet of a value that was solved for: put back by both methods, bracket, other values, or why there is none."""
 
 import math
+from collections.abc import Callable
+from operator import itemgetter
+from typing import Any
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import number
-from slopekit.core.sheet import Section, Sheet, factor_text
+from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
+from slopekit.design.common import Design
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Point
 from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution, ProbableValue
@@ -16,13 +20,17 @@ _MOST_REFUSED, _MOST_OTHERS = 6, 12
 
 def sheet_of(solution: Solution | ProbabilitySolution) -> Sheet:
     """The sheet of a value that was solved for."""
-    own = _of_factor(solution) if isinstance(solution, Solution) else _of_probability(solution)
+    if isinstance(solution, Solution):
+        own, values = _of_factor(solution), _values(solution)
+    else:
+        own, values = _of_probability(solution), _probable_values(solution)
     return Sheet(head(solution.design, "solve"), (
         Section("KEY", [_asked(solution.key, solution.within)]),
         *own,
+        Section("VALUES", [values] if values.rows else []),
         Section("TIME", [f"{solution.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in solution.warnings]),
-    ))  # fmt: skip
+    ), {"solve.csv": values})  # fmt: skip
 
 
 def line_of(solution: Solution | ProbabilitySolution) -> str:
@@ -47,7 +55,7 @@ def _of_factor(solution: Solution) -> tuple[Section, ...]:
     reached = [one for one in searched if one.reason or one.method == "closed_form" or not solution.closed_form]
     return (
         Section("TARGET", [f"FoS {number(solution.target)}{from_rule}"]),
-        Section("NOW", [_now(solution.design.kind, solution.before)]),
+        Section("NOW", [_now(solution.design, solution.before)]),
         Section("VALUE", _value(solution)),
         Section("PUT BACK", _put_back(solution), hang=13),
         Section("BRACKET", [f"{_name(one)} {_bracket(key, one.roots[0])}" for one in put_back], hang=13),
@@ -75,6 +83,46 @@ def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
     )
 
 
+# -- tables: what the entries say, in rows; text has the entries -----------------------------------------------------
+
+
+def _values(solution: Solution) -> Table[Any]:
+    """Every value by each method: roots, then jumps and gaps; the one nearest to the present value first."""
+    rows = [(answers.method, found) for answers in _all(solution) for found in (*answers.roots, *answers.others)]
+    columns: list[Column[tuple[str, Found]]] = [
+        Column("method", itemgetter(0), "method"),
+        _value_column(solution.key, lambda row: row[1].value),
+        Column("FoS", lambda row: row[1].factor, "fos", show=_factor),
+        Column("status", lambda row: row[1].status, "status"),
+        Column("how", lambda row: row[1].how, "how"),
+        Column("FoS with it", lambda row: "rises" if row[1].rises else "falls", "fos_with_it"),
+        Column("other method", lambda row: _other(*row), "fos_other_method", show=".6f"),
+    ]
+    return Table(columns, rows, said="")
+
+
+def _other(method: str, found: Found) -> float | None:
+    """What the other method says at a value."""
+    factors = found.both.factors
+    return None if factors is None else factors.limit if method == "closed_form" else factors.closed_form
+
+
+def _probable_values(solution: ProbabilitySolution) -> Table[Any]:
+    """Every value, the one nearest to the present value first."""
+    columns: list[Column[ProbableValue]] = [
+        _value_column(solution.key, lambda row: row.value),
+        Column("probability", lambda row: row.estimate.value, "probability_of_failure", show=".6g"),
+        Column("from", lambda row: row.estimate.low, "low", show=".4g"),
+        Column("to", lambda row: row.estimate.high, "high", show=".4g"),
+        Column("it", lambda row: "rises" if row.rises else "falls", "probability_with_it"),
+    ]
+    return Table(columns, solution.roots, said="")
+
+
+def _value_column(key: Key, of: Callable[[Any], float]) -> Column[Any]:
+    return Column(key.path, lambda row: key.reduced(of(row)), key.path, key.unit, key.shown)
+
+
 # -- entries -----------------------------------------------------------------------------------------------------------
 
 
@@ -84,13 +132,13 @@ def _asked(key: Key, within: tuple[float, float]) -> str:
     return f"{in_words(key)}; looked for from {key.shown(within[0], 7)} to {key.shown(within[1], 7)}"
 
 
-def _now(kind: str, point: Point) -> str:
+def _now(design: Design, point: Point) -> str:
     factors = point.factors
     if factors is None:
         return f"no block: {point.code} {point.message}"
     closed = "" if factors.closed_form is None else f"   {factor_text(factors.closed_form)} closed form"
     govern = "   moments govern" if factors.moments_govern else ""
-    return f"{status_words(kind, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
+    return f"{status_words(design, factors.status)}   {factor_text(factors.limit)} limit, PRE-IE{closed}{govern}"
 
 
 def _value(solution: Solution) -> list[str]:
@@ -99,7 +147,7 @@ def _value(solution: Solution) -> list[str]:
         return _no_value(solution.pre_ie.reason)
     way = "rises" if found.rises else "falls"
     was = "" if key.value is None else f", {_change(key, found.value)}"
-    entries = [f"{key.shown(found.value)}{was}; {status_words(solution.design.kind, found.status)}; FoS {way} with it"]
+    entries = [f"{key.shown(found.value)}{was}; {status_words(solution.design, found.status)}; FoS {way} with it"]
     if solution.rounded is not None:
         value, factor = solution.rounded
         entries.append(f"in four digits on the safe side {key.shown(value)}: FoS {factor_text(factor)}")

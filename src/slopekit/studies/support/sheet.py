@@ -1,13 +1,13 @@
 """The sheet of support: what each method needs, how it is built, and which number to use; 100 columns."""
 
 import math
+from operator import attrgetter
 
-from slopekit.core.sheet import Entry, Section, Sheet, Verbatim, counted, factor_text
-from slopekit.kinds import status_text
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
 from slopekit.studies.support.search import Answer
-from slopekit.studies.words import head
+from slopekit.studies.words import head, status_words
 
 _ROLES = {
     "active": "a load: it counts in full, whatever the joints do",
@@ -20,20 +20,22 @@ _FEW = 12  # bolts that are printed to be pasted
 def sheet_of(found: Support) -> Sheet:
     """The sheet of a support study."""
     roles = [
-        Section(acts.upper(), [_ROLES[acts], *(entry for case in cases for entry in _case(found, case))])
+        Section(acts.upper(), [_ROLES[acts], *(entry for case in own for entry in _case(found, case))])
         for acts in ("active", "passive")
-        if (cases := [case for case in found.cases if case.acts == acts])
+        if (own := [case for case in found.cases if case.acts == acts])
     ]
+    cases = _cases(found)
     return Sheet(head(found.design, "support"), (
         Section("TARGET", _target(found)),
         Section("BOLTS", [bolt_text(bolt) for bolt in found.design.bolts]),
         *roles,
         Section("PRESSURE", _pressure(found.pressure, found.unit) if found.pressure is not None else ()),
+        Section("CASES", [cases] if cases.rows else []),
         Section("USE", _use(found)),
         Section("NOTE", [str(notice) for notice in found.warnings]),
         Section("PASTE", _paste(found)),
         Section("TIME", [f"{found.seconds:.2f} s"]),
-    ))  # fmt: skip
+    ), {"support.csv": cases})  # fmt: skip
 
 
 def line_of(found: Support) -> str:
@@ -54,6 +56,39 @@ def line_of(found: Support) -> str:
     return "\n".join(lines)
 
 
+def _cases(found: Support) -> Table[Case]:
+    """What the sections of active and passive bolts say, in rows; text has the sections."""
+
+    def laid(case: Case, what: str) -> int | None:
+        layout = case.pattern.layout if case.pattern is not None else None
+        return None if layout is None else len(layout) if what == "bolts" else getattr(layout, what)
+
+    def put_back(case: Case) -> float | None:
+        need = case.pattern.need if case.pattern is not None and case.pattern.need is not None else case.pre_ie
+        return None if need is None else need.fos
+
+    unit = found.unit
+    columns: list[Column[Case]] = [
+        Column("bolts are", attrgetter("acts"), "acts"),
+        Column("direction", attrgetter("which"), "direction"),
+        Column("toward", lambda case: None if case.toward is None else line_in_words(case.toward), "toward"),
+        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
+        Column("PRE-IE", lambda case: None if case.pre_ie is None else case.pre_ie.force, "pre_ie_kn", unit, _size),
+        Column("to use", attrgetter("force"), "use_kn", unit, _size),
+        Column("FoS put back", put_back, "fos", show=".4f"),
+        Column("reached", attrgetter("reached"), "reached", show=lambda reached: "yes" if reached else "no"),
+        Column("heads", lambda case: laid(case, "bolts"), "bolts"),
+        Column("rows", lambda case: laid(case, "rows"), "rows"),
+        Column("columns", lambda case: laid(case, "columns"), "columns"),
+        Column("of each", lambda case: None if case.pattern is None else case.pattern.each, "each_kn", "kN", _size),
+    ]
+    return Table(columns, found.cases, said="")
+
+
+def _size(value: float | None) -> str:
+    return "" if value is None else size_number(value)
+
+
 def _of_both(one: Case | Pressure) -> list[str]:
     """What is to be known of what each method needs."""
     return [str(need.notice) for need in (one.closed_form, one.pre_ie) if need and need.notice]
@@ -66,7 +101,7 @@ def _level(answer: Answer) -> str:
 def _target(found: Support) -> list[str]:
     bare = found.pre_ie
     now = f"as it stands {_level(bare)} by PRE-IE, {_level(found.closed_form)} by the closed form"
-    entries = [f"FoS {found.target:g}; {now}: {status_text(found.design.kind, bare.status)}"]
+    entries = [f"FoS {found.target:g}; {now}: {status_words(found.design, bare.status)}"]
     if bare.moments_govern:
         entries.append("moments govern: the closed form knows none, PRE-IE's numbers are those to use")
     if found.stands:

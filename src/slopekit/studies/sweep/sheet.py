@@ -281,11 +281,11 @@ def _changes(swept: Sweep) -> list[str]:
     changes = swept.changes
     if not changes or len(swept.keys) > 1:
         return [f"{counted(len(changes), 'change')} of status between neighbours: see the JSON"] if changes else []
-    key, kind = swept.keys[0], swept.design.kind
+    key = swept.keys[0]
     entries = []
     for change in changes[:12]:
         a, b = (key.shown(end, 6) for end in change.between)
-        one, other = (status_words(kind, status) for status in change.statuses)
+        one, other = (status_words(swept.design, status) for status in change.statuses)
         entries.append(f"between {a} and {b}: {one} -> {other}")
     if len(changes) > 12:
         entries.append(f"… {len(changes) - 12} more changes, see the JSON")
@@ -293,7 +293,7 @@ def _changes(swept: Sweep) -> list[str]:
 
 
 def _counted(swept: Sweep) -> str:
-    parts = ", ".join(f"{status_words(swept.design.kind, name)} {count}" for name, count in swept.counts.items())
+    parts = ", ".join(f"{status_words(swept.design, name)} {count}" for name, count in swept.counts.items())
     end = f"; {swept.disagree} disagree or did not converge" if len(swept.asked) > 1 or swept.disagree else ""
     return f"{counted(len(swept.points), 'point')}: {parts}{end}"
 

@@ -40,7 +40,7 @@ def _now(study: Tornado) -> str:
     if factors is None:
         return f"no block: {study.base.code} {study.base.message}"
     shown = [f"{cell(factor_at(study.base, method))} {METHODS[method]}" for method in study.asked]
-    return "   ".join([status_words(study.design.kind, status_of(study.base, study.asked[0])), *shown,
+    return "   ".join([status_words(study.design, status_of(study.base, study.asked[0])), *shown,
                        check_word(study.base)]).rstrip()  # fmt: skip
 
 
@@ -94,7 +94,7 @@ def _without_effect(study: Tornado) -> list[str]:
 
 def _statuses(study: Tornado) -> list[str]:
     """Ends at which the block moves otherwise than it does now, or forms none."""
-    method, kind = study.asked[0], study.design.kind
+    method = study.asked[0]
     now = status_of(study.base, method)
     entries = []
     for bar in study.bars:
@@ -102,7 +102,7 @@ def _statuses(study: Tornado) -> list[str]:
             status = status_of(point, method)
             wrong = point.factors is not None and point.factors.agree is False
             if status != now or wrong:
-                said = status_words(kind, status) if point.factors is not None else f"{status} {point.message}"
+                said = status_words(study.design, status) if point.factors is not None else f"{status} {point.message}"
                 check = f" ({check_word(point)})" if check_word(point) not in ("", "agree") else ""
                 entries.append(f"{bar.key.path} = {bar.key.shown(value, 6)}: {said}{check}")
     return entries

@@ -1,0 +1,83 @@
+"""Studies call a joint by the name that the user gave it, as the result does; and what they find is a table too."""
+
+import csv
+import io
+import re
+from functools import cache
+from typing import Any
+
+import pytest
+
+import slopekit as sk
+from slopekit.design.common import Design
+from slopekit.design.templates import path_of
+
+#: Slides on its first joint, the other has lost contact.
+OWN = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/180", "upper": "10/180", "height": 20},
+    "joints": {"bedding": {"plane": "45/150", "strength": "weak"}, "fault": {"plane": "80/60", "strength": "weak"}},
+    "strength": {"weak": {"c": 0, "phi": {"dist": "normal", "mean": 25, "sd": 2}}},
+}  # fmt: skip
+NAMED = re.compile(r"\bJ[12]\b")
+
+
+@cache
+def design() -> Design:
+    return sk.load(OWN)
+
+
+STUDIES: dict[str, Any] = {
+    "sweep": lambda: sk.sweep(design(), {"joints.fault.plane.dip_direction": [60, 150, 240]}, methods="closed-form"),
+    "tornado": lambda: sk.tornado(design(), {"strength.weak.phi": "20:30"}, methods="closed-form"),
+    "solve": lambda: sk.solve(design(), "strength.weak.phi.mean", fos=0.8, within="35:50"),
+    "prob": lambda: sk.prob(design(), 60, confirm=2, near=0.0),
+    "support": lambda: sk.support(design(), 1.1, acts="active", toward="330/10"),
+}
+
+
+@cache
+def found(name: str) -> Any:
+    return STUDIES[name]()
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_what_happens_is_told_in_the_names_of_the_user(name) -> None:
+    text = " ".join(str(found(name)).split())
+    assert "slides on bedding, fault has lost contact" in text
+    assert not NAMED.search(text)
+    assert "slides_on_bedding" not in text  # the code stays
+
+
+def rows(name: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(found(name).tables()[name].csv())))
+
+
+def test_values_solved_for_are_a_table() -> None:
+    solution = found("solve")
+    first, *others = rows("solve")
+    assert (first["method"], float(first["strength.weak.phi.mean"])) == ("pre_ie", solution.answer.value)
+    assert float(first["fos"]) == solution.answer.factor
+    assert [one["method"] for one in others] == ["closed_form"]
+    assert "<td>root</td>" in solution._repr_html_()
+    assert "root" not in str(solution)  # text has the entries
+
+
+def test_probabilities_solved_for_are_a_table() -> None:
+    solution = sk.solve(sk.load(path_of("wedge-scatter")), "slope.height=10:40", pf=0.2, n=200)
+    (row,) = list(csv.DictReader(io.StringIO(solution.tables()["solve"].csv())))[:1]
+    assert float(row["slope.height"]) == solution.answer.value
+    assert float(row["probability_of_failure"]) == solution.answer.estimate.value
+    assert float(row["low"]) < float(row["probability_of_failure"]) < float(row["high"])
+
+
+def test_cases_of_support_are_a_table() -> None:
+    support = found("support")
+    own = rows("support")
+    assert [one["direction"] for one in own] == [case.which for case in support.cases] == ["given", "best"]
+    assert [float(one["use_kn"]) for one in own] == pytest.approx([case.force for case in support.cases])
+    assert [one["reached"] for one in own] == [str(case.reached) for case in support.cases]
+    assert int(own[0]["bolts"]) == len(support.cases[0].pattern.layout)
+    assert "<h4>CASES</h4>" in support.sheet._repr_html_()
+    nothing = sk.support(sk.load(path_of("wedge")), 1.2)
+    assert nothing.tables()["support"].rows == ()
+    assert "CASES" not in nothing.sheet._repr_html_()
