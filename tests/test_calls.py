@@ -1,7 +1,10 @@
 """What a script gets that gives the public functions something of the wrong kind: a code that says what they take."""
 
+import ast
 import inspect
+import json
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -144,3 +147,20 @@ def test_a_function_stays_what_it_is() -> None:
     assert checked(api.run) is checked(api.run) is sk.run
     assert inspect.signature(sk.run) == inspect.signature(api.run)
     assert (sk.run.__name__, sk.run.__doc__) == ("run", api.run.__doc__)
+
+
+def used_in(code: str) -> set[str]:
+    """The attributes that some code asks for: `sk.run`, `result.fos.limit`."""
+    return {one.attr for one in ast.walk(ast.parse(code)) if isinstance(one, ast.Attribute)}
+
+
+def test_types_are_tested_of_all_that_is_public_and_all_that_the_notebooks_use() -> None:
+    """`mypy` checks tests/caller.py strictly, as a script of a user; it leaves nothing out."""
+    here = Path(__file__).parent
+    caller = used_in((here / "caller.py").read_text(encoding="utf-8"))
+    shown = set[str]()
+    for notebook in sorted((here.parent / "examples").glob("*.ipynb")):
+        cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+        shown |= used_in("\n".join("".join(one["source"]) for one in cells if one["cell_type"] == "code"))
+    assert {name for name, _ in functions()} <= caller
+    assert shown - {"shape", "head", "items"} <= caller

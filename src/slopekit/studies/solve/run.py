@@ -8,7 +8,7 @@
 (43.41, 1.5)
 """
 
-from typing import Annotated
+from typing import Annotated, Any, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
@@ -32,6 +32,20 @@ from slopekit.studies.solve.by_probability import Estimate, ProbabilitySolution,
 from slopekit.studies.solve.solutions import Solution
 
 _ABOUT = 60  # evaluations: for the bar
+
+
+@overload
+def solve(
+    design: Design, key: str, *, fos: float | None = None, pf: None = None, within: Within | None = None,
+    n: None = None, seed: None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
+) -> Solution: ...  # fmt: skip
+
+
+@overload
+def solve(
+    design: Design, key: str, *, pf: float, fos: float | None = None, within: Within | None = None,
+    n: int | None = None, seed: int | None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
+) -> ProbabilitySolution: ...  # fmt: skip
 
 
 @study

@@ -1,0 +1,82 @@
+"""Every public function, and what the notebooks ask of what they return, as a caller under mypy --strict sees it."""
+
+from pathlib import Path
+from typing import Any, assert_type
+
+import slopekit as sk
+
+design = sk.load("wedge.yaml", set={"slope.height": 20})
+result = sk.run(design)
+assert_type(result, sk.Result)
+assert_type(sk.run("wedge.yaml", {"slope.height": 20}), sk.Result)
+assert_type(sk.run({"kind": "wedge"}), sk.Result)
+assert_type(sk.analyse(design), sk.Result)
+one = sk.wedge(dips=("45/115", "45/245"), c=(50, 50), water="full", accept=1.5)
+assert_type(one.fos.limit, float | None)
+assert_type(one.status, str)
+assert_type(one.agree, bool | None)
+assert_type(one.exit_code, int)
+assert_type(one.to_dict(), dict[str, Any])
+assert_type(one.line, str)
+one.geometry.volume_m3 + one.geometry.total_height_m
+if one.forces.driving is not None:
+    one.forces.driving / 2.0
+[notice.code for notice in one.warnings]
+str(one.sheet)
+frame: Any = one.to_frame()
+frames: dict[str, Any] = one.to_frames()
+
+swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, methods="closed-form", fos=1.2)
+assert_type(swept, sk.Sweep)
+for point in swept.points:
+    if point.factors is not None:
+        assert_type(point.factors.limit, float | None)
+torn = sk.tornado(design, {"strength.weak.c": "40:60"})
+assert_type(torn, sk.Tornado)
+drawn = sk.prob(design, 500, fos=1.1, by="pre-ie", seed=2, accept=0.05)
+assert_type(drawn, sk.Probability)
+assert_type(drawn.all_samples.share, float | None)
+drawn.sensitivities[0][0].upper()
+solved = sk.solve(design, "slope.height", fos=1.3, within=(10, 20))
+probable = sk.solve(design, "slope.height", pf=0.05, n=200)
+assert_type(solved, sk.Solution)
+assert_type(probable, sk.ProbabilitySolution)
+if probable.answer is not None:
+    assert_type(probable.answer.estimate.value, float)
+if solved.answer is not None:
+    assert_type(solved.answer.value, float)
+    assert_type(solved.answer.factor, float)
+needed = sk.support(design, 1.5, acts="active", toward="180/-5")
+assert_type(needed, sk.Support)
+for case in needed.cases:
+    assert_type(case.force, float | None)
+    assert_type(case.yaml, str | None)
+pairs = sk.combos("joints.csv", face="65/180", phi=30, fos=1.2)
+assert_type(pairs, sk.Combos)
+worst = pairs.worst[0]
+titled = {"title": " x ".join(worst.names), "joints": {"J1": {"plane": worst.planes[0]}}, "slope": worst.height_m}
+assert_type(pairs.removable > 0, bool)
+if design.source is not None and isinstance(plain := design.source.root.plain(), dict):
+    sk.load(plain, {"water.fill": 1.0})
+if one.fos.limit is not None and one.fos.closed_form is not None:
+    one.fos.limit / one.fos.closed_form
+poles = sk.kinematic(["45/115"], face="65/180")
+assert_type(poles, sk.Kinematic)
+assert_type(sk.check(design), sk.Check)
+
+picture = sk.plot(result, "scene", "scene.png")
+picture.path.with_suffix(".svg").exists()
+assert_type(sk.plot(result), dict[str, str])
+sk.plot(result, "scene", show=True)
+page = sk.report([result, swept], "report.html", pictures=False, project={"client": "X"})
+assert_type(page, Path)
+assert_type(page.name, str)
+assert_type(page.stat().st_size, int)
+files = sk.export(result, "wedge.stl", what=["blocks"], blocks="B1")
+assert_type(files.files, tuple[Path, ...])
+try:
+    sk.load("x")
+except sk.SlopekitError as error:
+    assert_type(error.codes, tuple[str, ...])
+    assert_type(error.faults[0], sk.Fault)
+sk.__version__.split(".")
