@@ -66,4 +66,6 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    from slopekit.studies.protocol import STUDIES
+
+    return sorted({*__all__, *STUDIES})

@@ -11,12 +11,12 @@ from slopekit._version import __version__
 from slopekit.cli import designs, outputs, tools
 from slopekit.cli.common import print_faults
 from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.studies.protocol import STUDIES
 
-#: In the order of the help; wedge, run and those of studies are made of their functions, when they are asked for.
-COMMANDS = (
-    "wedge", "run", "check", "lint", "prob", "sweep", "combos", "kinematic", "solve", "support", "plot", "export",
-    "report", "templates", "doctor", "explain",
-)  # fmt: skip
+#: In the order of the help, studies after them and before the others; those of results and studies are made of their
+#: functions, when they are asked for.
+_FIRST = ("wedge", "run", "lint")
+_LAST = ("plot", "export", "report", "templates", "doctor", "explain")
 
 
 class _Commands(TyperGroup):
@@ -24,15 +24,15 @@ class _Commands(TyperGroup):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
-        self.commands = cast(dict[str, Any], dict.fromkeys(COMMANDS)) | dict(self.commands)
+        self.commands = cast(dict[str, Any], dict.fromkeys([*_FIRST, *STUDIES, *_LAST])) | dict(self.commands)
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names, in order."""
-        return list(COMMANDS)
+        return list(self.commands)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """A command by its name, None for another word."""
-        if cmd_name in COMMANDS and self.commands[cmd_name] is None:
+        if cmd_name in self.commands and self.commands[cmd_name] is None:
             from slopekit.cli.study_command import command_of
 
             one = typer.Typer(rich_markup_mode=None, add_completion=False)

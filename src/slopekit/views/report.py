@@ -192,7 +192,7 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
         "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
         "line": document["line"].replace("  ", " · "),  # blanks that set its parts off are one in HTML
-        "sections": sections, "notices": [(one["code"], one["message"]) for one in document["warnings"]],
+        "sections": sections, "notices": [(one["code"], one["message"]) for one in document.get("warnings", ())],
         "with_view": False,
     }  # fmt: skip
 

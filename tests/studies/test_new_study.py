@@ -1,0 +1,94 @@
+"""The study of docs/add-a-study.md, a folder and a line of registration: its command, its files, Python, page."""
+
+import csv
+import inspect
+import json
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+import slopekit as sk
+from slopekit import studies
+from slopekit.design.templates import path_of
+from slopekit.studies.protocol import STUDIES
+from tests.commands import slopekit
+
+PAGE = Path(__file__).parents[2] / "docs/add-a-study.md"
+WEDGE = str(path_of("wedge"))
+
+
+@pytest.fixture(autouse=True)
+def _flip(tmp_path, monkeypatch):
+    """The files of the page, found where it says that they are."""
+    text = PAGE.read_text(encoding="utf-8")
+    files = re.findall(r"`src/slopekit/studies/flip/(\w+\.py)`.*?```py\n(.*?)```", text, re.DOTALL)
+    assert [name for name, _ in files] == ["__init__.py", "run.py", "sheet.py"]
+    folder = tmp_path / "found/flip"
+    folder.mkdir(parents=True)
+    for name, code in files:
+        (folder / name).write_text(code, encoding="utf-8")
+    ((name, place),) = re.findall(r'^    "(\w+)": "([\w.]+)",$', text, re.MULTILINE)
+    monkeypatch.setattr(studies, "__path__", [*studies.__path__, str(folder.parent)])
+    monkeypatch.setitem(STUDIES, name, place)
+    yield
+    for name in [name for name in sys.modules if name.startswith("slopekit.studies.flip")]:
+        del sys.modules[name]
+    vars(studies).pop("flip", None)
+
+
+def test_a_script_calls_it() -> None:
+    design = sk.load(WEDGE)
+    found = sk.flip(design, by=2)
+    assert "flip" in dir(sk)
+    assert [one.dip_deg for one in found.turned] == [43.0, 47.0, 43.0, 47.0]
+    turned = sk.run(WEDGE, set={"joints.J1.plane.dip": 47})
+    assert found.turned[1].point.factors.limit == turned.fos.limit
+    assert repr(found) == f"<Flip: least {turned.fos.limit:.4f} at joints.J1.plane.dip 47°>"
+    assert f"{turned.fos.limit:.4f}" in str(found).splitlines()[3]
+    assert f"<td>{turned.fos.limit:.4f}</td>" in found._repr_html_()
+    assert found.tables()["flip"].records()[1]["pre_ie"] == turned.fos.limit
+    assert "by : How far each joint is turned" in inspect.getdoc(sk.flip)
+
+
+@pytest.mark.parametrize(("values", "named", "code"), [
+    (("wedge.yaml",), {}, "E405"), ((3, 2), {}, "E406"), ((3,), {"bye": 2}, "E407"), ((), {}, "E408"),
+])  # fmt: skip
+def test_it_says_what_it_takes(values, named, code) -> None:
+    with pytest.raises(sk.DesignError, match=code):
+        sk.flip(*values, **named)
+
+
+def test_it_is_a_command(tmp_path) -> None:
+    assert "flip" in slopekit("--help").stdout
+    assert "--by" in slopekit("flip", "--help").stdout
+    done = slopekit("flip", WEDGE, "--set", "slope.height=20", "--by", "3", "-o", str(tmp_path / "out"))
+    assert done.returncode == 0
+    document = json.loads((tmp_path / "out/flip.json").read_text(encoding="utf-8"))
+    assert (document["study"], document["by_deg"]) == ("flip", 3.0)
+    assert done.stdout == (tmp_path / "out/flip.txt").read_text(encoding="utf-8")
+    with (tmp_path / "out/flip.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["pre_ie"]) for row in rows] == [one["limit"] for one in document["turned"]]
+    assert slopekit("flip", WEDGE, "--quiet").stdout == sk.flip(sk.load(WEDGE)).line + "\n"
+    again = json.loads(slopekit("flip", WEDGE, "--json").stdout)
+    assert again == sk.flip(sk.load(WEDGE)).to_dict()
+
+
+@pytest.mark.parametrize(("arguments", "code", "said"), [
+    (("no.yaml",), 2, "E147"), ((WEDGE, "--by", "far"), 2, "E106"), ((WEDGE, "--picture", "x.png"), 2, "E100"),
+    ((WEDGE, "--set", "analysis.agree_within=1e-16"), 4, ""),
+])  # fmt: skip
+def test_its_exit_codes(arguments, code, said) -> None:
+    done = slopekit("flip", *arguments)
+    assert done.returncode == code
+    assert done.stderr.startswith(said)
+
+
+def test_it_has_a_page(tmp_path) -> None:
+    pytest.importorskip("jinja2")
+    found = sk.flip(sk.load(WEDGE))
+    page = sk.report(found, tmp_path / "flip.html", pictures=False).read_text(encoding="utf-8")
+    for row in found.sheet.sections[0].to_list()[0]["shown"]:
+        assert all(f">{cell}<" in page for cell in row)
