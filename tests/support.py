@@ -1,11 +1,18 @@
 """Random wedges and other things that several tests and benchmarks need."""
 
 import math
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from slopekit import studies
 from slopekit.design.registry import KINDS
+from slopekit.studies.protocol import STUDIES
 
 PAPER = {"dips": ("45/115", "45/245")}
 
@@ -74,3 +81,24 @@ def forget_kinds() -> None:
     """Take the kinds from outside away again."""
     for name in [name for name, kind in KINDS.items() if not isinstance(kind, str)]:
         del KINDS[name]
+
+
+@contextmanager
+def study_of_the_page(folder: Path) -> Iterator[None]:
+    """The study of docs/add-a-study.md: its files where the page says that they are, and its line of registration."""
+    text = (Path(__file__).parents[1] / "docs/add-a-study.md").read_text(encoding="utf-8")
+    files = re.findall(r"`src/slopekit/studies/flip/(\w+\.py)`.*?```python\n(.*?)```", text, re.DOTALL)
+    assert [name for name, _ in files] == ["__init__.py", "run.py", "sheet.py"]
+    (folder / "flip").mkdir(parents=True)
+    for name, code in files:
+        (folder / "flip" / name).write_text(code, encoding="utf-8")
+    ((name, place),) = re.findall(r'^    "(\w+)": "([\w.]+)",$', text, re.MULTILINE)
+    studies.__path__.append(str(folder))
+    STUDIES[name] = place
+    try:
+        yield
+    finally:
+        del STUDIES[name], studies.__path__[-1]
+        for module in [one for one in sys.modules if one.startswith(place)]:
+            del sys.modules[module]
+        vars(studies).pop(name, None)

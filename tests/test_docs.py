@@ -19,7 +19,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Iterator
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cache
 from io import StringIO
@@ -35,7 +35,7 @@ from slopekit.design.fields import structure_of
 from slopekit.design.registry import KINDS as KINDS_OF_DESIGN
 from slopekit.design.registry import record_of
 from slopekit.design.templates import names, path_of
-from tests.support import forget_kinds
+from tests.support import forget_kinds, study_of_the_page
 
 ROOT = Path(__file__).parents[1]
 GENERATED = ("verification.md", "hard-cases.md", "speed.md", "mutations.md", "studies.md", "messages.md")
@@ -258,7 +258,8 @@ def test_page(path, tmp_path, monkeypatch) -> None:
     for folder in ("templates", "examples"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     page = Page(path)
-    with chdir(tmp_path):
+    added = study_of_the_page(tmp_path / "found") if path.name == "add-a-study.md" else nullcontext()
+    with chdir(tmp_path), added:
         page.run()
     forget_kinds()
     assert not page.faults, "\n".join(page.faults)

@@ -3,39 +3,21 @@
 import csv
 import inspect
 import json
-import re
-import sys
-from pathlib import Path
 
 import pytest
 
 import slopekit as sk
-from slopekit import studies
 from slopekit.design.templates import path_of
-from slopekit.studies.protocol import STUDIES
 from tests.commands import slopekit
+from tests.support import study_of_the_page
 
-PAGE = Path(__file__).parents[2] / "docs/add-a-study.md"
 WEDGE = str(path_of("wedge"))
 
 
 @pytest.fixture(autouse=True)
-def _flip(tmp_path, monkeypatch):
-    """The files of the page, found where it says that they are."""
-    text = PAGE.read_text(encoding="utf-8")
-    files = re.findall(r"`src/slopekit/studies/flip/(\w+\.py)`.*?```py\n(.*?)```", text, re.DOTALL)
-    assert [name for name, _ in files] == ["__init__.py", "run.py", "sheet.py"]
-    folder = tmp_path / "found/flip"
-    folder.mkdir(parents=True)
-    for name, code in files:
-        (folder / name).write_text(code, encoding="utf-8")
-    ((name, place),) = re.findall(r'^    "(\w+)": "([\w.]+)",$', text, re.MULTILINE)
-    monkeypatch.setattr(studies, "__path__", [*studies.__path__, str(folder.parent)])
-    monkeypatch.setitem(STUDIES, name, place)
-    yield
-    for name in [name for name in sys.modules if name.startswith("slopekit.studies.flip")]:
-        del sys.modules[name]
-    vars(studies).pop("flip", None)
+def _flip(tmp_path):
+    with study_of_the_page(tmp_path / "found"):
+        yield
 
 
 def test_a_script_calls_it() -> None:
