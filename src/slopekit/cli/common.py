@@ -18,8 +18,6 @@ JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
 QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
-JOBS = typer.Option("--jobs", help="Processes that work at once.")
-SCHEDULER = typer.Option("--scheduler", help="A Dask scheduler, tcp://host:8786 (extra: dask).", metavar="ADDRESS")
 FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 
 

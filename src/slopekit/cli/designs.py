@@ -1,26 +1,12 @@
-"""Commands on one design: wedge, run, lint."""
+"""The command on one design that is not made of a function of scripts: lint."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli.common import (
-    FILE,
-    JSON,
-    SET,
-    json_text,
-    load_design,
-)
-
-if TYPE_CHECKING:
-    pass
-
-SCENE_ENDINGS = (".png", ".glb", ".gltf")
-_PICTURE = typer.Option(help="Draw the slope and its blocks to a .png, .glb or .gltf file (extra: plot).")
-_NO_PICTURES = typer.Option("--no-pictures", help="With -o: draw nothing.")
-_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
+from slopekit.cli.common import FILE, JSON, SET, json_text, load_design
 
 
 def lint(
