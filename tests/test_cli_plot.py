@@ -81,7 +81,11 @@ def test_it_says_what_the_studies_draw(run, folder, tmp_path) -> None:
         (("result.json", "displacement", "--step", "2"), "E347", "--step says nothing of this displacement"),
         (("sweep.json", "curve", "--equal-angle"), "E347", "--equal-angle says nothing of this curve"),
         (("result.json", "stereonet", "--test", "planar"), "E347", "--test says nothing of this stereonet"),
-        (("kinematic.json", "stereonet", "--test", "planer"), "E347", "Known: planar, wedge, toppling."),
+        (
+            ("kinematic.json", "stereonet", "--test", "planer"),
+            "E347",
+            "Known: planar, wedge, toppling, flexural",
+        ),
         (("sweep.json", "curve", "--step", "x"), "E106", "--step is 'x'"),
     ],
 )

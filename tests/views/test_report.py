@@ -18,8 +18,10 @@ from slopekit.cli import app
 from slopekit.core.errors import DesignError
 from slopekit.core.explanations import explanations
 from slopekit.design.templates import path_of
+from slopekit.views import page_pictures
 from slopekit.views import report as room
-from slopekit.views.report import report_of, still_pictures, verification_excerpt
+from slopekit.views.page_pictures import still_pictures
+from slopekit.views.report import report_of, verification_excerpt
 from slopekit.views.report_inputs import input_tables, value_text
 from slopekit.views.viewer_data import viewer_data
 from tests.views import scenes
@@ -237,7 +239,7 @@ def test_without_a_sheet_there_is_no_page_without_a_scene_no_view() -> None:
     assert caught.value.codes == ("E371",)
     made = report_of(document("wet") | {"scene": {"shapes": 3}}, with_pictures=False)
     assert [notice.code for notice in made.notices] == ["W372"]
-    assert "view-data" not in made.html
+    assert 'id="view-data"' not in made.html
     made = report_of({key: value for key, value in document("wet").items() if key != "scene"}, with_pictures=False)
     assert [notice.code for notice in made.notices] == ["W372"]
 
@@ -299,7 +301,7 @@ def test_a_study_has_a_page_with_the_numbers_of_its_sheet() -> None:
     assert [row[3] for row in table["rows"]] == [point["limit"] for point in found["points"]]
 
 
-def test_several_documents_have_contents_and_one_view_and_say_whose_they_are() -> None:
+def test_several_documents_have_contents_and_a_view_each_and_say_whose_they_are() -> None:
     first = document("wet") | {"project": {"name": "Route 7", "client": "A & Co"}}
     text = report_of([first, swept(), document("wedge")], with_pictures=False, project={"client": "B & Co"}).html
     tags = Tags()
@@ -307,7 +309,8 @@ def test_several_documents_have_contents_and_one_view_and_say_whose_they_are() -
     assert tags.open == []
     assert len(tags.ids) == len(set(tags.ids))
     assert [one for one in tags.references if one.startswith("#")] == ["#part-1", "#part-2", "#part-3"]
-    assert text.count('id="view-data"') == 1
+    assert re.findall(r'id="(view-data[^"]*)"', text) == ["view-data", "view-data-2"]
+    assert text.count("<canvas") == 1
     seen = words(text)
     assert "Route 7" in seen
     assert "client B & Co" in seen
@@ -335,10 +338,10 @@ def test_without_jinja_the_extra_is_named(monkeypatch) -> None:
 
 
 def test_without_the_extra_plot_the_page_names_what_is_missing(monkeypatch) -> None:
-    def refuse(found, what):
+    def refuse(found, what, options):
         raise DesignError([sk.Fault("E140", "drawing needs the extra plot (pyvista)")])
 
-    monkeypatch.setattr(room, "picture_of", refuse)
+    monkeypatch.setattr(page_pictures, "picture_of", refuse)
     pictures, missing = still_pictures(document("wedge"))
     assert pictures == []
     assert missing == ["scene, stereonet, tractions, mechanism: E140 drawing needs the extra plot (pyvista)"]

@@ -26,6 +26,9 @@ _WHAT = typer.Argument(
 )
 
 
+_TEST = "Stereonet of kinematic: planar, wedge, toppling (flexural, direct) [all]."
+
+
 def plot(
     result: Annotated[str, typer.Argument(help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
                                           metavar="RESULT")],
@@ -34,7 +37,7 @@ def plot(
                                                "scenes .png .glb .gltf.")] = None,
     show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
     equal_angle: Annotated[bool, typer.Option("--equal-angle", help="Stereonet: equal angle, not equal area.")] = False,
-    test: Annotated[str | None, typer.Option(help="Stereonet of kinematic: planar, wedge or toppling [all].")] = None,
+    test: Annotated[str | None, typer.Option(help=_TEST)] = None,
     explode: Annotated[str | None, typer.Option(help="exploded: how far blocks are drawn apart.")] = None,
     magnify: Annotated[str | None, typer.Option(help="displacement, mechanism: drawn times this.")] = None,
     step: Annotated[str, typer.Option(help="mechanism: which one, 1 the first.")] = "1",

@@ -104,8 +104,13 @@ def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: in
     for texts, what in ((forces, "force"), (bolts, "bolt")):
         few = _FEW_BOLTS if what == "bolt" else len(texts)
         shown, rest, _ = first_and_last(texts, few if most is None else most, 0)
-        entries += [*shown, *([f"... and {rest} more {what}s"] if rest else [])]
+        entries += [*shown, *([more_of(rest, what)] if rest else [])]
     return Section("LOADS", entries or [WEIGHT_ONLY])
+
+
+def more_of(rest: int, what: str) -> str:
+    """How many more there are than are listed."""
+    return f"... and {rest} more {what}s"
 
 
 def water_in_words(design: Design) -> list[str]:

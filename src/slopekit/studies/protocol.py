@@ -61,7 +61,7 @@ class Outcome(Shown):
         """With what the JSON of every study of a design begins."""
         return {
             "slopekit": __version__, "study": self.name, "kind": design.kind, "title": design.title,
-            "input_sha256": design.input_hash(),
+            "input_sha256": design.input_hash(), "inputs": design.inputs(),
             **({"project": project} if (project := design.project.given()) else {}),
         }  # fmt: skip
 

@@ -43,8 +43,10 @@ from slopekit.views.stereonet import (
 )
 
 Document = Mapping[str, Any]
-#: What `--test` takes.
-TESTS = ("planar", "wedge", "toppling")
+#: What `--test` takes; toppling is both of the last.
+TESTS = ("planar", "wedge", "toppling", "flexural", "direct")
+#: One net each.
+NETS_OF = ("planar", "wedge", "flexural", "direct")
 _OFTEN = 1500  # lines beyond which they are dots
 
 
@@ -108,8 +110,9 @@ class _Survey:
 
 def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str | None = None) -> None:
     """All tests, or one of `TESTS`."""
-    by_test = {"planar": [_planar], "wedge": [_wedge], "toppling": [_flexural, _direct]}
-    chosen = by_test[test] if test else [panel for some in by_test.values() for panel in some]
+    by_test = {"planar": [_planar], "wedge": [_wedge], "flexural": [_flexural], "direct": [_direct]}
+    by_test["toppling"] = by_test["flexural"] + by_test["direct"]
+    chosen = by_test[test] if test else [panel for name in NETS_OF for panel in by_test[name]]
     across = min(2, len(chosen))
     survey = _Survey(document, net)
     panels = list(np.ravel(figure.subplots(len(chosen) // across, across)))

@@ -39,7 +39,7 @@ _MOST_JOINTS = 12  # that are drawn and listed one by one
 _MOST_LINES = 6  # of intersection that are written out
 _MOST_DOTS = 100  # lines beyond which they are small
 _MOST_CONES = 6  # friction angles beyond which only the least and the greatest are drawn
-_LETTERS = 80  # of a line over the net
+_LETTERS = 60  # of a line over the net
 _PARALLEL = 1e-6
 
 

@@ -29,7 +29,7 @@ class Options:
     Attributes
     ----------
     show : a window in place of a file
-    net : of stereonets; test : planar, wedge or toppling, the tests of a kinematic study that are drawn
+    net : of stereonets; test : one of `kinematic_charts.TESTS`, the tests of a kinematic study that are drawn
     explode, magnify, step : of scenes
     """
 
@@ -81,6 +81,8 @@ def _has_bolts(document: Document) -> bool:
 def _oriented(document: Document) -> bool:
     from slopekit.views.orientation_charts import orientations_of
 
+    if document.get("study", "prob") != "prob" and document.get("kind") != "combos":
+        return False  # other studies change their design
     try:
         return orientations_of(kept(document)) is not None
     except (Damaged, DesignError):

@@ -1,9 +1,7 @@
 """The report of a result: one page of HTML that needs no network, made of the JSON. Needs the extra `report`."""
 
-import base64
 import json
 import re
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -14,7 +12,9 @@ from typing import Any, NoReturn
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, Notice, writing
 from slopekit.kinds import words_named
+from slopekit.views import page_together as together
 from slopekit.views import report_tables as tables
+from slopekit.views.page_pictures import still_pictures
 from slopekit.views.plots import checked_document
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
 from slopekit.views.report_tables import parts
@@ -41,16 +41,10 @@ _CAPTIONS = {
 }  # fmt: skip
 #: Where the whole of the verification is.
 _WHOLE = "docs/verification.md of the source; slopekit check --suite makes it again"
+_HEAVIEST_VIEWS = 400_000  # bytes of all views of a page, the first whatever it weighs
 NOT_MODELLED = (
     "Not modelled: deformation of the rock, contact across the tension crack, suction, and the ends of joints."
 )
-#: Pictures of a result in the order of the page, those of blocks for many blocks only.
-_OF_RESULT = ("scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling", "reduction")
-_SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
-_TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
-_LARGEST_SVG = 250_000  # bytes; beyond that a PNG is smaller and as legible
-
-
 #: What a page says of a project, and in which words.
 PROJECT = {
     "name": "project", "client": "client", "number": "number", "author": "made by", "checker": "checked by",
@@ -87,7 +81,7 @@ def report_of(
 
     Parameters
     ----------
-    documents : JSON of results and studies; the view to turn is that of the first result
+    documents : JSON of results and studies; each result with a scene can be turned
     names : what they are called, for messages
     with_pictures : draw the still pictures as well; they take seconds and the extra `plot`
     project : what the head says beside what the designs say: keys of `PROJECT`
@@ -101,25 +95,88 @@ def report_of(
     called = [*names, *[""] * (len(several) - len(names))]
     require_jinja(called[0])
     said = _project(several, project or {})
-    notices, missing, articles, data = list[Notice](), list[str](), list[dict[str, Any]](), ""
-    for k, (document, name) in enumerate(zip(several, called, strict=True), 1):
+    short = [f"{k} {_short_name(document)}" for k, document in enumerate(several, 1)]
+    notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
+    views, verified, drawn = _Views(), set[str](), dict[str, str]()
+    for k, (document, name, sheet) in enumerate(
+        zip(several, called, together.sheets_once(several, short), strict=True), 1
+    ):
         own: list[Notice] = []
-        context = _article(document, name)
-        if "fos" in document and "status" in document and not data:
-            data = _view(document, own)
-            context["with_view"] = bool(data)
-        found, left = still_pictures(document) if with_pictures else ([], ["all of them: left out as asked"])
+        context = _article(document, name, sheet)
+        if not context["is_study"]:
+            context["view"] = views.take(document, short[k - 1], own)
+            if str(document["kind"]) in verified:  # the rows of a kind stand once
+                context["verification"] = None
+            verified.add(str(document["kind"]))
+        again = _elsewhere(document, drawn, short[k - 1])
+        found, left = (
+            still_pictures(document, frozenset(again)) if with_pictures else ([], ["all of them: left out as asked"])
+        )
+        if any(picture.what == "histogram" for picture in found):  # what is drawn is not listed too
+            context["sections"] = [one for one in context["sections"] if one[0] != "HISTOGRAM"]
         context["notices"] += [(one.code, one.message) for one in own]
-        articles.append(context | {"pictures": found, "missing": left, "anchor": f"part-{k}"})
+        articles.append(context | {"pictures": found, "missing": left, "again": again, "anchor": f"part-{k}",
+                                   "name": short[k - 1]})  # fmt: skip
         notices += own
         missing += left
+    is_one = len(several) == 1
+    shared = [] if is_one else together.shared_notices([own["notices"] for own in articles], short)
+    everywhere = {one for _, some in shared for one in some}
+    for own_article in articles:
+        own_article["notices"] = together.folded([one for one in own_article["notices"] if one not in everywhere])
     html = _rendered({
-        "title": said.get("name") if len(several) > 1 and said.get("name") else articles[0]["title"],
+        "title": said.get("name") if not is_one and said.get("name") else articles[0]["title"],
         "project": [(PROJECT[key], said[key]) for key in PROJECT if key in said],
-        "articles": articles, "own_version": __version__, "view_data": data.replace("<", "\\u003c"),
+        "articles": articles, "own_version": __version__,
+        "views": [text.replace("<", "\\u003c") for text in views.data],
+        "shared": [(whose, together.folded(some)) for whose, some in shared],
+        "inputs_table": None if is_one else _inputs_that_differ(several, short),
+        "one_design": together.same_design(several),
     })  # fmt: skip
-    drawn = tuple(picture.what for article in articles for picture in article["pictures"])
-    return Report(html, drawn, tuple(missing), tuple(notices))
+    seen = tuple(picture.what for article in articles for picture in article["pictures"])
+    return Report(html, seen, tuple(missing), tuple(notices))
+
+
+def _inputs_that_differ(documents: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Table | None:
+    try:
+        return together.inputs_table(documents, names)
+    except _DAMAGED as error:
+        message = f"their inputs cannot be compared ({type(error).__name__}: {error})"
+        advice = "Was one changed, or written by another version? Make it again."
+        raise DesignError([Fault("E372", message, ", ".join(names), advice)]) from error
+
+
+class _Views:
+    """The data of the views to turn: of the first result whatever it weighs, of more while the page stays light."""
+
+    def __init__(self) -> None:
+        self.data: list[str] = []
+
+    def take(self, document: Mapping[str, Any], name: str, notices: list[Notice]) -> int:
+        """Add the view of a result; its number from 1, 0 without one."""
+        found = _view(document, notices)
+        if not found:
+            return 0
+        if self.data and sum(map(len, self.data)) + len(found) > _HEAVIEST_VIEWS:
+            said = f"the scene of {name} cannot be turned here: with it the views would weigh more than"
+            notices.append(Notice("W385", f"{said} {_HEAVIEST_VIEWS // 1000} kB; a page of its own has it"))
+            return 0
+        self.data.append(found)
+        return len(self.data)
+
+
+def _elsewhere(document: Mapping[str, Any], drawn: dict[str, str], name: str) -> dict[str, str]:
+    """Pictures that an earlier part shows of the same design, and which part: its planes are the same ones."""
+    sha = document.get("input_sha256")
+    if not sha or document.get("kind") in ("kinematic", "combos"):
+        return {}
+    first = drawn.setdefault(str(sha), name)
+    return {} if first == name else {"stereonet": first}
+
+
+def _short_name(document: Mapping[str, Any]) -> str:
+    study = str(document.get("study") or document.get("kind"))
+    return _TITLES.get(study, study if "study" in document else "Result")
 
 
 def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -> dict[str, str]:
@@ -136,10 +193,9 @@ def _project(documents: Sequence[Mapping[str, Any]], given: Mapping[str, str]) -
     return found | {key: value for key, value in given.items() if value}
 
 
-def _article(document: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """What the page says of one document."""
+def _article(document: Mapping[str, Any], name: str, sheet: Any) -> dict[str, Any]:
+    """What the page says of one document, by its sheet without what stands on the page already."""
     is_result = "fos" in document and "status" in document and "study" not in document
-    sheet = document.get("sheet")
     if not isinstance(sheet, Mapping):
         _refuse(document, name, is_result)
     try:  # only what reads the document: faults of the program itself go through
@@ -191,9 +247,9 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
     return {
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
         "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
-        "line": document["line"].replace("  ", " · "),  # blanks that set its parts off are one in HTML
-        "sections": sections, "notices": [(one["code"], one["message"]) for one in document.get("warnings", ())],
-        "with_view": False,
+        "lines": [one.replace("  ", " · ") for one in document["line"].split("\n")],  # blanks are one in HTML
+        "sections": sections, "notices": [(str(one["code"]), str(one["message"])) for one in document.get("warnings", ())],
+        "view": 0,
     }  # fmt: skip
 
 
@@ -211,21 +267,28 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     }  # fmt: skip
     return sections | {
         "title": document["title"] or title, "kind": title, "version": document["slopekit"],
-        "is_study": False, "sha": document["input_sha256"], "with_view": False,
+        "is_study": False, "sha": document["input_sha256"], "view": 0,
         "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
         "rests_on": words_named(str(document["kind"])).rests_on if document["fos"]["closed_form"] is not None else "",
-        "notices": [(one["code"], one["message"]) for one in document["warnings"]],
-        "slope": [(label.lower(), _entries(sheet, label)) for label in _SLOPE if _entries(sheet, label)
-                  and (label != "COLUMNS" or not has_methods)],
+        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
+        "slope": [(label.lower(), _without_schedule(sheet, label, inputs)) for label in _SLOPE
+                  if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],
         "inputs": list(input_tables(inputs, "BOLTS" in sheet)), "force_notes": force_notes(document),
         "has_bolts": isinstance(document.get("scene"), Mapping) and document["scene"].get("bolts") is not None,
         "movement": [one for one in (tables.motion_table(document),) if one is not None],
         "later": list(tables.later_mechanisms(document)), "evidence": list(tables.check_tables(document)),
         "left_out": [str(one) for one in document["model"]["left_out"]], "not_modelled": NOT_MODELLED,
         "defaults": _entries(sheet, "DEFAULTS") or [str(one) for one in document["defaults"]],
-        "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()],
+        "assumed": [(key, value_text("", value)) for key, value in document["assumed"].items()]
+        if not any(one["code"] == "W320" for one in document["warnings"]) else [],  # a notice says it
         "times": tables.time_table(document),
     }  # fmt: skip
+
+
+def _without_schedule(sheet: Mapping[str, Any], label: str, inputs: Mapping[str, Any]) -> list[Any]:
+    """The entries of a label; bolts that a schedule lists are counted."""
+    entries = _entries(sheet, label)
+    return together.without_bolts(entries, inputs["bolts"]) if label == "LOADS" and "BOLTS" in sheet else entries
 
 
 def _entries(sheet: Mapping[str, Any], label: str) -> list[Any]:
@@ -268,8 +331,8 @@ def _rendered(context: Mapping[str, Any]) -> str:
     from markupsafe import Markup
 
     own = {name: Markup((_TEMPLATES / name).read_text(encoding="utf-8")) for name in ("report.css", "viewer.js")}
-    data = Markup(context["view_data"])  # JSON without any <: it can end no script
-    return str(_template().render(**{**context, "view_data": data}, style=own["report.css"], script=own["viewer.js"]))
+    views = [Markup(text) for text in context["views"]]  # JSON without any <: it can end no script
+    return str(_template().render(**{**context, "views": views}, style=own["report.css"], script=own["viewer.js"]))
 
 
 @cache
@@ -301,65 +364,3 @@ def write_report(
     with writing(path):
         path.write_text(made.html, encoding="utf-8")
     return made
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A picture: its word, what it shows, and itself as a data URI."""
-
-    what: str
-    caption: str
-    uri: str
-
-    @property
-    def is_chart(self) -> bool:
-        """Whether it is a chart, in place of a scene."""
-        return self.what not in _SCENES
-
-
-def still_pictures(document: Mapping[str, Any]) -> tuple[list[Picture], list[str]]:
-    """The pictures that can be drawn of a document, and sentences on those that cannot, with the code of each."""
-    from slopekit.views.plots import offers
-
-    offered = offers(document)
-    names = [what for what in _OF_RESULT if what in offered] if "fos" in document else list(offered)
-    if document.get("assembly") is not None:
-        names = _of_many(names, document["assembly"])
-    found: list[Picture] = []
-    missing: dict[str, list[str]] = {}
-    for what in names:
-        try:
-            found.append(Picture(what, offered[what], picture_of(document, what)))
-        except DesignError as error:
-            fault = error.faults[0]
-            missing.setdefault(f"{fault.code} {fault.message}", []).append(what)
-    return found, [f"{', '.join(whats)}: {why}" for why, whats in missing.items()]
-
-
-def _of_many(names: list[str], assembly: Mapping[str, Any]) -> list[str]:
-    """Without pictures that would show one colour: factors and order say something where several differ."""
-    factors = [value for value in assembly["factor_by_block"].values() if value is not None]
-    left = {"tractions"}
-    left |= set() if factors and max(factors) > 1.02 * min(factors) else {"factors"}
-    left |= set() if len(assembly["mechanisms"]) > 1 else {"ravelling"}
-    return [what for what in names if what not in left]
-
-
-def picture_of(document: Mapping[str, Any], what: str) -> str:
-    """A picture of a document as a data URI.
-
-    Raises
-    ------
-    DesignError
-        As `slopekit.views.plots.draw`.
-    """
-    from slopekit.views.plots import draw
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{what}.{'png' if what in _SCENES else 'svg'}"
-        draw(document, what, path)
-        if path.suffix == ".svg" and path.stat().st_size > _LARGEST_SVG:
-            path = path.with_suffix(".png")
-            draw(document, what, path)
-        data = base64.b64encode(path.read_bytes()).decode()
-    return f"data:{_TYPES[path.suffix]};base64,{data}"

@@ -75,7 +75,7 @@ def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iter
             if key == "bolts" and with_schedule:
                 rows.append(("bolts", f"{len(inputs[key])}, in the schedule"))
                 continue
-            rows += _rows(key, inputs[key], words(key))
+            rows += rows_of(key, inputs[key], words(key))
         if rows:
             yield Table(title, ("", "value"), tuple(rows), left=2)
 
@@ -201,7 +201,7 @@ def _strengths(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str,
             yield f"J{k + 1}", *(_plain(value) for value in values)
 
 
-def _rows(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
+def rows_of(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
     """A value as rows; groups and lists of groups take several."""
     if value is None:
         return []
@@ -219,7 +219,7 @@ def _rows(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
         return [("seismic coefficient", f"{value['coefficient']:.4g} g{toward}" if value["coefficient"] else "none")]
     if isinstance(value, Mapping):
         parts = [(part, own) for part, own in value.items() if own not in (None, [])]
-        return [row for part, own in parts for row in _rows(part, own, f"{name}: {words(part)}")]
+        return [row for part, own in parts for row in rows_of(part, own, f"{name}: {words(part)}")]
     if key == "rules" and value:
         return [(name, ", ".join(f"{one['name']} {one['relation']} {_plain(one['value'])}" for one in value))]
     if isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):

@@ -7,7 +7,7 @@ import numpy as np
 
 from slopekit.core.codec import from_json
 from slopekit.core.orientation import line_of
-from slopekit.core.sheet import Section
+from slopekit.core.sheet import Section, Verbatim
 from slopekit.findings import GoverningInterface
 from slopekit.kinds.sheets.many_blocks import governing
 from slopekit.kinds.words import line_in_words
@@ -15,21 +15,34 @@ from slopekit.views.report_inputs import Table
 
 Document = Mapping[str, Any]
 
+_DIGITS = 9  # signs of a number that nobody has rounded
 _MOST_MECHANISMS = 3  # whose interfaces are listed
 
 
-def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Table | str]:
-    """The entries of a section of a sheet: texts, and tables without the columns that have nothing in them."""
+def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Table | Verbatim | str]:
+    """The entries of a section of a sheet: texts, texts to be copied, tables without columns that have nothing."""
     left = iter(captions)
     for entry in entries:
         if isinstance(entry, str):
             yield entry
+        elif "verbatim" in entry:
+            yield Verbatim(str(entry["verbatim"]))
         elif rows := entry["shown"]:
             kept = [k for k, _ in enumerate(entry["columns"]) if any(row[k] for row in rows)]
             heads = tuple(_head(entry["columns"][k]) for k in kept)
-            cells = tuple(tuple(str(row[k]) for k in kept) for row in rows)
+            values = zip(rows, entry["rows"], strict=True)
+            cells = tuple(tuple(_cell(str(row[k]), own[k]) for k in kept) for row, own in values)
             texts = [all(isinstance(row[k], str) for row in entry["rows"]) for k in kept]
             yield Table(next(left, ""), heads, cells, entry["rest"], left=[*texts, False].index(False))
+
+
+def _cell(shown: str, value: Any) -> str:
+    """A cell as it is shown; every digit of a number is for machines.
+
+    >>> _cell("155.62933590893244", 155.62933590893244), _cell("1.0000", 1.0), _cell("2.5", 2.5)
+    ('155.63', '1.0000', '2.5')
+    """
+    return f"{value:.5g}" if isinstance(value, float) and shown == str(value) and len(shown) > _DIGITS else shown
 
 
 def _head(column: Mapping[str, Any]) -> str:
@@ -57,7 +70,7 @@ def motion_table(document: Document) -> Table | None:
     return Table("Movement", head, tuple(rows), left=4) if rows else None
 
 
-def later_mechanisms(document: Document) -> Iterator[Table | str]:
+def later_mechanisms(document: Document) -> Iterator[Table | Verbatim | str]:
     """The interfaces that govern the mechanisms after the first."""
     for k, one in enumerate((document["assembly"] or {"mechanisms": ()})["mechanisms"][:_MOST_MECHANISMS], 1):
         if k > 1:

@@ -49,7 +49,7 @@ def answer(document: Mapping[str, Any], status: list[str]) -> dict[str, Any]:
     badges = [_check_badge(document), judged[accepted]]
     if document["moments_govern"]:
         badges.append(("moments govern", "warn"))
-    if count := sum(one["code"] not in HARMLESS for one in document["warnings"]):
+    if count := len({one["code"] for one in document["warnings"]} - set(HARMLESS)):
         badges.append((f"{count} notice{'s' if count > 1 else ''}", "warn"))
     return {
         "status": " ".join(status) or document["status_text"], "factor": rounded_down(value), "exact": factor(value),

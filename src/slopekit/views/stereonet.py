@@ -7,6 +7,7 @@ Vectors are (east, north, up); the net has the radius 1, its x points east, its 
 """
 
 import math
+import textwrap
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, Literal
@@ -29,7 +30,12 @@ _CELLS = 450  # of a zone, from rim to rim
 _SPARE = 0.1  # inches of a net above its N that a title may use
 _DOTS = 350  # of points that stand so close that they cover each other
 FACE, SHADE, LIGHT = "#7a4a1e", "#f2b48a", "#f8ddc8"
-_NET, _TITLE, _HEAD, _ENTRY = 6.6, 0.35, 0.195, 0.185  # inches: a net, its title, a line above all, one of the legend
+#: Inches: a net, its title, a line above all, one of the legend. At a page's width or half a sheet's the letters beside
+#: a net of this size are still read: they are a fortieth of it.
+_NET, _TITLE, _HEAD, _ENTRY = 4.9, 0.35, 0.19, 0.185
+_LETTER, _SMALL = 10.0, 9.0  # points: heads, the legend
+_WIDE = 0.56  # of a letter's height: its width, on the mean
+_HANDLE = 0.5  # inches that line and gap take of an entry of the legend
 
 
 def lower(vectors: Floats) -> Floats:
@@ -140,7 +146,7 @@ def start(axes: Any, title: str) -> None:
     axes.set_xlim(-1.14, 1.14)
     axes.set_ylim(-1.14, 1.14)
     axes.axis("off")
-    axes.set_title(title, fontsize=10.5, pad=0.0)
+    axes.set_title(title, fontsize=_LETTER, pad=0.0)
 
 
 def arc(axes: Any, vectors: Floats, net: Net, **style: Any) -> None:
@@ -221,21 +227,30 @@ def shade(axes: Any, zone: Bools, net: Net, colour: str, label: str) -> None:
 def arrange(figure: Any, panels: Sequence[Any], across: int, title: str) -> None:
     """Give the nets (in rows of `across`) and their legends the room that they take, and the figure its size."""
     figure.set_layout_engine(None)
-    entries = [len(axes.get_legend_handles_labels()[1]) for axes in panels]
+    labels = [axes.get_legend_handles_labels()[1] for axes in panels]
+    columns = [2 if max(map(len, own), default=0) <= _letters(_NET / 2.0 - _HANDLE, _SMALL) else 1 for own in labels]
+    entries = [-(-len(own) // count) for own, count in zip(labels, columns, strict=True)]
     rows = [max(entries[k : k + across]) for k in range(0, len(panels), across)]
+    wide = _letters(across * _NET - 0.2, _LETTER)
+    title = "\n".join(part for line in title.split("\n") for part in textwrap.wrap(line, wide) or [""])
     above = _TITLE if any(axes.get_title() for axes in panels) else 0.0
-    heights = [above + _NET - _SPARE + 0.2 + _ENTRY * ((most + 1) // 2) for most in rows]
+    heights = [above + _NET - _SPARE + 0.2 + _ENTRY * most for most in rows]
     head = 0.12 + _HEAD * (1 + title.count("\n"))
     width, height = across * _NET, head + sum(heights)
     figure.set_size_inches(width, height)
-    figure.text(0.5, 1.0 - 0.12 / height, title, ha="center", va="top", fontsize=11)
+    figure.text(0.5, 1.0 - 0.12 / height, title, ha="center", va="top", fontsize=_LETTER)
     top = height - head
     for k, axes in enumerate(panels):
         row, column = divmod(k, across)
         bottom = top - sum(heights[:row]) - above + _SPARE - _NET
         axes.set_position((column / across, bottom / height, 1.0 / across, _NET / height))
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=2, fontsize=8, frameon=False,
-                    handlelength=2.2, columnspacing=1.4)  # fmt: skip
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.01), ncols=columns[k], fontsize=_SMALL, frameon=False,
+                    handlelength=2.2, columnspacing=1.2, labelspacing=0.35)  # fmt: skip
+
+
+def _letters(inches: float, points: float) -> int:
+    """How many letters of a size there is room for."""
+    return int(inches * 72.0 / (_WIDE * points))
 
 
 def set_marks(names: Sequence[str]) -> dict[str, tuple[str, str]]:

@@ -7,7 +7,8 @@ from operator import attrgetter
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.ladders import Rung
 from slopekit.kinds.sheets.many_blocks import limit_in_words
-from slopekit.kinds.sheets.shared import accept, methods
+from slopekit.kinds.sheets.shared import accept, leading, methods
+from slopekit.result import JUDGED
 from slopekit.studies.check.run import Check, Finding
 from slopekit.studies.words import head
 
@@ -33,8 +34,10 @@ def sheet_of(checked: Check) -> Sheet:
 
 def line_of(checked: Check) -> str:
     """The verdict on one line."""
-    fos = checked.result.fos.limit
+    fos, led = checked.result.fos.limit, checked.result.leading
     factor = "none" if fos is None else f"{fos:.4f}"
+    if led is not None:  # what acceptance hangs on
+        factor = f"{JUDGED[led[0]]} {led[1]:.4f}, limit {factor}"
     codes = list(dict.fromkeys(notice.code for notice in checked.result.warnings))
     met = [] if checked.result.accepted is None else ["met" if checked.result.accepted else "not met"]
     return "  ".join([checked.result.status, factor, *met, _verdict(checked), *codes])
@@ -51,6 +54,7 @@ def _factors(checked: Check) -> list[str]:
     if fos.lowest is not None or fos.highest is not None:
         ends = f"{factor_text(fos.lowest).strip()} .. {factor_text(fos.highest).strip()}"
         lines.insert(2, f"{ends}  same mechanism, whatever forces are locked in")
+    lines[:0] = [f"{factor_text(one.value)}  {one.what}" for one in leading(checked.result)]
     if checked.result.moments_govern:
         lines.append("moments govern: the limit is the number to use, the closed form knows no moments")
     if checked.result.words.assumes and fos.limit is not None:

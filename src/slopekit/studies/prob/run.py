@@ -189,7 +189,7 @@ class Probability(Outcome):
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
             ],
             "pre_ie": json_of(self.confirmation),
-            "inputs": self.design.inputs(), "defaults": list(self.design.defaults),
+            "defaults": list(self.design.defaults),
             "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
             **self.words(),

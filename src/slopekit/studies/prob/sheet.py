@@ -53,7 +53,10 @@ def sheet_of(study: Probability) -> Sheet:
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
     parts = [f"P(F < {study.asked.target:g})", _percent(study.all_samples.share), _limits(study.all_samples)]
-    parts += [] if study.accepted is None else ["met" if study.accepted else "not met"]
+    if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
+        most = f"at most {_percent(study.all_samples.high)}, accepted {_percent(study.asked.accept)}"
+        doubt = " (in doubt)" if not study.accepted and study.all_samples.high <= (study.asked.accept or 0.0) else ""
+        parts[1:2] = [most, "met" if study.accepted else f"not met{doubt}", f"estimate {parts[1]}"]
     checked = study.confirmation
     if checked is not None:
         word = "disagree" if checked.disagree else "agree" if checked.agree else "not compared"

@@ -4,6 +4,9 @@ import math
 from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
+from slopekit.design.common import Design
+from slopekit.kinds import status_text
+from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
 from slopekit.studies.support.search import Answer
@@ -27,7 +30,7 @@ def sheet_of(found: Support) -> Sheet:
     cases = _cases(found)
     return Sheet(head(found.design, "support"), (
         Section("TARGET", _target(found)),
-        Section("BOLTS", [bolt_text(bolt) for bolt in found.design.bolts]),
+        Section("BOLTS", _own_bolts(found.design)),
         *roles,
         Section("PRESSURE", _pressure(found.pressure, found.unit) if found.pressure is not None else ()),
         Section("CASES", [cases] if cases.rows else []),
@@ -36,6 +39,12 @@ def sheet_of(found: Support) -> Sheet:
         Section("PASTE", _paste(found)),
         Section("TIME", [f"{found.seconds:.2f} s"]),
     ), {"support.csv": cases})  # fmt: skip
+
+
+def _own_bolts(design: Design) -> list[Entry]:
+    """The bolts that the design has: the schedule of its result, or a few without a head one by one."""
+    of_result = schedule_entries(schedule({"inputs": design.inputs()}))
+    return of_result or [bolt_text(bolt) for bolt in design.bolts]
 
 
 def line_of(found: Support) -> str:

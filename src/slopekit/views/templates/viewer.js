@@ -16,21 +16,51 @@
   window.addEventListener("resize", sides);
   sides();
 
-  var box = document.getElementById("view");
-  if (!box) { return; }
+  // -- one view, and the places of scenes where it may be: memory holds one scene -----------------------------------
+  var view = document.getElementById("view");
+  if (!view) { return; }
+  var places = Array.prototype.slice.call(document.querySelectorAll(".view-place"));
+  var fresh = view.cloneNode(true), stop = function () {};
+  function say(text) { var p = document.getElementById("view-none"); p.textContent = text; p.hidden = false; }
+  function goTo(place) {  // true where the scene is seen
+    stop();
+    stop = function () {};
+    places.forEach(function (other) { other.classList.toggle("active", other === place); });
+    var next = fresh.cloneNode(true);
+    view.parentNode.removeChild(view);
+    place.insertBefore(next, place.firstChild);
+    view = next;
+    var id = place.getAttribute("data-view"), nth = id === "1" ? "" : "-" + id;
+    var ended = turnable(view, JSON.parse(document.getElementById("view-data" + nth).textContent), nth);
+    if (ended) { stop = ended; }
+    return !!ended;
+  }
+  places.forEach(function (place) {
+    place.querySelector(".turn").addEventListener("click", function () {
+      goTo(place);
+      view.querySelector("canvas").focus({ preventScroll: true });
+    });
+  });
+  // the first last: each is seen once, and leaves its picture
+  places.slice().reverse().every(goTo);
+
+  function turnable(box, data, nth) {
+  var undo = [];
   var canvas = box.querySelector("canvas");
-  var still = document.getElementById("view-still");
-  var say = function (text) { var p = document.getElementById("view-none"); p.textContent = text; p.hidden = false; };
+  var still = document.getElementById("view-still" + nth);
   var gl = null;
   try { gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true }); } catch (error) { gl = null; }
   if (!gl) {
     box.hidden = true;
     say("This browser shows no WebGL: the scene cannot be turned here. The pictures below show it.");
-    return;
+    return null;
+  }
+  function listen(name, act) {
+    window.addEventListener(name, act);
+    undo.push(function () { window.removeEventListener(name, act); });
   }
 
   // -- data ---------------------------------------------------------------------------------------------------------
-  var data = JSON.parse(document.getElementById("view-data").textContent);
   function unpack(packed) {
     var text = atob(packed.base64), bytes = new Uint8Array(text.length);
     for (var i = 0; i < text.length; i++) { bytes[i] = text.charCodeAt(i); }
@@ -275,6 +305,7 @@
 
   function draw() {
     waiting = false;
+    if (ended) { return; }
     var sharp = Math.min(window.devicePixelRatio || 1, 2);
     var width = Math.max(Math.round(canvas.clientWidth * sharp), 1);
     var height = Math.max(Math.round(canvas.clientHeight * sharp), 1);
@@ -536,10 +567,15 @@
   box.querySelectorAll("input, select").forEach(function (input) {
     input.addEventListener("input", function () { colours(); ask(); });
   });
-  window.addEventListener("resize", ask);
-  if (window.ResizeObserver) { new ResizeObserver(ask).observe(canvas); }
+  listen("resize", ask);
+  if (window.ResizeObserver) {
+    var watch = new ResizeObserver(ask);
+    watch.observe(canvas);
+    undo.push(function () { watch.disconnect(); });
+  }
+  var ended = false;
   canvas.addEventListener("webglcontextlost", function () {
-    say("The browser has taken the view's memory away: load the page again to turn it.");
+    if (!ended) { say("The browser has taken the view's memory away: load the page again to turn it."); }
   });
 
   // what is printed is what was looked at last
@@ -576,12 +612,12 @@
     length = parseFloat(document.getElementById("scale-bar").style.width);
     line([[wide - 14 - length, high - 17], [wide - 14 - length, high - 12], [wide - 14, high - 12], [wide - 14, high - 17]], "#1c1c1c", 1.5);
     write(document.getElementById("scale-text").textContent, wide - 14 - length / 2, high - 21, "#1c1c1c", "12px sans-serif");
-    still.src = paper.toDataURL("image/png"); still.hidden = false;
-    var below = document.getElementById("view-still-legend");
+    still.src = paper.toDataURL("image/png"); still.hidden = false; still.parentNode.hidden = false;
+    var below = document.getElementById("view-still" + nth + "-legend");
     below.textContent = "";
     Array.prototype.forEach.call(legend.childNodes, function (part) { below.appendChild(part.cloneNode(true)); });
   }
-  window.addEventListener("beforeprint", keep);
+  listen("beforeprint", keep);
 
   data.modes.forEach(function (mode, j) {
     document.getElementById("v-" + mode).parentNode.appendChild(document.createTextNode("\u00a0(" + pairsOf[j].length + ")"));
@@ -599,5 +635,14 @@
   document.getElementById("v-names").disabled = moving > 60;
   document.getElementById("v-along").disabled = !data.velocity.some(function (v) { return v !== 0; });
   document.querySelector('#v-colour option[value="face"]').disabled = !hasFaces;
+  var steel = document.getElementById("v-of-bolts");
+  if (steel) { steel.hidden = !data.bolt_number.length; }
   measure(); reset(); colours(); keep();
+  return function () {
+    keep(); ended = true;
+    undo.forEach(function (act) { act(); });
+    var end = gl.getExtension("WEBGL_lose_context");
+    if (end) { end.loseContext(); }
+  };
+  }
 })();
