@@ -9,6 +9,7 @@ import pytest
 from slopekit.core.errors import DesignError
 from slopekit.design.files import load, with_values
 from slopekit.kinds import kind_of
+from slopekit.studies.prob.bolts import as_laid_out, standing
 from slopekit.studies.prob.sampling import samples
 from slopekit.studies.prob.vectorised import vectorised
 
@@ -77,7 +78,8 @@ def check(values: dict, n: int = 12) -> None:
     assert fast is not None
     found, own = fast.arguments(drawn.values), kind_of(design).on_arrays
     for row in range(n):
-        for name, value in own.arguments(with_values(design, drawn.settings(row))).items():
+        sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
+        for name, value in own.arguments(sample).items():
             one = None if found[name] is None else float(np.broadcast_to(found[name], n)[row])
             assert one is None if value is None else one == pytest.approx(value, rel=1e-12, abs=1e-12), (name, row)
 
