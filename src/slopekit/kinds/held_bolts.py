@@ -68,15 +68,15 @@ def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> Held:
     before : (b,) as `stand_off` has it
     """
     # lengths that scatter are arrays, planes that do not are one for all
-    count = max([bounds.offsets.shape[1], *(np.size(bolt.length_m) for bolt in bolts)])
+    reaches: list[Any] = [math.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
+    count = max([bounds.offsets.shape[1], *(np.size(reach) for reach in reaches)])
     holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
     for k, bolt in enumerate(bolts):
         if bolt.head_m is None:
             continue
         enters, leaves, passes = _passage(bounds, bolt)
         moved[k] = np.where(passes, enters - before[k], 0.0)
-        reach = math.inf if bolt.length_m is None else bolt.length_m
-        holds[k] = passes & (leaves - moved[k] < reach)
+        holds[k] = passes & (leaves - moved[k] < reaches[k])
     return Held(holds, moved)
 
 

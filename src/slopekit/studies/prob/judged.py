@@ -50,6 +50,11 @@ class Judged:
         return ~self.among("E1", IMPOSSIBLE)
 
     @property
+    def counted(self) -> Bools:
+        """Samples that a probability is taken of: where none has an answer, none."""
+        return self.possible if (self.possible & ~self.unjudged).any() else self.possible & ~self.unjudged
+
+    @property
     def unjudged(self) -> Bools:
         """Samples without an answer: they count as failures."""
         return self.among(*UNJUDGED)
@@ -251,9 +256,11 @@ def notices_of(
                      "and count nowhere: bound the distribution with min or max")  # fmt: skip
     unsolved = int(judged.unjudged.sum())
     if unsolved:
+        said = (
+            "counted as failures, of which as many may be none" if judged.counted.any() else "there is no probability"
+        )
         yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
-                     "or a bolt that misses the block or is too short): counted as failures, of which as many may be "
-                     "none")  # fmt: skip
+                     f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
     if share.count < _RARE and share.of:
         yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:

@@ -305,8 +305,8 @@ def prob(
     if asked.by == "closed-form":
         with clock("confirm"):
             confirmation = _confirmed(samples, judged, at_work)
-    all_samples = share_of(judged.fails, judged.possible, samples.replicate, confidence)
-    forming = share_of(judged.fails, judged.possible & judged.forms, samples.replicate, confidence)
+    all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
+    forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     means = point_of(design, {}) if design.source is not None else Point(None)
     variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
     found = Probability(

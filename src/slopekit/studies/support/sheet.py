@@ -217,6 +217,7 @@ def _paste(found: Support) -> list[Entry]:
     entries: list[Entry] = []
     for case in found.built:
         if case.yaml is None:
+            entries += [f"{case.acts}: nothing to paste. {case.lacks}"] if case.lacks else []
             continue
         count = len(case.existing) + len(case.bolts)
         if count > _FEW:
