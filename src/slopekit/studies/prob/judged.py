@@ -257,7 +257,7 @@ def notices_of(
     unsolved = int(judged.unjudged.sum())
     if unsolved:
         said = (
-            "counted as failures, of which as many may be none" if judged.counted.any() else "there is no probability"
+            "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
         )
         yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
                      f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
