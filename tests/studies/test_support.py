@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ruamel.yaml import YAML
 
 import slopekit as sk
 from slopekit.core.errors import DesignError, Notice
@@ -26,6 +27,7 @@ from slopekit.loads import check_bolt
 from slopekit.studies.support import run as module
 from slopekit.studies.support.directions import BoltDirections, around, sphere
 from slopekit.studies.support.forces import BoltedBlock, least_along, nearest, slides
+from slopekit.studies.support.records import written
 from slopekit.studies.support.search import Answer, least_force, site_of
 from tests.closed_form.scalar_wedge import hoek_bray_wedge
 from tests.commands import slopekit
@@ -435,19 +437,35 @@ def test_bolts_that_fall_short_when_they_are_put_back_get_more_force(monkeypatch
     assert put_back(design, *case.support["bolts"])[1] >= 1.8
 
 
-def test_where_the_target_is_not_reached_the_first_line_of_the_file_says_so(monkeypatch) -> None:
+def test_where_the_target_is_not_reached_there_is_nothing_to_paste(monkeypatch) -> None:
+    """One force through the centroid gives the target when it is run, and cannot be built: it is no file."""
     short = sk.support(loaded(PLANE), 2, acts="active", length="5 m")
-    (text,) = short.files().values()
-    assert not short.reached
     bare = short.pre_ie.factor
-    assert text.startswith(f"# NOT REACHED, FoS 2: no bolts on the face give it (E327), without them FoS {bare:.4f};")
-    assert max(map(len, text.splitlines())) <= 100
-    assert text in str(short)
+    assert (short.reached, short.files(), short.cases[0].support) == (False, {}, None)
+    said = " ".join(str(short).split())
+    assert (
+        f"nothing to paste. NOT REACHED, FoS 2: no bolts on the face give it (E327), without them FoS {bare:.4f}"
+        in said
+    )
+    assert max(map(len, str(short).splitlines())) <= 100
     reached = sk.support(loaded(PLANE), 2, acts="active")
     assert [one[:8] for one in reached.files().values()] == ["support:"]
     monkeypatch.setattr(module._Search, "_with_heads", lambda self, *_: lambda _force: self.site.design)
-    (text,) = sk.support(loaded(PLANE), 2, acts="active").files().values()  # bolts that hold nothing
-    assert text.startswith(f"# NOT REACHED, FoS 2: bolts on the face give FoS {bare:.4f} at best (E329); what")
+    none = sk.support(loaded(PLANE), 2, acts="active")  # bolts that hold nothing
+    assert none.files() == {}
+    assert f"NOT REACHED, FoS 2: bolts on the face give FoS {bare:.4f} at best (E329)" in " ".join(str(none).split())
+
+
+def test_a_file_that_does_not_give_the_target_says_so_and_gives_what_it_says_when_it_is_run(monkeypatch) -> None:
+    monkeypatch.setattr(module, "_RAISED", 1)
+    monkeypatch.setattr(module, "written", lambda bolt: replace(written(bolt), force_kn=0.9 * bolt.force_kn))
+    design = loaded(ONE_PLANE)
+    (text,) = sk.support(design, 1.8, acts="active", bolt_capacity=150.0).files().values()
+    first, rest = text.split("\n", 1)
+    assert first.startswith("# NOT REACHED, FoS 1.8: put back they give FoS 1.")
+    assert rest.startswith("support:")
+    pasted = sk.run(ONE_PLANE | YAML(typ="safe").load(text))
+    assert f"{pasted.fos.limit:.4f}" == first.rpartition(" ")[2]
 
 
 def test_bolts_closer_than_a_metre_are_noted() -> None:

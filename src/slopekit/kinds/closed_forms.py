@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.design.common import Design, Strength
+from slopekit.kinds.held_bolts import Bounds
 from slopekit.kinds.protocol import ClosedForm, D, one_or_error
 from slopekit.kinds.secants import on_secants
 
@@ -65,6 +66,7 @@ class OnArrays(Generic[D]):
     strengths : of its joints; of_strengths : the arguments that hold their cohesion and friction
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
+    bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     """
 
     arguments: Callable[[D], Arguments]
@@ -72,6 +74,7 @@ class OnArrays(Generic[D]):
     strengths: Callable[[D], Sequence[Strength]]
     of_strengths: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
+    bounds: Callable[[D], Bounds]
 
     def of(self, design: D) -> ClosedForm:
         """One design, on the secants of its strengths where these are curved.

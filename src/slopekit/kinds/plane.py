@@ -22,6 +22,7 @@ from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.held_bolts import Bounds, bounds_of
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
 from slopekit.kinds.solver_inputs import bolt_forces, point_force, section_bedding, section_geometry
@@ -314,7 +315,41 @@ def _passive(design: PlaneDesign) -> list[tuple[float, float]]:
     return [(float(axes[0] @ bolt), float(axes[2] @ bolt)) for bolt in passive_bolts(design)]
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms)
+def bounds(design: PlaneDesign) -> Bounds:
+    """The planes that bound the block, all along the slope as the section has them; signs as `section_of`."""
+    turned = np.radians(np.atleast_1d(design.face.dip_direction_deg))
+    out = np.stack([np.sin(turned), np.cos(turned), np.zeros_like(turned)], axis=-1)
+    tangents = []
+    for plane in (design.joint, design.face, design.upper):
+        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
+        tangents.append(np.tan(np.radians(np.atleast_1d(plane.dip_deg))) * np.where(same, 1.0, -1.0))
+    slide, face, upper = tangents
+    height = np.atleast_1d(design.height_m)
+    crest = -height / face  # out of the slope; the ground behind it falls with `upper`
+    lines: list[tuple[Any, Any]] = [(slide, 0.0), (face, 0.0), (upper, height + upper * crest)]  # up + tangent * out
+    normals, offsets = [], []
+    for tangent, offset in lines:
+        scale = np.sqrt(1.0 + tangent * tangent)
+        upright = np.array([0.0, 0.0, 1.0])
+        normals.append((tangent[:, None] * out + upright) / scale[:, None])
+        offsets.append(offset / scale)
+    within = (
+        0.5 * (crest[:, None] * out * 1e-3) + np.array([0.0, 0.0, 1.0]) * (-0.25e-3 * crest * (slide + face))[:, None]
+    )
+    crack = design.crack
+    if crack is not None:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            behind = (
+                np.atleast_1d(crack.distance_m or 0.0)
+                if crack.depth_m is None
+                else (height + crest * slide - crack.depth_m) / (slide - upper)
+            )
+        normals.append(out)
+        offsets.append(crest - behind)
+    return bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:

@@ -1,7 +1,7 @@
 """One point of a study: a design with some of its values changed, and what both methods say of it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import astuple, dataclass, fields
 from typing import Any, Literal
 
@@ -98,8 +98,15 @@ class Evaluation:
         return point_of(self.design, values, self.pre_ie).to_record()
 
 
-def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) -> Point:
+def point_of(
+    design: Design, values: Mapping[str, object], pre_ie: bool = True,
+    also: Callable[[Design], Design] = lambda design: design,
+) -> Point:  # fmt: skip
     """The point of a design at some values, by their dotted paths; a value that is refused is a point too.
+
+    Parameters
+    ----------
+    also : what changes with the values, of the design with them
 
     >>> from slopekit.design.files import load
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}})
@@ -107,7 +114,7 @@ def point_of(design: Design, values: Mapping[str, object], pre_ie: bool = True) 
     'E204'
     """
     try:
-        return Point(factors_of(with_values(design, values), pre_ie))
+        return Point(factors_of(also(with_values(design, values)), pre_ie))
     except SlopekitError as error:
         fault = error.faults[0]
         return Point(None, fault.code, fault.message)

@@ -94,6 +94,10 @@ def _words(document: Document) -> str:
     asked, bins = document["probability_of_failure"], document["histogram"]
     every, forming = asked["all_samples"], asked["samples_that_form_a_block"]
     lines = [f"P(FoS < {number(document['target'])}) = {_percent(every)}, {every['limits_by']}"]
+    lead = document.get("leading")
+    if lead is not None and lead["probability"] != every["probability"]:
+        shown = (f"{100.0 * lead[key]:.3g}" for key in ("probability", "low", "high"))
+        lines.insert(0, "{} % ({} to {} %) by {}: judge by this; by the closed form".format(*shown, lead["by"]))
     if forming["of"] != every["of"]:
         lines.append(f"of those that form a block: {_percent(forming)}")
     with_factor = document["fos"]["samples"]

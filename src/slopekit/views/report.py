@@ -248,7 +248,8 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
         "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
         "lines": [one.replace("  ", " · ") for one in document["line"].split("\n")],  # blanks are one in HTML
-        "sections": sections, "notices": [(str(one["code"]), str(one["message"])) for one in document.get("warnings", ())],
+        "sections": sections,
+        "notices": [(str(one["code"]), str(one["message"])) for one in document.get("warnings", ())],
         "view": 0,
     }  # fmt: skip
 

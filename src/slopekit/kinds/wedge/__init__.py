@@ -16,8 +16,9 @@ from slopekit.design.common import Strength
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, RockMass, wedge_rock_mass
+from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
@@ -166,7 +167,28 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     return ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
 
 
-ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms)
+def bounds(design: WedgeDesign) -> Bounds:
+    """The planes that bound the wedge; of planes that cut none they are not numbers, or mean nothing."""
+    planes = [*design.joints, design.face, design.upper]
+    first, second, face, upper = normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        line, traces = np.cross(first, second), [np.cross(joint, face) for joint in (first, second)]
+        crest1 = traces[0] * (np.atleast_1d(design.height_m) / traces[0][:, 2])[:, None]
+        offset = (upper * crest1).sum(axis=-1)
+        crest2, back = (way * (offset / (upper * way).sum(axis=-1))[:, None] for way in (traces[1], line))
+        within, offsets = (crest1 + crest2 + back) / 4.0, [0.0, 0.0, 0.0, offset]
+        if design.crack is not None:
+            crack = upward(design.crack.plane.dip_deg, design.crack.plane.dip_direction_deg)
+            trace = back - crest1
+            length = np.sqrt((trace * trace).sum(axis=-1))
+            at = crest1 + trace * (np.atleast_1d(design.crack.distance_m) / length)[:, None]
+            normals, offsets = [*normals, crack], [*offsets, (crack * at).sum(axis=-1)]
+            within = within * 1e-6  # before any crack that leaves a wedge
+    size = np.sqrt((back * back).sum(axis=-1))
+    return bounds_of(normals, offsets, within, np.array(design.origin_m), (J1, J2), (FACE, UPPER), size)
+
+
+ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds)
 
 
 def closed_form(design: WedgeDesign) -> ClosedForm:

@@ -41,13 +41,23 @@ class Judged:
 
     @property
     def forms(self) -> Bools:
-        """Samples that form a block."""
-        return ~self.among("E", IMPOSSIBLE) | self.among("E211", "E212")
+        """Samples that form a block, as far as is known."""
+        return ~self.among("E", IMPOSSIBLE) | self.unjudged
 
     @property
     def possible(self) -> Bools:
-        """Samples that a design can have and whose outcome is known."""
-        return ~self.among("E1", IMPOSSIBLE, *UNJUDGED)
+        """Samples that a design can have."""
+        return ~self.among("E1", IMPOSSIBLE)
+
+    @property
+    def counted(self) -> Bools:
+        """Samples that a probability is taken of: where none has an answer, none."""
+        return self.possible if (self.possible & ~self.unjudged).any() else self.possible & ~self.unjudged
+
+    @property
+    def unjudged(self) -> Bools:
+        """Samples without an answer: they count as failures."""
+        return self.among(*UNJUDGED)
 
     @property
     def disagree(self) -> int:
@@ -56,8 +66,8 @@ class Judged:
 
 
 def failing(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:
-    """Whether each sample falls short of the target: `falls_short` for arrays."""
-    stays = [name.startswith(("E", IMPOSSIBLE)) or name in ("no_driving_force", "not_converged") for name in names]
+    """Whether each sample falls short of the target: `falls_short` for arrays; without an answer it does."""
+    stays = [name.startswith(("E", IMPOSSIBLE, "no_driving_force")) and not name.startswith(UNJUDGED) for name in names]
     with np.errstate(invalid="ignore"):
         fails: Bools = ~np.array(stays)[outcome] & ~(factor >= target)
     return fails
@@ -173,8 +183,8 @@ def confirmation_of(
     ----------
     forms, possible, fails : (n,) of the closed form
     """
-    judged = np.array([_settled(point) for point in points])
-    fails_too = np.array([_fails(point, target) for point in points])
+    judged = np.array([_settled(point) for point in points], dtype=bool)
+    fails_too = np.array([_fails(point, target) for point in points], dtype=bool)
     before = fails[asked.all]
     other = judged & (fails_too != before)
     asked_at_random = int((asked.at_random & judged).sum())
@@ -209,19 +219,24 @@ def _probability(
     """The share of failures with PRE-IE's judgement, and limits of what it changes: two strata, their differences.
 
     Near the target all are asked, so that what changes there is counted; elsewhere the random part stands for the
-    rest, in proportion (Cochran 1977, ch. 5 and 7). The limits take each kind of change at its own (Bonferroni).
+    rest, in proportion (Cochran 1977, ch. 5 and 7). The limits take each kind of change at its own (Bonferroni), and
+    the upper one takes samples without an answer for failures.
     """
     change = fails_too.astype(float) - fails[asked.all]
     elsewhere = judged & asked.at_random & ~asked.near
     rest = int(forms.sum()) - int(asked.near.sum())
     if not judged.any() or (rest and not elsewhere.any()) or possible == 0:
         return None, -1.0, 1.0
-    changed = low = high = float(change[judged & asked.near].sum())
+    changed = low = float(change[judged & asked.near].sum())
+    stood = ~judged & ~fails[asked.all]  # by the closed form; PRE-IE has no answer
+    high = changed + float((stood & asked.near).sum())
     if rest:
-        worse, better = (
-            clopper_pearson(int((change[elsewhere] == sign).sum()), int(elsewhere.sum()), (1.0 + confidence) / 2.0)
-            for sign in (1.0, -1.0)
-        )
+        each, both = int(elsewhere.sum()), (1.0 + confidence) / 2.0
+        unknown, away = int((stood & asked.at_random & ~asked.near).sum()), int((asked.at_random & ~asked.near).sum())
+        worse = clopper_pearson(int((change[elsewhere] == 1.0).sum()), each, both)
+        better = clopper_pearson(int((change[elsewhere] == -1.0).sum()), each, both)
+        if unknown:
+            worse = (worse[0], clopper_pearson(int((change[elsewhere] == 1.0).sum()) + unknown, away, both)[1])
         changed += float(change[elsewhere].mean()) * rest
         low, high = low + (worse[0] - better[1]) * rest, high + (worse[1] - better[0]) * rest
     share = min(1.0, max(0.0, (float(fails.sum()) + changed) / possible))
@@ -239,11 +254,11 @@ def notices_of(
     if impossible:
         yield Notice("W350", f"{impossible} of {len(samples.values)} samples have a value that no design can have, "
                      "and count nowhere: bound the distribution with min or max")  # fmt: skip
-    unsolved = int(judged.among(*UNJUDGED).sum())
+    unsolved = int(judged.unjudged.sum())
     if unsolved:
+        said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
         yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
-                     "or a bolt that misses the block or is too short): left out of the probability, which may be off "
-                     "by as much")  # fmt: skip
+                     f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
     if share.count < _RARE and share.of:
         yield Notice("W352", f"{share.count} failures among {share.of} samples: judge by the upper limit, or draw more")
     if confirmation is None:
@@ -258,7 +273,8 @@ def notices_of(
     if open_ones:
         codes = ", ".join(dict.fromkeys(point.code or "not_converged" for point in confirmation.unsettled))
         yield Notice("W351", f"PRE-IE gave no answer for {open_ones} of the {confirmation.samples} samples it was "
-                     f"asked of ({codes}): they confirm nothing")  # fmt: skip
+                     f"asked of ({codes}): they confirm nothing; the upper limit with PRE-IE's judgement takes "
+                     "them for failures")  # fmt: skip
     if confirmation.governed:
         yield Notice(
             "W353",

@@ -21,11 +21,19 @@ from slopekit.design.fields import field_at
 from slopekit.kinds import kind_of
 from slopekit.kinds.one_block import Clock
 from slopekit.studies.marginals import checked_limits
-from slopekit.studies.points import GIVEN_UP, Evaluation, Point, point_of
+from slopekit.studies.points import GIVEN_UP, Point, point_of
+from slopekit.studies.prob.bolts import (
+    Sampled,
+    WithoutForce,
+    as_laid_out,
+    has_heads,
+    holding,
+    notices_of_bolts,
+    without_force,
+)
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
-    UNJUDGED,
     Confirmation,
     Judged,
     chosen,
@@ -84,6 +92,16 @@ class Asked:
     accept: float | None
 
 
+@dataclass(frozen=True, slots=True)
+class Leading:
+    """A probability of failure with its confidence limits, and by whom."""
+
+    probability: float | None
+    low: float
+    high: float
+    by: str
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Probability(Outcome):
     """What came of it.
@@ -102,6 +120,7 @@ class Probability(Outcome):
     unjudged : samples that form a block and were not judged; disagree : those on which the methods disagree, or PRE-IE
         did not converge, where it was asked of all
     journals : of a run with a folder, kept until its results are written
+    bolts : how often they give no force; None where no bolt has a head
     """
 
     name: ClassVar[str] = "prob"
@@ -126,6 +145,7 @@ class Probability(Outcome):
     unjudged: int = 0
     disagree: int = 0
     journals: tuple[Journal, ...] = field(default=(), compare=False)
+    bolts: WithoutForce | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -157,6 +177,16 @@ class Probability(Outcome):
         return not doubted and self.all_samples.high <= self.asked.accept
 
     @property
+    def leading(self) -> Leading:
+        """The probability to lead with: that of the method that counts, PRE-IE's judgement where that is higher."""
+        own, checked = self.all_samples, self.confirmation
+        by = "PRE-IE" if self.asked.by == "pre-ie" else "closed form"
+        if checked is None or checked.probability is None or own.share is None or checked.probability <= own.share:
+            return Leading(own.share, own.low, own.high, by)
+        low, high = max(0.0, own.low + checked.change_low), min(1.0, own.high + checked.change_high)
+        return Leading(checked.probability, low, high, "PRE-IE's judgement")
+
+    @property
     def exit_code(self) -> int:
         """0 done, 1 not accepted, 3 no sample forms a block, 4 the methods disagree, or no convergence."""
         if self.disagree or (self.confirmation is not None and self.confirmation.disagree):
@@ -175,6 +205,7 @@ class Probability(Outcome):
             "probability_of_failure": {
                 "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
             },
+            "leading": record_of(self.leading),
             "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
             "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
             "histogram": None if summary is None else {
@@ -189,6 +220,7 @@ class Probability(Outcome):
                 {"variable": name, "rank_correlation_with_fos": value} for name, value in self.sensitivities
             ],
             "pre_ie": json_of(self.confirmation),
+            **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
             "defaults": list(self.design.defaults),
             "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
@@ -270,20 +302,21 @@ def prob(
     at_work = _AtWork(design, asked, crew, desk)
     with clock("factors"):
         judged = _judge(samples, at_work)
+        bolts = without_force(design, _holding(samples, design), judged.forms)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
             confirmation = _confirmed(samples, judged, at_work)
-    all_samples = share_of(judged.fails, judged.possible, samples.replicate, confidence)
-    forming = share_of(judged.fails, judged.possible & judged.forms, samples.replicate, confidence)
+    all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
+    forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     means = point_of(design, {}) if design.source is not None else Point(None)
     variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
     found = Probability(
         design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
         forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
         judged.evaluator, crew_in_words(crew),
-        tuple(notices_of(asked.target, judged, samples, all_samples, confirmation)), clock.done(),
-        int(judged.among(*UNJUDGED).sum()), judged.disagree, tuple(at_work.journals),
+        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts)), clock.done(),
+        int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
     )  # fmt: skip
     if desk.folder is None:
         found.done()
@@ -320,10 +353,12 @@ class _AtWork:
         design, asked, folder = self.design, self.asked, self.desk.folder
         plain = design.source.root.plain() if design.source is not None else None
         drawn_from = [plain, design.input_hash(), repr(design.variables), repr(design.correlation)]
+        drawn_from += ["heads on the face"] if has_heads(design) else []
         run = [*drawn_from, asked.n, asked.seed, asked.method, asked.by, *part]
         self.journals.append(Journal.of(folder or Path.cwd(), "prob", run, streamed=folder is not None))
         with self.desk.bar(label, len(tasks)) as advance:
-            records = run_all(Evaluation(design, pre_ie), tasks, self.crew, journal=self.journals[-1], advance=advance,
+            work = Sampled(design, pre_ie, tuple(as_laid_out(design).tolist()))
+            records = run_all(work, tasks, self.crew, journal=self.journals[-1], advance=advance,
                               given_up=GIVEN_UP)  # fmt: skip
         return tuple(Point.from_record(record) for record in records)
 
@@ -374,7 +409,9 @@ def _dilates(design: Design) -> bool:
 def _judge(samples: Samples, at_work: _AtWork) -> Judged:
     """Outcome and factor of every sample."""
     design, asked = at_work.design, at_work.asked
-    fast = vectorised(design, samples.values, samples.settings) if asked.by == "closed-form" else None
+    # passive bolts are searched for wedge by wedge: that is for the crew
+    alone = asked.by == "pre-ie" or any(bolt.acts == "passive" for bolt in design.bolts)
+    fast = None if alone else vectorised(design, samples.values, samples.settings)
     if fast is not None:
         found = fast(samples.values)
         names, outcome, factor = (*found.names, IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
@@ -393,6 +430,14 @@ def _judge(samples: Samples, at_work: _AtWork) -> Judged:
     fails = failing(names, outcome, factor, asked.target)
     evaluator = "PRE-IE of every sample" if by_pre_ie else "closed form, sample by sample"
     return Judged(names, outcome, factor, fails, evaluator, points)
+
+
+def _holding(samples: Samples, design: Design) -> Bools:
+    """Which bolts (b, n) hold the block of each sample."""
+    if not has_heads(design):
+        return np.ones((len(design.bolts), len(samples.values)), dtype=bool)
+    fast = vectorised(design, samples.values, samples.settings)
+    return holding(design, _Settings(samples)) if fast is None else fast.holds(samples.values)
 
 
 def _impossible(design: Design, samples: Samples) -> Bools:

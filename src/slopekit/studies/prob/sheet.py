@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any
 
+import numpy as np
+
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
@@ -36,13 +38,14 @@ def sheet_of(study: Probability) -> Sheet:
         Section("SCATTERS", _inputs(study)),
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
-        Section(f"P(F < {asked.target:g})", [_probabilities(study)]),
+        Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
         Section("AT MEANS", [_at_means(study)]),
         *(() if summary is None else (
             Section("FoS", _factors(summary, asked.target)),
             Section("HISTOGRAM", [_histogram(summary, asked.target)]),
         )),
         Section("MATTERS", [_matters(study)]),
+        Section("BOLTS", _bolts(study)),
         Section("PRE-IE", _pre_ie(study)),
         Section("ACCEPT", _accept(study)),
         Section("TIME", [f"{times}  ({study.crew})"]),
@@ -52,11 +55,20 @@ def sheet_of(study: Probability) -> Sheet:
 
 def line_of(study: Probability) -> str:
     """The estimate on one line, with its limits."""
-    parts = [f"P(F < {study.asked.target:g})", _percent(study.all_samples.share), _limits(study.all_samples)]
+    lead = study.leading
+    counted = lead.probability == study.all_samples.share
+    parts = [f"P(F < {study.asked.target:g})"]
     if study.accepted is not None:  # the upper limit is what acceptance hangs on: it leads
-        most = f"at most {_percent(study.all_samples.high)}, accepted {_percent(study.asked.accept)}"
         doubt = " (in doubt)" if not study.accepted and study.all_samples.high <= (study.asked.accept or 0.0) else ""
-        parts[1:2] = [most, "met" if study.accepted else f"not met{doubt}", f"estimate {parts[1]}"]
+        parts += [f"at most {_percent(lead.high)}, accepted {_percent(study.asked.accept)}",
+                  "met" if study.accepted else f"not met{doubt}", f"estimate {_percent(lead.probability)}"]  # fmt: skip
+    else:
+        parts.append(_percent(lead.probability))
+    if not counted:
+        parts += [f"by {lead.by}, limits {_percent(lead.low)} to {_percent(lead.high)}",
+                  f"closed form {_percent(study.all_samples.share)}"]  # fmt: skip
+    elif study.accepted is None:
+        parts.append(_limits(study.all_samples))
     checked = study.confirmation
     if checked is not None:
         word = "disagree" if checked.disagree else "agree" if checked.agree else "not compared"
@@ -121,6 +133,28 @@ def _outcomes(study: Probability) -> Table[tuple[str, int]]:
         Column("outcome", itemgetter(0), "outcome", text=words, width=-1),
     ]
     return Table(columns, list(study.counts.items()), headless=True)
+
+
+def _leading(study: Probability) -> list[str]:
+    """The probability to judge by, where that is not the one counted."""
+    lead = study.leading
+    if lead.probability == study.all_samples.share:
+        return []
+    return [f"{_percent(lead.probability)} by {lead.by}, limits {_percent(lead.low)} to {_percent(lead.high)}: "
+            "judge by this; counted by the closed form, which is too low:"]  # fmt: skip
+
+
+def _bolts(study: Probability) -> list[str]:
+    """In how many samples bolts give no force."""
+    lost = study.bolts
+    if lost is None:
+        return []
+    said = f"{lost.bolts} with their heads on the face"
+    if not lost.samples:
+        return [f"{said}: all hold the block of every sample"]
+    kept = np.bincount(lost.left, minlength=lost.most + 1)[: lost.most + 1]
+    counts = "  ".join(f"{k}: {count}" for k, count in enumerate(kept.tolist()) if count)
+    return [f"{said}; samples by bolts without force: {counts}"]
 
 
 def _probabilities(study: Probability) -> Table[tuple[Share, str]]:

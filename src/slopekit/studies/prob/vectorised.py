@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
 from slopekit.design.common import Design, Strength
@@ -20,6 +20,8 @@ from slopekit.design.files import with_values
 from slopekit.design.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays
+from slopekit.kinds.held_bolts import held
+from slopekit.studies.prob.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.
 ValuesAt = Callable[[int], Mapping[str, object]]
@@ -29,38 +31,66 @@ _PROBES = 8
 
 @dataclass(frozen=True, slots=True)
 class Vectorised:
-    """A closed form over samples (n, k), whose columns are numbers of a design by their keys."""
+    """A closed form over samples (n, k), whose columns are numbers of a design by their keys.
+
+    `before` (b,) is how far before the face the heads of its bolts were laid out.
+    """
 
     on_arrays: OnArrays[Any]
     design: Design
     keys: Sequence[str]
+    before: Floats
 
     def __call__(self, values: Floats) -> ClosedForms:
-        """Outcome and factor of every sample."""
+        """Outcome and factor of every sample; of a design without passive bolts."""
         found = self.on_arrays.closed_forms(self.arguments(values), ())
         if len(found.factor) == len(values):
             return found
         # nothing that scatters is an argument: all samples are alike
         return ClosedForms(found.names, np.repeat(found.outcome, len(values)), np.repeat(found.factor, len(values)))
 
+    def holds(self, values: Floats) -> Bools:
+        """Which bolts (b, n) hold the block of each sample."""
+        return self._holds(self._scattered(values), len(values))
+
+    def _holds(self, design: Design, count: int) -> Bools:
+        found = held(self.on_arrays.bounds(design), design.bolts, self.before).holds
+        return np.broadcast_to(found, (len(design.bolts), count))
+
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""
+        design = self._scattered(values)
+        if any(bolt.head_m is not None for bolt in design.bolts):
+            holds = self._holds(design, len(values))
+            forces: list[Any] = [bolt.force_kn * own for bolt, own in zip(design.bolts, holds, strict=True)]
+            bolts = [replace(bolt, force_kn=force) for bolt, force in zip(design.bolts, forces, strict=True)]
+            design = replace(design, bolts=tuple(bolts))
+        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(self._strengths(values))
+
+    def _scattered(self, values: Floats) -> Design:
+        """The design with arrays in place of what scatters, but for its strengths."""
+        design, joints = self.design, self.design.wet_interfaces
+        for path, column in zip(self.keys, values.T, strict=True):
+            if not path.startswith("strength."):
+                design = _put(design, _place(design, path), column, joints)
+        if design.density_kg_m3 is not None:
+            design = replace(design, unit_weight_kn_m3=design.density_kg_m3 * design.gravity_m_s2 / 1e3)
+        return design
+
+    def _strengths(self, values: Floats) -> Sequence[Strength]:
+        """The strengths of its joints with arrays in place of what scatters."""
         design, strengths, joints = self.design, self.on_arrays.strengths(self.design), self.design.wet_interfaces
         assert design.source is not None
         used = [strength_of(design.source.root, joint) for joint in joints[: len(strengths)]]
         straight = {field.path for field in fields_of(Strength).values() if field.is_attribute}
         for path, column in zip(self.keys, values.T, strict=True):
             top, *below = path.split(".")
-            if top != "strength":
-                design = _put(design, _place(design, path), column, joints)
-            elif below[1] in straight:  # no closed form knows the stiffness
+            if top == "strength" and below[1] in straight:  # no closed form knows the stiffness
                 strengths = [
                     _put(strength, below[1:], column, ()) if name == below[0] else strength
                     for name, strength in zip(used, strengths, strict=True)
                 ]
-        if design.density_kg_m3 is not None:
-            design = replace(design, unit_weight_kn_m3=design.density_kg_m3 * design.gravity_m_s2 / 1e3)
-        return self.on_arrays.arguments(design) | self.on_arrays.of_strengths(strengths)
+        return strengths
 
 
 def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorised | None:
@@ -72,20 +102,22 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     """
     kind = kind_of(design)
     on_arrays = kind.on_arrays
-    if on_arrays is None or any(bolt.acts == "passive" for bolt in design.bolts):
+    if on_arrays is None:
         return None
     if any(strength.law for strength in kind.strengths(design)):
         # strength is curved: the closed form is asked again and again then, sample by sample
         return None
     keys = [key for variable in design.variables for key in variable.columns]
+    before = as_laid_out(design)
     sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.coordinates]
-    made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys)  # what sizes are multiplied by
+    made = Vectorised(on_arrays, with_values(design, dict.fromkeys(sizes, 1.0)), keys, before)  # sizes are multiplied
     rows, read = [], []
     for row in dict.fromkeys([*range(min(_PROBES, len(values))), *values.argmin(axis=0), *values.argmax(axis=0)]):
         try:
-            read.append(on_arrays.arguments(with_values(design, values_at(row))))
+            sample = with_values(design, values_at(row))
         except DesignError:
             continue  # a sample that no design can have
+        read.append(_pulled(on_arrays.arguments(standing(sample, before)), design))
         rows.append(row)
     try:
         found = made.arguments(values[rows]) if rows else {}
@@ -93,6 +125,13 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
         return None
     same = (_same(found[name], [arguments[name] for arguments in read]) for name in found)
     return made if rows and all(same) else None
+
+
+def _pulled(arguments: Arguments, design: Design) -> Arguments:
+    """The arguments of a sample: active bolts that do not hold it pull with nothing."""
+    pulls = any(bolt.acts == "active" for bolt in design.bolts)
+    return {name: 0.0 if pulls and value is None and name.startswith("force_") else value
+            for name, value in arguments.items()}  # fmt: skip
 
 
 def _same(found: Any, read: Sequence[float | None]) -> bool:

@@ -204,9 +204,10 @@ class Case:
     most : force above which the closed form falls below the target again, None without an end
     optimum : evidence that the direction is the best, None for a given one
     pattern : heads on the face, of the direction that is built; None for others
-    bolts : what goes into the design beside the bolts that are there, empty where the target is out of reach
+    bolts : what goes into the design beside the bolts that are there, empty where the target is out of reach, or no
+        bolts on the face give it
     existing : the bolts that are there
-    lacks : what is reached with `bolts`, where that is not the target
+    lacks : what is reached with `bolts`, or with bolts on the face, where that is not the target
     dilates : the joints dilate, which the closed form does not know: PRE-IE's number counts, even where it is less
     """
 
@@ -256,8 +257,7 @@ class Case:
         """The same as the text of a design file, whose first lines say so where the bolts do not give the target."""
         if not self.bolts:
             return None
-        alone = "" if self.reached else "; what follows is one force through the centroid, no bolts that can be built"
-        said = textwrap.wrap(f"{self.lacks}{alone}", 97) if self.lacks else []
+        said = textwrap.wrap(self.lacks, 97) if self.lacks else []
         return "".join(f"# {line}\n" for line in said) + snippet((*self.existing, *self.bolts))
 
 

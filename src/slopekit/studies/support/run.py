@@ -186,15 +186,14 @@ class _Search:
             case = replace(case, pattern=self._pattern(ways, line, force, least, found.slope))
         if case.pattern is not None and case.pattern.reached:
             bolts = self._bolts(ways, line, case.pattern)
+        elif case.pattern is not None:  # one force through the centroid is none that can be built
+            return replace(case, lacks=f"NOT REACHED, FoS {self.target:g}: {self._short_of_it(case)}")
         elif case.force is not None:
             bolts = (ways.bolt(line, case.force),)
         else:
             return case
         bolts, level = self._put_back(bolts)
-        short = self._short_of_it(case) if not case.reached else ""
-        if level < self.target:
-            short = f"put back they give FoS {level:.4f}"
-        said = f"NOT REACHED, FoS {self.target:g}: {short}" if short else ""
+        said = f"NOT REACHED, FoS {self.target:g}: put back they give FoS {level:.4f}" if level < self.target else ""
         return replace(case, existing=self.site.design.bolts, bolts=bolts, lacks=said)
 
     def _put_back(self, bolts: tuple[Bolt, ...]) -> tuple[tuple[Bolt, ...], float]:
@@ -205,15 +204,15 @@ class _Search:
         the bolts, and the lower of the levels that the methods give with them
         """
         level = math.inf
-        for _ in range(_RAISED):
+        for rounds in range(1, _RAISED + 1):
             bolts = tuple(written(bolt) for bolt in bolts)
             if len(bolts) > _MOST_PUT_BACK:
                 return tuple(written(replace(bolt, force_kn=bolt.force_kn * _MORE)) for bolt in bolts), level
             design = self.site.with_bolts(*bolts)
             level = pre_ie(design).level
             level = level if self.dilates else min(level, self.site.closed_form(design).level)
-            if level >= self.target:
-                break
+            if level >= self.target or rounds == _RAISED:
+                break  # the level is that of these bolts
             rise = level - self.bare_limit.level  # not a number without convergence
             more = 1.0 + 1.1 * (self.target - level) / rise if rise > 0.0 else _MOST_MORE
             more = min(max(more, _MORE), _MOST_MORE)

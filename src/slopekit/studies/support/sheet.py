@@ -5,7 +5,6 @@ from operator import attrgetter
 
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted, factor_text
 from slopekit.design.common import Design
-from slopekit.kinds import status_text
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
 from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
@@ -261,6 +260,7 @@ def _paste(found: Support) -> list[Entry]:
     entries: list[Entry] = []
     for case in found.built:
         if case.yaml is None:
+            entries += [f"{case.acts}: nothing to paste. {case.lacks}"] if case.lacks else []
             continue
         count = len(case.existing) + len(case.bolts)
         if count > _FEW:

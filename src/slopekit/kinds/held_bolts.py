@@ -1,0 +1,142 @@
+"""Which bolts still hold a block when its planes move: the same ones for the closed form and for PRE-IE.
+
+A bolt stays on its line, and its head on the free face that the line meets: it was laid out there. It gives no force
+where the line does not pass from a free face through a joint, or where the bolt ends within the block.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.design.common import Bolt, Design
+
+D = TypeVar("D", bound=Design)
+_CLEAR = 1e-9  # of the size of the block: a line that only touches it does not pass
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """The planes that bound the convex blocks of n designs, in the coordinates of the user.
+
+    Attributes
+    ----------
+    outward : (k, n, 3) unit normals; offsets : (k, n) m: `outward · x <= offset` within a block
+    joints, free : the planes that rock lies behind, and those that a head may stand on; a crack is neither
+    size : (n,) m of the blocks
+    """
+
+    outward: Floats
+    offsets: Floats
+    joints: tuple[int, ...]
+    free: tuple[int, ...]
+    size: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """How bolts stand in n blocks.
+
+    Attributes
+    ----------
+    holds : (b, n) whether each gives its force; those without a head always do
+    moved : (b, n) m from its head as given to where it stands, along the bolt
+    """
+
+    holds: Bools
+    moved: Floats
+
+
+def stand_off(bounds: Bounds, bolts: Sequence[Bolt]) -> Floats:
+    """How far (m) before its free face the head of each bolt (b,) was laid out; 0 where it does not enter by one."""
+    found = np.zeros(len(bolts))
+    for k, bolt in enumerate(bolts):
+        if bolt.head_m is not None:
+            enters, _, passes = _passage(bounds, bolt)
+            found[k] = enters[0] if passes[0] else 0.0
+    return found
+
+
+def held(bounds: Bounds, bolts: Sequence[Bolt], before: Floats) -> Held:
+    """Which bolts hold n blocks, and how far their heads move along them.
+
+    Parameters
+    ----------
+    before : (b,) as `stand_off` has it
+    """
+    # lengths that scatter are arrays, planes that do not are one for all
+    reaches: list[Any] = [math.inf if bolt.length_m is None else bolt.length_m for bolt in bolts]
+    count = max([bounds.offsets.shape[1], *(np.size(reach) for reach in reaches)])
+    holds, moved = np.ones((len(bolts), count), dtype=bool), np.zeros((len(bolts), count))
+    for k, bolt in enumerate(bolts):
+        if bolt.head_m is None:
+            continue
+        enters, leaves, passes = _passage(bounds, bolt)
+        moved[k] = np.where(passes, enters - before[k], 0.0)
+        holds[k] = passes & (leaves - moved[k] < reaches[k])
+    return Held(holds, moved)
+
+
+def _passage(bounds: Bounds, bolt: Bolt) -> tuple[Floats, Floats, Bools]:
+    """How far (m) from its head the line of a bolt enters and leaves each block, and whether it holds the block.
+
+    It does where the line goes in through a free face and out through a joint.
+    """
+    head, direction = np.array(bolt.head_m), bolt.toward.vector()
+    gap, slope = bounds.offsets - bounds.outward @ head, bounds.outward @ direction
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = gap / slope
+    along = np.abs(slope) < 1e-12
+    going_in = np.where((slope < 0.0) & ~along, at, -np.inf)
+    going_out = np.where((slope > 0.0) & ~along, at, np.inf)
+    enters, leaves = going_in.max(axis=0), going_out.min(axis=0)
+    beside = (along & (gap < -_CLEAR * bounds.size)).any(axis=0)
+    passes = ~beside & (leaves - enters > _CLEAR * bounds.size) & np.isfinite(enters) & np.isfinite(leaves)
+    passes &= np.isin(going_in.argmax(axis=0), bounds.free) & np.isin(going_out.argmin(axis=0), bounds.joints)
+    return enters, leaves, passes
+
+
+def with_held(design: D, bounds: Bounds, before: Floats) -> D:
+    """One design with the bolts that hold its block, their heads on its face."""
+    found = held(bounds, design.bolts, before)
+    bolts = []
+    for bolt, holds, moved in zip(design.bolts, found.holds[:, 0], found.moved[:, 0], strict=True):
+        if not holds:
+            continue
+        if bolt.head_m is not None:
+            east, north, up = (np.array(bolt.head_m) + moved * bolt.toward.vector()).tolist()
+            bolt = replace(bolt, head_m=(east, north, up))
+        bolts.append(bolt)
+    return replace(design, bolts=tuple(bolts))
+
+
+# -- bounds from planes ------------------------------------------------------------------------------------------------
+
+
+def upward(dip_deg: Any, direction_deg: Any) -> Floats:
+    """Upward unit normals (n, 3) of planes whose angles are numbers or arrays."""
+    dip, direction = np.broadcast_arrays(np.radians(np.atleast_1d(dip_deg)), np.radians(np.atleast_1d(direction_deg)))
+    found: Floats = np.stack([np.sin(dip) * np.sin(direction), np.sin(dip) * np.cos(direction), np.cos(dip)], axis=-1)
+    return found
+
+
+def bounds_of(
+    normals: Sequence[Floats], offsets: Sequence[Any], within: Floats, origin: Floats, joints: tuple[int, ...],
+    free: tuple[int, ...], size: Any,
+) -> Bounds:  # fmt: skip
+    """Bounds from planes `normal · x = offset` about a local origin.
+
+    Parameters
+    ----------
+    normals : of each plane (1, 3) or (n, 3); offsets : of each, a number or (n,)
+    within : (1, 3) or (n, 3) a point of each block, which says on which side of the planes it lies
+    """
+    count = max(len(np.atleast_1d(one)) for one in (*normals, *offsets, within, size))
+    outward = np.stack([np.broadcast_to(normal, (count, 3)) for normal in normals])
+    at = np.stack([np.broadcast_to(np.asarray(offset, dtype=np.float64), count) for offset in offsets])
+    side = np.where((outward * within).sum(axis=-1) > at, -1.0, 1.0)
+    outward, at = outward * side[..., None], at * side
+    return Bounds(outward, at + outward @ origin, joints, free, np.broadcast_to(size, count))

@@ -1,0 +1,130 @@
+"""Bolts in samples whose planes scatter: they were laid out on the face of the design, and stand on that of the sample.
+
+Both methods judge each sample with the same bolts: those that hold its block.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import Notice, SlopekitError
+from slopekit.core.sheet import counted
+from slopekit.design.common import Design
+from slopekit.design.files import with_values
+from slopekit.kinds import kind_of
+from slopekit.kinds.held_bolts import D, held, stand_off, with_held
+from slopekit.studies.points import Evaluation, point_of
+from slopekit.studies.running import Record
+
+
+def as_laid_out(design: Design) -> Floats:
+    """How far (m) before the face of the design the head of each bolt (b,) stands; 0 of bolts that do not enter it."""
+    on_arrays = kind_of(design).on_arrays
+    if on_arrays is None or not has_heads(design):
+        return np.zeros(len(design.bolts))
+    return stand_off(on_arrays.bounds(design), design.bolts)
+
+
+def has_heads(design: Design) -> bool:
+    """Whether any bolt has its place."""
+    return any(bolt.head_m is not None for bolt in design.bolts)
+
+
+def standing(design: D, before: Floats) -> D:
+    """A sample with the bolts that hold its block, their heads on its face; as it is where a kind knows no such planes.
+
+    Parameters
+    ----------
+    before : (b,) of the design that the sample is one of, as `as_laid_out` has it
+    """
+    on_arrays = kind_of(design).on_arrays
+    if on_arrays is None or not has_heads(design):
+        return design
+    return with_held(design, on_arrays.bounds(design), before)
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled(Evaluation):
+    """A sample analysed with the bolts that hold its block."""
+
+    before: tuple[float, ...] = ()
+
+    def __call__(self, values: Mapping[str, object]) -> Record:
+        return point_of(self.design, values, self.pre_ie, partial(standing, before=np.array(self.before))).to_record()
+
+
+def holding(design: Design, samples: Sequence[Mapping[str, object]]) -> Bools:
+    """Which bolts (b, n) hold the block of each sample, read one by one; all where it has no values a design can have.
+
+    Parameters
+    ----------
+    samples : their values, as `with_values` takes them
+    """
+    found, before = np.ones((len(design.bolts), len(samples)), dtype=bool), as_laid_out(design)
+    on_arrays = kind_of(design).on_arrays
+    if on_arrays is None or not has_heads(design):
+        return found
+    for row, values in enumerate(samples):
+        try:
+            sample = with_values(design, values)
+        except SlopekitError:
+            continue
+        found[:, row] = held(on_arrays.bounds(sample), sample.bolts, before).holds[:, 0]
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class WithoutForce:
+    """Samples in which bolts give no force.
+
+    Attributes
+    ----------
+    samples : in which one or more do; of : samples that form a block
+    every : samples in which none of the bolts with heads does
+    bolts : how many of them have heads; each : (b,) samples in which each bolt gives none
+    left : (n,) bolts without force in each sample
+    """
+
+    samples: int
+    of: int
+    every: int
+    bolts: int
+    each: tuple[int, ...]
+    left: np.ndarray = field(metadata={"json": None})
+
+    JSON_ALSO: ClassVar = ("most",)
+
+    @property
+    def most(self) -> int:
+        """The most bolts without force in one sample."""
+        return int(self.left.max(initial=0))
+
+
+def without_force(design: Design, holds: Bools, forms: Bools) -> WithoutForce | None:
+    """How often bolts give no force; None where no bolt has a head.
+
+    Parameters
+    ----------
+    holds : (b, n); forms : (n,) samples that form a block
+    """
+    if not has_heads(design):
+        return None
+    lost = ~holds & forms
+    left, bolts = lost.sum(axis=0), sum(bolt.head_m is not None for bolt in design.bolts)
+    each = tuple(int(count) for count in lost.sum(axis=1))
+    return WithoutForce(int((left > 0).sum()), int(forms.sum()), int((left == bolts).sum()), bolts, each, left)
+
+
+def notices_of_bolts(lost: WithoutForce | None) -> Iterator[Notice]:
+    """What a reader must know of bolts that give no force: W381."""
+    if lost is None or not lost.samples:
+        return
+    yield Notice(
+        "W381",
+        f"bolts give no force in {lost.samples} of {counted(lost.of, 'sample')} that form a block (up to {lost.most} "
+        f"of {lost.bolts}): there they miss it, or end within it. Heads stand on each sample's own face",
+    )

@@ -1,0 +1,144 @@
+"""Bolts in samples whose planes scatter: which hold the block, against lines cut with the faces of the block itself."""
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slopekit.core.errors import GeometryError
+from slopekit.design.files import load, with_values
+from slopekit.kinds import cut, kind_of
+from slopekit.kinds.held_bolts import held
+from slopekit.studies.prob import prob
+from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.prob.sampling import samples
+
+
+def scatter(mean: float, sd: float) -> dict:
+    return {"dist": "normal", "mean": mean, "sd": sd}
+
+
+def bolt(east: float, up: float, length: float | None, before: float = 0.0, acts: str = "active") -> dict:
+    """A bolt into a face that dips 65 toward 180, its head so far before it."""
+    north = up / np.tan(np.radians(65.0))
+    given = {"force": 150, "toward": "000/5", "acts": acts, "head": [east, float(north) - before, up - before * -0.087]}
+    return given if length is None else given | {"length": length}
+
+
+WEDGE = {
+    "slopekit": 1, "kind": "wedge",
+    "slope": {"face": {"dip": scatter(65, 4), "dip_direction": 180}, "upper": "10/180", "height": 14},
+    "joints": {"J1": {"plane": {"dist": "fisher", "mean": "50/120", "k": 150}},
+               "J2": {"plane": {"dip": scatter(48, 4), "dip_direction": 240}}},
+    "strength": {"rock": {"c": 5, "phi": scatter(30, 2)}}, "rock": {"unit_weight": 26},
+    "support": {"bolts": [bolt(0.0, 5.0, 9.0), bolt(-1.0, 8.0, None, 0.5), bolt(3.0, 10.0, 6.0), bolt(-4.5, 12.0, 5.0),
+                          {"force": 50, "toward": "010/10"}]},
+}  # fmt: skip
+CRACKED = WEDGE | {"crack": {"plane": "80/180", "distance": 2}}
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": {"dip": scatter(65, 4), "dip_direction": scatter(180, 5)},
+                                              "upper": "5/180", "height": 14},
+    "joints": {"J1": {"plane": {"dip": scatter(38, 4), "dip_direction": 185}}},
+    "strength": {"rock": {"c": 5, "phi": scatter(33, 2)}}, "rock": {"unit_weight": 26},
+    "crack": {"depth": scatter(3, 0.5)},
+    "support": {"bolts": [bolt(0.0, 4.0, 4.0), bolt(2.0, 9.0, 9.0), bolt(0.0, 12.5, None), bolt(0.0, 8.0, 6.5)]},
+}  # fmt: skip
+
+
+def faces_met(block, head: np.ndarray, way: np.ndarray) -> list[tuple[float, int]]:
+    """Where a line meets the faces of a block: how far from its head, and which; corner by corner of each polygon."""
+    found = []
+    for face, polygon in block.faces.items():
+        normal = np.cross(polygon[1] - polygon[0], polygon[2] - polygon[0])
+        if abs(normal @ way) < 1e-12:
+            continue
+        far = float(normal @ (polygon[0] - head) / (normal @ way))
+        edges = np.roll(polygon, -1, axis=0) - polygon
+        if (np.cross(edges, head + far * way - polygon) @ normal > 0.0).all():
+            found.append((far, face))
+    return sorted(found)
+
+
+@pytest.mark.parametrize(("name", "values"), [("wedge", WEDGE), ("crack", CRACKED), ("plane", PLANE)])
+def test_bolts_hold_whose_line_goes_in_by_a_free_face_and_out_by_a_joint(name, values) -> None:
+    design = load(values)
+    drawn, before, kind = samples(design.variables, (), 25, 5), as_laid_out(design), kind_of(design)
+    off = {"wedge": 0.5, "crack": 0.0, "plane": 0.0}[name]  # with a crack the bolt before the face leaves through it
+    assert before.max() == pytest.approx(off, abs=0.02)
+    free = {"wedge": (2, 3), "plane": (1, 2)}[design.kind]
+    seen = set()
+    for row in range(25):
+        sample = with_values(design, drawn.settings(row))
+        try:
+            made = cut(replace(sample, bolts=()))
+        except GeometryError:
+            continue
+        says = held(kind.on_arrays.bounds(sample), sample.bolts, before)
+        for k, one in enumerate(sample.bolts):
+            if one.head_m is None:
+                assert says.holds[k, 0]
+                continue
+            turn = np.eye(3) if made.axes is None else made.axes
+            head, way = turn @ np.array(one.head_m), turn @ one.toward.vector()
+            if made.axes is not None:
+                head, way = head * [1.0, 0.0, 1.0], way * [1.0, 0.0, 1.0]
+            met = faces_met(made.block, head, way)
+            passes = len(met) == 2 and met[0][1] in free and met[1][1] in made.joints
+            ends = (one.length_m or np.inf) + (met[0][0] - before[k] if met else 0.0)
+            assert says.holds[k, 0] == (passes and ends > met[1][0]), (row, k, met)
+            seen.add(bool(says.holds[k, 0]))
+        cut(standing(sample, before))  # refuses bolts that miss the block, or end within it
+    assert seen == {True, False}
+
+
+@pytest.mark.parametrize("acts", ["active", "passive"])
+@pytest.mark.parametrize("values", [WEDGE, PLANE | {"slope": PLANE["slope"] | {"face": "65/180"}}],
+                         ids=["wedge", "plane"])  # fmt: skip
+def test_both_methods_judge_the_same_bolts(values, acts) -> None:
+    """PRE-IE cuts, loads and asks each sample by itself; its heads lie on that sample's face."""
+    values = copy.deepcopy(values)
+    for one in values["support"]["bolts"]:
+        one["acts"] = acts
+    asked, count, target = (2, 30, 1.6) if acts == "passive" else (8, 1_000, 1.6)
+    study = prob(load(values), count, confirm=asked, near=0.0, seed=2, target=target)
+    checked = study.confirmation
+    assert (checked.settled, checked.disagree) == (checked.samples, 0)
+    assert not {point.code for point in checked.points} - {""}
+    assert checked.agree == asked
+    lost = study.bolts
+    assert 0 < lost.samples < lost.of
+    assert sum(lost.each) == lost.left.sum()
+    assert [notice.code for notice in study.warnings if notice.code == "W381"] == ["W381"]
+    assert "samples by bolts without force: 0: " in str(study)
+    assert study.to_dict()["bolts_without_force"]["samples"] == lost.samples
+    bare = prob(load(values | {"support": {"bolts": []}}), count, confirm=0, near=0.0, seed=2, target=target)
+    fixed = [{key: value for key, value in one.items() if key not in ("head", "length")}
+             for one in values["support"]["bolts"]]  # fmt: skip
+    in_full = prob(load(values | {"support": {"bolts": fixed}}), count, confirm=0, near=0.0, seed=2, target=target)
+    assert np.nanmean(bare.factor) < np.nanmean(study.factor) < np.nanmean(in_full.factor)
+    assert in_full.all_samples.share <= study.all_samples.share <= bare.all_samples.share
+
+
+def test_where_no_plane_scatters_heads_stay_and_all_bolts_hold() -> None:
+    values = WEDGE | {"slope": WEDGE["slope"] | {"face": "65/180"},
+                      "joints": {"J1": {"plane": "50/120"}, "J2": {"plane": "48/240"}}}  # fmt: skip
+    values["support"] = {"bolts": [bolt(0.0, 5.0, 12.0), bolt(-1.0, 8.0, None)]}
+    design = load(values)
+    assert standing(design, as_laid_out(design)).bolts[0].head_m == pytest.approx(design.bolts[0].head_m, abs=1e-12)
+    study = prob(design, 50, confirm=3)
+    assert study.bolts.samples == 0
+    assert "all hold the block of every sample" in str(study)
+    assert study.to_dict()["leading"] == {"probability": study.all_samples.share, "low": study.all_samples.low,
+                                          "high": study.all_samples.high, "by": "closed form"}  # fmt: skip
+
+
+def test_a_bolt_that_holds_no_sample_counts_in_neither_method() -> None:
+    short = {"bolts": [bolt(0.0, 5.0, 0.5)]}
+    with_it, without = (
+        prob(load(WEDGE | {"support": one}), 400, confirm=4, near=0.0) for one in (short, {"bolts": []})
+    )
+    assert with_it.factor == pytest.approx(without.factor, rel=1e-12, nan_ok=True)
+    assert with_it.confirmation.settled == 4
+    assert with_it.bolts.every == with_it.bolts.of
+    assert with_it.means.code == "E212"
