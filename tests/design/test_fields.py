@@ -19,7 +19,9 @@ STRENGTH = {"c": 10, "phi": 30, "dilation": 1, "tension": 2, "stiffness": {"norm
 BY_LAW = {"c": 10, "phi": 30, "stiffness": {"shear": SHEAR}}
 CURVED = (
     {"law": "barton-bandis", "jrc": 8, "jcs": 5e4, "phi_r": 25, "length": 5, "length_0": 0.1, "waviness": 3},
-    {"law": "power", "a": 2, "b": 0.75, "d": 5}, {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
+    {"law": "power", "a": 2, "b": 0.75, "d": 5, "residual": {"c": 1, "phi": 20}},
+    {"law": "bridged", "c": 1, "phi": 30, "c_rock": 500, "phi_rock": 45, "persistence": 0.9},
+    {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
 )  # fmt: skip
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
 BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
@@ -85,7 +87,7 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
         values.append(("columns.base_step", "0"))  # which no column may be lower than
     elif path.endswith(".dilation"):
         values.append((path.replace("dilation", "phi"), "89.9999999999"))  # which dilation may not pass
-    elif path.endswith(".phi") and "shear" not in path:
+    elif path.endswith(".phi") and "shear" not in path and "residual" not in path:
         values.append((path.replace("phi", "dilation"), "0"))
     try:
         load({"slopekit": 1, "kind": kind} | design, values)

@@ -192,7 +192,7 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
         for name, other in changed_laws(strength):
             pair = [other if own == strength else own for own in (first, second)]
             changes.append((name + of, design.with_strengths(*pair)))
-    is_straight = not any(design.laws)
+    is_straight = not any((*design.laws, *design.made_of))
     phi, c = design.friction_angle_deg, design.cohesion_kpa
     if is_straight and max(phi) < 88.0:
         changes.append(("φ +1°", replace(design, friction_angle_deg=(phi[0] + 1.0, phi[1] + 1.0))))

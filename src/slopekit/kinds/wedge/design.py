@@ -10,7 +10,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
-from slopekit.design.common import Design, Strength, Water
+from slopekit.design.common import Design, Residual, Strength, Water
 from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
@@ -80,11 +80,16 @@ class WedgeDesign(Design):
     )
     joint_names: tuple[str, str] = ("J1", "J2")
     laws: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+    made_of: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+    residuals: tuple[Residual | None, Residual | None] = (None, None)
 
     @property
     def strengths(self) -> tuple[Strength, ...]:
         """The strength of each joint."""
-        parts = self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws
+        parts = (
+            self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws, self.made_of,
+            self.residuals,
+        )  # fmt: skip
         return tuple(Strength(*values) for values in zip(*parts, strict=True))
 
     def with_strengths(self, first: Strength, second: Strength) -> "WedgeDesign":
@@ -94,7 +99,13 @@ class WedgeDesign(Design):
             friction_angle_deg=(first.friction_angle_deg, second.friction_angle_deg),
             dilation_deg=(first.dilation_deg, second.dilation_deg),
             tension_kpa=(first.tension_kpa, second.tension_kpa), laws=(first.law, second.law),
+            made_of=(first.made_of, second.made_of), residuals=(first.residual, second.residual),
         )  # fmt: skip
+
+    def at_residual(self) -> "WedgeDesign":
+        """The wedge with residual strength wherever there is one."""
+        first, second = self.strengths
+        return self.with_strengths(first.at_residual(), second.at_residual())
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -139,7 +150,8 @@ def read_wedge(reader: Reader) -> WedgeDesign:
         water=water, cohesion_kpa=tuple(one.cohesion_kpa for one in sound),
         friction_angle_deg=tuple(one.friction_angle_deg for one in sound),
         dilation_deg=tuple(one.dilation_deg for one in sound), tension_kpa=tuple(one.tension_kpa for one in sound),
-        laws=tuple(one.law for one in sound),
+        laws=tuple(one.law for one in sound), made_of=tuple(one.made_of for one in sound),
+        residuals=tuple(one.residual for one in sound),
     )  # fmt: skip
 
 

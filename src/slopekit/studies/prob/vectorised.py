@@ -74,8 +74,8 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     on_arrays = kind.on_arrays
     if on_arrays is None or any(bolt.acts == "passive" for bolt in design.bolts):
         return None
-    if any(strength.law for strength in kind.strengths(design)):
-        # strength is curved: the closed form is asked again and again then, sample by sample
+    if any(strength.named_law for strength in kind.strengths(design)):
+        # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
         return None
     keys = [key for variable in design.variables for key in variable.columns]
     sizes = [key for key in keys if (field := field_at(type(design), key)) is not None and field.coordinates]
