@@ -37,6 +37,8 @@ DESIGNS = [
                "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
                "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
+    ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "water": {"mode": "table", "depth": 4, "pond": 3},
+               "loads": {"surcharge": 20}}),
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
                "crack": {"depth": 4, "water": 3}, "loads": LOADS}),
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
@@ -100,7 +102,8 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
 def test_units_are_those_of_the_reader(kind, design, path, value, expected) -> None:
     assert _accepts(kind, design, path, value)
     assert _accepts(kind, design, path, f"{value} {_UNITS[expected.measures]}")
-    assert not _accepts(kind, design, path, f"{value} {_WRONG.get(expected.measures, 'm')}")
+    wrong = "deg" if expected.or_measures else _WRONG.get(expected.measures, "m")
+    assert not _accepts(kind, design, path, f"{value} {wrong}")
 
 
 @pytest.mark.parametrize(("kind", "design", "path", "value", "expected"), CASES)

@@ -46,7 +46,7 @@ class Water:
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
 
-    mode: Literal["dry", "full", "pressures"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
+    mode: Literal["dry", "full", "pressures", "table"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
     fill: float = number(
         "fill",
         "ratio",
@@ -73,8 +73,8 @@ class Water:
         """The water as the sheet prints it."""
         if self.crack_fill is not None:
             return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
-        if self.mode == "dry":
-            return "dry"
+        if self.mode in ("dry", "table"):
+            return self.mode
         if self.mode == "full":
             return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
         return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
@@ -362,7 +362,7 @@ def _slips_of_density(
 
 _OF_STUDIES = ("variables", "correlation", "source")
 _OF_PAGES = ("project",)
-_OF_READING = ("defaults", "assumed", "left_out", "read_as")
+_OF_READING = ("crack_searched", "defaults", "assumed", "left_out", "read_as")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -480,6 +480,11 @@ class Design:
     source: "Document | None" = field(default=None, compare=False, repr=False)
 
     @property
+    def is_cut_for_loads(self) -> bool:
+        """Whether loads are integrated over the faces of the block: closed forms need it cut, too."""
+        return False
+
+    @property
     def wet_interfaces(self) -> tuple[str, ...]:
         """The interfaces that may have a water pressure of their own, by the names of the file."""
         return ()
@@ -511,7 +516,7 @@ class Design:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())
         for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES):
-            del document[key]
+            document.pop(key, None)
         return document
 
     def input_hash(self) -> str:
@@ -523,7 +528,8 @@ class Design:
         exact = _plain(self._single(), exact=True) | {"kind": self.kind}
         for key in (*_OF_STUDIES, *_OF_PAGES):
             del exact[key]
-        del exact["read_as"]
+        for key in ("read_as", "crack_searched"):
+            exact.pop(key, None)
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
@@ -534,10 +540,13 @@ def _at_residual(value: Any) -> Any:
     return tuple(_at_residual(item) for item in value) if type(value) is tuple else value
 
 
-_LAWS = ("law", "laws", "made_of", "residual", "residuals")
+_IF_GIVEN = (
+    "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
+    "surcharge_kpa",
+)  # fmt: skip
 
 
-def _laws(given: Any) -> tuple[Any, ...]:
+def _parts(given: Any) -> tuple[Any, ...]:
     return given if isinstance(given, tuple) else (given,)
 
 
@@ -550,7 +559,7 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if is_dataclass(value):
         found = {
             part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
-            if part.name not in _LAWS or any(_laws(getattr(value, part.name)))
+            if part.name not in _IF_GIVEN or any(one is not None for one in _parts(getattr(value, part.name)))
         }  # fmt: skip
         if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
             inner = found.pop("law", {"law": getattr(value, "name", "")})

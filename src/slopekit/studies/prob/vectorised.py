@@ -74,6 +74,8 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     on_arrays = kind.on_arrays
     if on_arrays is None or any(bolt.acts == "passive" for bolt in design.bolts):
         return None
+    if design.is_cut_for_loads:
+        return None
     if any(strength.named_law for strength in kind.strengths(design)):
         # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
         return None
