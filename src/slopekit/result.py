@@ -74,6 +74,7 @@ class Words:
 METHODS = ("fellenius", "janbu", "bishop", "all_equilibrium")
 #: Numbers that a rule may judge in place of the limit, in few words.
 JUDGED: Mapping[str, str] = {
+    "residual": "residual strength",
     "lowest": "lowest", "highest": "highest", "all_pairs_failed": "all pairs failed", "closed_form": "closed form",
     "static_bound": "static bound", "fellenius": "Fellenius", "janbu": "Janbu (simplified)",
     "bishop": "Bishop (simplified)", "all_equilibrium": "columns in all equilibrium",
@@ -241,6 +242,17 @@ class CurvedStrength:
     lines: Mapping[str, SecantLine]
 
 
+@dataclass(frozen=True, slots=True)
+class ResidualFactors:
+    """The factors on residual strength, after slip: both methods, and whether they agree."""
+
+    status: str
+    limit: float | None
+    closed_form: float | None
+    difference: float | None
+    agree: bool | None
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
@@ -248,6 +260,7 @@ class Result(Shown):
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
+    `residual` has the factors on residual strength, None where no strength has one.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
@@ -279,6 +292,7 @@ class Result(Shown):
     cohesion_under_moments: CohesionUnderMoments | None = None
     turns_over: str = ""
     curved_strength: CurvedStrength | None = None
+    residual: ResidualFactors | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -330,6 +344,8 @@ class Result(Shown):
         _, _, name = rule.name.partition(".")
         if not name:
             return self.criterion_fos
+        if name == "residual":
+            return None if self.residual is None else self.residual.limit
         found: float | None = self.methods.get(name) if name in METHODS else getattr(self.fos, name)
         return found
 
@@ -337,6 +353,17 @@ class Result(Shown):
     def accepted(self) -> bool | None:
         """Whether every acceptance rule is met; None where there is none."""
         return all(self.judged(rule) for rule in self.design.rules) if self.design.rules else None
+
+    @property
+    def met_by_peak_only(self) -> bool:
+        """Whether a rule on the limit is met that the residual factor would break."""
+        left = self.residual
+        if left is None or left.status == "no_driving_force":
+            return False
+        return any(
+            self.judged(rule) and not rule.met(left.limit)
+            for rule in self.design.rules if rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")
+        )  # fmt: skip
 
     @property
     def exit_code(self) -> int:
@@ -446,6 +473,7 @@ class Result(Shown):
             "lowest_limit": None,
             "cohesion_under_moments": json_of(self.cohesion_under_moments),
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
+            **({} if self.residual is None else {"residual": json_of(self.residual)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

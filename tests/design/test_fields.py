@@ -19,7 +19,9 @@ STRENGTH = {"c": 10, "phi": 30, "dilation": 1, "tension": 2, "stiffness": {"norm
 BY_LAW = {"c": 10, "phi": 30, "stiffness": {"shear": SHEAR}}
 CURVED = (
     {"law": "barton-bandis", "jrc": 8, "jcs": 5e4, "phi_r": 25, "length": 5, "length_0": 0.1, "waviness": 3},
-    {"law": "power", "a": 2, "b": 0.75, "d": 5}, {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
+    {"law": "power", "a": 2, "b": 0.75, "d": 5, "residual": {"c": 1, "phi": 20}},
+    {"law": "bridged", "c": 1, "phi": 30, "c_rock": 500, "phi_rock": 45, "persistence": 0.9},
+    {"law": "bilinear", "phi": 0, "i": 0, "sigma_t": 300},
 )  # fmt: skip
 LOADS = {"seismic": {"k": 0.1, "toward": 180}, "forces": [{"force": 5, "toward": LINE}]}
 BOLTS = {"bolts": [{"force": 5, "toward": LINE, "head": [0, 0, 0], "length": 9}]}
@@ -35,6 +37,8 @@ DESIGNS = [
                "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
                "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
+    ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "water": {"mode": "table", "depth": 4, "pond": 3},
+               "loads": {"surcharge": 20}}),
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
                "crack": {"depth": 4, "water": 3}, "loads": LOADS}),
     ("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": STRENGTH}, "rock": ROCK,
@@ -85,7 +89,7 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
         values.append(("columns.base_step", "0"))  # which no column may be lower than
     elif path.endswith(".dilation"):
         values.append((path.replace("dilation", "phi"), "89.9999999999"))  # which dilation may not pass
-    elif path.endswith(".phi") and "shear" not in path:
+    elif path.endswith(".phi") and "shear" not in path and "residual" not in path:
         values.append((path.replace("phi", "dilation"), "0"))
     try:
         load({"slopekit": 1, "kind": kind} | design, values)
@@ -98,7 +102,8 @@ def _accepts(kind: str, design: dict, path: str, value: object) -> bool:
 def test_units_are_those_of_the_reader(kind, design, path, value, expected) -> None:
     assert _accepts(kind, design, path, value)
     assert _accepts(kind, design, path, f"{value} {_UNITS[expected.measures]}")
-    assert not _accepts(kind, design, path, f"{value} {_WRONG.get(expected.measures, 'm')}")
+    wrong = "deg" if expected.or_measures else _WRONG.get(expected.measures, "m")
+    assert not _accepts(kind, design, path, f"{value} {wrong}")
 
 
 @pytest.mark.parametrize(("kind", "design", "path", "value", "expected"), CASES)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
+from slopekit.strength.bridged import Bridged
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 from slopekit.strength.protocol import StrengthLaw, secant, tangent
@@ -18,7 +19,7 @@ from slopekit.strength.waviness import Wavy
 EVERY = [
     MohrCoulomb(50.0, 20.0), BartonBandis(8.0, 50e3, 25.0), BartonBandis(16.0, 100e3, 28.0, length_m=5.0),
     PowerCurve(2.0, 0.75), PowerCurve(1.5, 0.6, 10.0), Bilinear(25.0, 15.0, 300.0),
-    Wavy(BartonBandis(8.0, 50e3, 25.0), 5.0),
+    Wavy(BartonBandis(8.0, 50e3, 25.0), 5.0), Bridged(10.0, 30.0, 2e3, 45.0, 0.97),
 ]  # fmt: skip
 TRACTIONS = np.array([0.5, 20.0, 299.0, 301.0, 2000.0])
 
@@ -119,4 +120,4 @@ def test_straight_laws_among_the_curved() -> None:
 
 def test_the_registry_names_every_law() -> None:
     """UX.md: the names that design files write."""
-    assert list(LAWS) == ["mohr-coulomb", "barton-bandis", "power", "bilinear"]
+    assert list(LAWS) == ["mohr-coulomb", "barton-bandis", "power", "bilinear", "bridged"]

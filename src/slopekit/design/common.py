@@ -46,7 +46,7 @@ class Water:
     `crack_fill` is what fills a wedge's tension crack, None where it has what the joints have.
     """
 
-    mode: Literal["dry", "full", "pressures"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
+    mode: Literal["dry", "full", "pressures", "table"] = text("mode", default="dry", example="dry", doc="`dry`, `full`")
     fill: float = number(
         "fill",
         "ratio",
@@ -73,8 +73,8 @@ class Water:
         """The water as the sheet prints it."""
         if self.crack_fill is not None:
             return f"{replace(self, crack_fill=None).in_words()}, the crack {self.crack_fill * 100:g} % full"
-        if self.mode == "dry":
-            return "dry"
+        if self.mode in ("dry", "table"):
+            return self.mode
         if self.mode == "full":
             return "full" if self.fill == 1.0 else f"{self.fill * 100:g} % of full"
         return "u = " + ", ".join(f"{pressure:g}" for pressure in self.pressures_kpa) + " kPa"
@@ -198,15 +198,35 @@ class Stiffness:
 
 
 @dataclass(frozen=True, slots=True)
+class Residual:
+    """Strength of an interface that has slipped: kPa and degrees. It neither dilates nor holds tension."""
+
+    cohesion_kpa: float = number("c", "pressure", least=0.0, code="E114", axis="residual cohesion",
+                                 says="cohesion is never negative", example="0 kPa",
+                                 doc="up to the peak's")  # fmt: skip
+    friction_angle_deg: float = number(
+        "phi", "angle", least=0.0, below=90.0, code="E115", check=in_degrees, example="25",
+        axis="residual friction angle", says="a friction angle lies from 0 to below 90", doc="up to the peak's (E453)",
+    )  # fmt: skip
+
+    def in_words(self) -> str:
+        """Cohesion and friction as the sheet prints them."""
+        return f"residual c {self.cohesion_kpa:.6g} kPa  φ {self.friction_angle_deg:.6g}°"
+
+
+@dataclass(frozen=True, slots=True)
 class Strength:
     """Strength of an interface at full strength: kPa and degrees.
 
     Mohr-Coulomb, or the curved `law`; then the cohesion is its strength at no normal traction, and the friction angle
     that of the line from there to its strength at 100 kPa: for pictures and checks, the solvers ask the law.
+    `made_of` is a law that is a straight line: cohesion and friction angle are its own then, and there is no `law`.
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("stiffness", "group", of=Stiffness),
+        Field("residual", "group", of=Residual, left_out="none",
+              doc="strength after slip: both factors are given"),
         Field("law", "text", example="barton-bandis", left_out="mohr-coulomb",
               doc="`mohr-coulomb`, or one of [curved strength](#curved-strength), whose keys then stand for c and phi"),
     )  # fmt: skip
@@ -236,10 +256,22 @@ class Strength:
         axis="tensile strength", doc="tensile strength; not in the limit (W329)",
     )  # fmt: skip
     law: "StrengthLaw | None" = None
+    made_of: "StrengthLaw | None" = None
+    residual: Residual | None = None
+
+    @property
+    def named_law(self) -> "StrengthLaw | None":
+        """The law it was given by, curved or straight; None where that is c and φ themselves."""
+        return self.law or self.made_of
+
+    def at_residual(self) -> "Strength":
+        """The strength after slip: the residual one, where there is one."""
+        left = self.residual
+        return self if left is None else Strength(left.cohesion_kpa, left.friction_angle_deg)
 
     @classmethod
     def by_law(cls, law: "StrengthLaw", dilation_deg: float = 0.0, tension_kpa: float = 0.0) -> "Strength":
-        """The strength of a curved law.
+        """The strength of a law, curved or straight.
 
         >>> from slopekit.strength.power import PowerCurve
         >>> round(Strength.by_law(PowerCurve(2.0, 0.5)).friction_angle_deg, 9)
@@ -249,6 +281,9 @@ class Strength:
 
         from slopekit.strength.protocol import secant
 
+        line = getattr(law, "straight", None)
+        if line is not None:
+            return cls(line.cohesion_kpa, line.friction_angle_deg, dilation_deg, tension_kpa, made_of=law)
         cohesion, tangent = secant(law, np.array([_FOR_PICTURES_KPA]))
         return cls(float(cohesion[0]), math.degrees(math.atan(float(tangent[0]))), dilation_deg, tension_kpa, law)
 
@@ -327,7 +362,7 @@ def _slips_of_density(
 
 _OF_STUDIES = ("variables", "correlation", "source")
 _OF_PAGES = ("project",)
-_OF_READING = ("defaults", "assumed", "left_out", "read_as")
+_OF_READING = ("crack_searched", "defaults", "assumed", "left_out", "read_as")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -420,7 +455,8 @@ class Design:
     rules: tuple[Rule, ...] = text(
         "acceptance.rules", default=(), example='["fos >= 1.5"]',
         doc="one or a list; `>=`, `>`, `<=`, `<` on `fos`, `fos.limit`, `fos.lowest`, `fos.closed_form`, "
-        "`fos.static_bound`, `fos.all_pairs_failed`, on surfaces `fos.fellenius`, `fos.janbu`, `fos.bishop`, "
+        "`fos.static_bound`, `fos.all_pairs_failed`, `fos.residual`, on surfaces "
+        "`fos.fellenius`, `fos.janbu`, `fos.bishop`, "
         "`fos.all_equilibrium`",
         forms=(ListOf(Leaf(example='"fos >= 1.5"')), Leaf()),
     )  # fmt: skip
@@ -442,6 +478,11 @@ class Design:
     variables: "tuple[Variable, ...]" = field(default=(), compare=False)
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
+
+    @property
+    def is_cut_for_loads(self) -> bool:
+        """Whether loads are integrated over the faces of the block: closed forms need it cut, too."""
+        return False
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -466,11 +507,16 @@ class Design:
         """A sentence on what happens, joints by the names that the user gave them."""
         return sentence
 
+    def at_residual(self) -> "Design":
+        """The design with residual strength wherever there is one."""
+        found = {part.name: _at_residual(getattr(self, part.name)) for part in fields(self)}
+        return replace(self, **found)
+
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())
         for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES):
-            del document[key]
+            document.pop(key, None)
         return document
 
     def input_hash(self) -> str:
@@ -482,15 +528,25 @@ class Design:
         exact = _plain(self._single(), exact=True) | {"kind": self.kind}
         for key in (*_OF_STUDIES, *_OF_PAGES):
             del exact[key]
-        del exact["read_as"]
+        for key in ("read_as", "crack_searched"):
+            exact.pop(key, None)
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
-_LAWS = ("law", "laws")
+def _at_residual(value: Any) -> Any:
+    if isinstance(value, Strength):
+        return value.at_residual()
+    return tuple(_at_residual(item) for item in value) if type(value) is tuple else value
 
 
-def _laws(given: Any) -> tuple[Any, ...]:
+_IF_GIVEN = (
+    "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
+    "surcharge_kpa",
+)  # fmt: skip
+
+
+def _parts(given: Any) -> tuple[Any, ...]:
     return given if isinstance(given, tuple) else (given,)
 
 
@@ -503,7 +559,7 @@ def _plain(value: Any, exact: bool = False) -> Any:
     if is_dataclass(value):
         found = {
             part.name: _plain(getattr(value, part.name), exact) for part in fields(value)
-            if part.name not in _LAWS or any(_laws(getattr(value, part.name)))
+            if part.name not in _IF_GIVEN or any(one is not None for one in _parts(getattr(value, part.name)))
         }  # fmt: skip
         if hasattr(value, "resistance"):  # a law is written with its name, waves beside it
             inner = found.pop("law", {"law": getattr(value, "name", "")})

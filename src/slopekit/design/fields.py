@@ -388,7 +388,9 @@ def structure_of(record: Any, required: tuple[str, ...] = (), without: tuple[str
     """
     keys: dict[str, Any] = {}
     needed: dict[str, None] = dict.fromkeys(required)
-    for one in fields_of(record).values():
+    every = tuple(fields_of(record).values())
+    within = sorted(every, key=lambda one: any(other.path.startswith(f"{one.path}.") for other in every))
+    for one in within:  # a group after the keys that are declared beside it, which it takes in
         if one.path in without:
             continue
         *above, last = one.path.split(".")

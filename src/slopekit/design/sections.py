@@ -1,12 +1,13 @@
 """What designs of every kind share, read from their documents: weight, loads, strengths, stiffness, water."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from slopekit.core.errors import Fault
 from slopekit.core.orientation import number as shown
 from slopekit.design import words
-from slopekit.design.common import Design, HyperbolaParameters, Project, Seismic, Stiffness, Strength, Water
+from slopekit.design.common import Design, HyperbolaParameters, Project, Residual, Seismic, Stiffness, Strength, Water
 from slopekit.design.fields import fields_of
 from slopekit.design.nodes import Node, Place
 from slopekit.design.reader import Reader
@@ -114,6 +115,9 @@ def read_strength(
     """
     if (node is None or not node.is_mapping) and not listed and not standard:
         return None
+    if node is not None and node.is_mapping and node.get("residual") is not None:
+        peak = read_strength(reader, _without(node, "residual"), owner, standard, listed, beside)
+        return with_residual(reader, node, owner, peak)
     own = node if node is not None and node.is_mapping and _is_curved(node) else None
     if own is not None:
         from slopekit.design.strength_laws import named_law, refuse_keys, with_waves
@@ -139,6 +143,29 @@ def read_strength(
         reader.fault("E117", f"{message} {shown(friction)}°", below)
     straight = None if None in found.values() else Strength(**found)
     return with_waves(reader, own, owner, straight) if own is not None and straight is not None else straight
+
+
+def _without(node: Node, key: str) -> Node:
+    return replace(node, value={name: below for name, below in node.items() if name != key})
+
+
+def with_residual(reader: Reader, node: Node, owner: str, peak: Strength | None) -> Strength | None:
+    """A strength with what is left of it after slip: E453 where that is more than the peak."""
+    below = node.get("residual")
+    if below is None:
+        return peak
+    found = reader.fields(Residual, below, f"residual {owner}") if below.is_mapping else {}
+    if not found or None in found.values() or peak is None:
+        return peak
+    residual = Residual(**found)
+    for value, most, what, unit in (
+        (residual.cohesion_kpa, peak.cohesion_kpa, "cohesion", " kPa"),
+        (residual.friction_angle_deg, peak.friction_angle_deg, "friction angle", "°"),
+    ):
+        if value > most and peak.law is None:
+            message = f"the residual {what} of {owner} is {shown(value)}{unit}, its peak {shown(most)}{unit}"
+            reader.fault("E453", message, below, "Residual strength is what is left after slip: at most the peak.")
+    return replace(peak, residual=residual)
 
 
 def _is_curved(node: Node) -> bool:

@@ -46,7 +46,7 @@ BESIDE = {field.path for field in (*fields_of(Strength).values(), *fields_of_law
 KEYS: Mapping[str, Field] = {
     field.path: replace(field, is_required=False, left_out="")
     for law in (*LAWS.values(), Wavy) if law is not MohrCoulomb
-    for field in fields_of_law(law).values() if field.path != "phi"
+    for field in fields_of_law(law).values() if field.path not in ("c", "phi")
 }  # fmt: skip
 
 
@@ -91,7 +91,7 @@ def with_waves(reader: Reader, node: Node, owner: str, strength: Strength) -> St
     waves = reader.field(fields_of_law(Wavy)["waviness_deg"], node.get("waviness"), owner)
     if node.get("waviness") is None or waves is None:
         return strength
-    law = strength.law or MohrCoulomb(strength.cohesion_kpa, strength.friction_angle_deg)
+    law = strength.named_law or MohrCoulomb(strength.cohesion_kpa, strength.friction_angle_deg)
     return Strength.by_law(Wavy(law, waves) if waves else law, strength.dilation_deg, strength.tension_kpa)
 
 

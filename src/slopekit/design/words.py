@@ -11,7 +11,7 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Bolt, Force, HyperbolaParameters, Rule, Seismic, Water
 
 RULE_NAMES = (
-    "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest",
+    "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
     "fos.fellenius", "fos.janbu", "fos.bishop", "fos.all_equilibrium",
 )  # fmt: skip
 _RULE = re.compile(r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$")

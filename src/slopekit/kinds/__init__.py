@@ -39,7 +39,13 @@ def analyse(design: Design) -> Result:
     GeometryError
         Where no block can be formed.
     """
-    return kind_of(design).analyse(design)
+    kind = kind_of(design)
+    result = kind.analyse(design)
+    if not any(strength.residual for strength in kind.strengths(design)):
+        return result
+    from slopekit.kinds.residual import with_residual
+
+    return with_residual(kind, result)
 
 
 def factors_of(design: Design, pre_ie: bool = True) -> "Factors":

@@ -98,15 +98,17 @@ class OnArrays(Generic[D]):
     def answers(self, designs: Sequence[D]) -> list[ClosedForm | GeometryError]:
         """The closed form of each of several designs, in one call for all that have the same arguments and bolts.
 
-        Designs whose strength is curved are asked one by one. The error where planes cut no block.
+        Designs whose strength is curved, or that are cut for their loads, are asked one by one. The error where planes
+        cut no block.
         """
         answer_of: dict[int, ClosedForm | GeometryError] = {}
-        given = [self.arguments(design) for design in designs]
         alike: dict[tuple[tuple[str, ...], tuple[tuple[float, ...], ...]], list[int]] = {}
-        for number, (design, arguments) in enumerate(zip(designs, given, strict=True)):
-            if any(strength.law for strength in self.strengths(design)):
+        given: dict[int, Arguments] = {}
+        for number, design in enumerate(designs):
+            if design.is_cut_for_loads or any(strength.law for strength in self.strengths(design)):
                 answer_of[number] = one_or_error(self.of, design)
                 continue
+            arguments = given[number] = self.arguments(design)
             missing = tuple(name for name, value in arguments.items() if value is None)
             alike.setdefault((missing, tuple(tuple(bolt) for bolt in self.bolts(design))), []).append(number)
         for (_, bolts), numbers in alike.items():

@@ -245,7 +245,7 @@ def on_one_plane(factor: float | None, status: str, strength: Strength) -> Close
 def other_strengths(strength: Strength) -> Iterator[tuple[str, Strength]]:
     """A little more friction and cohesion, or a little more of each parameter of a curved law, by name."""
     yield from changed_laws(strength)
-    if strength.law is not None:
+    if strength.named_law is not None:
         return
     if strength.friction_angle_deg < 88.0:
         yield "φ +1°", replace(strength, friction_angle_deg=strength.friction_angle_deg + 1.0)

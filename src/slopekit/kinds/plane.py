@@ -13,14 +13,18 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
-from slopekit.design.common import Design, Strength, Water
+from slopekit.core.units import is_unit_of, unit_of
+from slopekit.design import words
+from slopekit.design.common import Strength, Water
 from slopekit.design.fields import Field, group, number, orientation
+from slopekit.design.ground_water import TABLE, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
-from slopekit.geometry.section import CRACK, FACE, J1, Section, line_pairs, plane_section
+from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pairs, plane_section
+from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
@@ -43,16 +47,18 @@ class VerticalCrack:
     depth_m: float | None = number("depth", "length", default=None, above=0.0, code="E121", example="4.35 m",
                                    left_out="by the distance")  # fmt: skip
     distance_m: float | None = number("distance", "length", default=None, axis="distance of the crack",
-                                      left_out="by the depth",
-                                      doc="behind the crest; below 0 in the face; both where they agree")  # fmt: skip
+                                      left_out="by the depth", words=("worst",),
+                                      doc="behind the crest; below 0 in the face; both where they agree; `worst`: "
+                                      "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
-        "water", "length", default=None, least=0.0, code="E119", label="water in the crack",
-        doc="depth of it (`dry`, `full`); triangular there, falling to nothing at the toe",
+        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures="pressure",
+        doc="depth of it (`dry`, `full`, `50 %` of its depth; a mean pressure, `5 kPa`); triangular there, "
+        "falling to nothing at the toe",
     )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PlaneDesign(Design):
+class PlaneDesign(SlopeDesign):
     """Plane failure per metre of slope (Hoek & Bray; Wyllie & Mah): one joint, maybe a vertical tension crack."""
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
@@ -95,25 +101,47 @@ def read_plane(reader: Reader) -> PlaneDesign:
         reader.fault("E143", "crack.depth is missing", node, "Add depth: 4.35 m, or distance: 4 m from the crest.")
         node = None
     crack, said = None, None if node is None else node.get("water")
-    fills = said is not None and said.text in ("dry", "full")
+    unit = unit_of(reader.value(said)) if said is not None and reader.is_sound(said) else ""
+    fills = said is not None and (said.text in ("dry", "full") or unit == "%" or is_unit_of(unit, "pressure"))
     if node is not None:
         without = replace(node, value={key: below for key, below in node.items() if not (fills and key == "water")})
         crack = VerticalCrack(**reader.fields(VerticalCrack, without))
     strengths = strengths_of(reader, joints)
     names = [joint.name for joint in joints] or ["J1"]
-    water = _water_of_plane(reader, names, said if fills else None, crack is not None)
+    ground, table = read_ground_water(reader)
+    water = table or _water_of_plane(reader, names, said if fills else None, crack is not None)
     if said is not None and (reader.at("water") is not None if fills else water != Water()):
         reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
     common = read_common(reader)
-    return reader.made(
-        PlaneDesign, own, common, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
+    searched = node is not None and (found := node.get("distance")) is not None and found.text == worst_crack.WORST
+    if searched and node is not None and node.get("depth") is not None:
+        reader.fault("E198", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
+    design: PlaneDesign = reader.made(
+        PlaneDesign, own, common, ground, joint=joints[0].plane if joints else None, joint_name=names[0], crack=crack,
         strength=strengths[0] if strengths else None, water=water,
     )  # fmt: skip
+    return _with_worst_crack(design, str(node.place)) if searched and node is not None else design
+
+
+def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
+    def at(design: PlaneDesign, distance: float) -> PlaneDesign:
+        assert design.crack is not None
+        return replace(design, crack=replace(design.crack, distance_m=distance))
+
+    try:
+        whole = section_of(replace(design, crack=None))
+    except GeometryError:
+        return replace(design, crack=None)  # which says the same where it is cut
+    crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, -float(whole.bottom[0]) - crest, place)
 
 
 def _water_of_plane(reader: Reader, names: list[str], in_crack: Node | None, has_crack: bool) -> Water:
     if in_crack is not None and reader.at("water") is None:
-        return Water("full", 1.0) if in_crack.text == "full" else Water()
+        value = reader.value(in_crack)
+        if is_unit_of(unit_of(value), "pressure"):
+            return reader.kept(words.water, [0.0, value], str(in_crack.place), has_crack) or Water()
+        return reader.kept(words.water, value, str(in_crack.place), has_crack) or Water()
     water, at = read_water(reader, [*names, *(["crack"] if has_crack else [])])
     if at is not None and not has_crack and len(at.elements) > 1:
         message = f"{len(at.elements)} water pressures given, there is one plane and no crack"
@@ -144,7 +172,8 @@ def cut(design: PlaneDesign) -> Cut:
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
         [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
-        {J1: name} | ({CRACK: "crack"} if is_cracked else {}), FACE, design.refine, axes=axes,
+        {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | ground_water.ponded(design, FACE, UPPER), FACE,
+        design.refine, axes=axes,
     )  # fmt: skip
 
 
@@ -190,6 +219,21 @@ def _axes(face: Plane) -> Floats:
 
 def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
+    found = ground_water.pushes(design, _ground(design, section))
+    return found if design.water.mode == TABLE else found | _water_of_fill(design, section)
+
+
+def _ground(design: PlaneDesign, section: Section) -> ground_water.Ground:
+    upper, face = (math.radians(_signed_dip(plane, design.face)) for plane in (design.upper, design.face))
+    normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
+    crest = [-design.height_m / math.tan(face) if design.face.dip_deg < 90.0 else 0.0, 0.0, design.height_m]
+    return ground_water.Ground(
+        section.block, (J1, CRACK), (FACE, UPPER), normals, np.array([0.0, float(normals[1] @ crest)]),
+        _axes(design.face), np.array([-1.0, 0.0, 0.0]), in_section=True,
+    )  # fmt: skip
+
+
+def _water_of_fill(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
     water, depth = design.water, section.crack_depth
     along = section.bottom / section.length
     up = np.array([along[2], 0.0, -along[0]])
@@ -260,8 +304,14 @@ def arguments(design: PlaneDesign) -> Arguments:
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_direction": plane.dip_direction_deg}
     water, crack = design.water, design.crack
     given = water.mode == "pressures"
-    pressures = [*water.pressures_kpa, 0.0] if given else [None, None]
-    return columns | force_on(design) | {
+    pressures: list[float | None] = [*water.pressures_kpa, 0.0] if given else [None, None]
+    force = force_on(design)
+    if design.is_cut_for_loads:
+        means, rest = ground_water.for_closed_form(design, _ground(design, section_of(design)))
+        force = ground_water.added(force, rest)
+        if water.mode == TABLE:
+            given, pressures = True, [means[J1], means.get(CRACK, 0.0)]
+    return columns | force | {
         "height_m": design.height_m, **_of_strengths(_strengths(design)), "unit_weight_kn_m3": design.unit_weight_kn_m3,
         "crack_depth_m": None if crack is None else crack.depth_m,
         "crack_distance_m": None if crack is None else crack.distance_m,
@@ -365,7 +415,7 @@ def closed_form(design: PlaneDesign) -> ClosedForm:
 
 def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
     changes = []
-    if design.water.mode == "dry" or design.water.fill < 1.0:
+    if design.water.mode != TABLE and (design.water.mode == "dry" or design.water.fill < 1.0):
         crack = None if design.crack is None else replace(design.crack, water_m=None)
         changes.append(("full water", replace(design, water=Water("full", 1.0), crack=crack)))
     changes += [(name, replace(design, strength=other)) for name, other in other_strengths(design.strength)]
@@ -376,7 +426,7 @@ def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
-    notices = []
+    notices = [*ground_water.notices(design, 0.0, design.height_m), *worst_crack.notices(design)]
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
@@ -411,13 +461,14 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     if geometry.crack_depth_m is not None and geometry.crack_distance_m is not None:
         off = geometry.crack_distance_m
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
-        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}")
+        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{worst_crack.in_words(design)}")
     yield sheet.Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
     crack = design.crack.water_m if design.crack is not None else None
     in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
-    yield loads_part(water_in_words(design) or in_crack, result)
+    own = ground_water.in_words(design)
+    yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
 
 
 KIND = kind_of_one_block(

@@ -80,7 +80,7 @@ def left_out_of_laws(strengths: Sequence[Strength]) -> list[str]:
 
 def changed_laws(strength: Strength) -> list[tuple[str, Strength]]:
     """A curved law with each of its parameters a little larger, one at a time: what GOVERNS asks of it."""
-    law = strength.law
+    law = strength.named_law
     if law is None:
         return []
     return [(name, Strength.by_law(other, strength.dilation_deg, strength.tension_kpa)) for name, other in _larger(law)]
@@ -96,7 +96,8 @@ def _larger(law: Any) -> list[tuple[str, Any]]:
             step = part.metadata.get("step")
             larger = value * 1.1 if step is None else value + step
             angle = "°" if part.metadata["unit"] == "angle" else ""
-            if larger != value and not larger >= part.metadata.get("below", math.inf):
+            within = larger < part.metadata.get("below", math.inf) and larger <= part.metadata.get("most", math.inf)
+            if larger != value and within:
                 changes.append((f"{sign} +10 %" if step is None else f"{sign} +{step:g}{angle}", replace(
                     law, **{part.name: larger}
                 )))  # fmt: skip

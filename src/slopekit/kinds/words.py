@@ -158,12 +158,14 @@ def weight_in_words(result: Result) -> str:
 def strength_in_words(strength: Strength, digits: str = ".1f") -> str:
     """Cohesion and friction, and what else there is, angles with so many digits."""
     words = f"c {strength.cohesion_kpa:{digits}} kPa  φ {strength.friction_angle_deg:{digits}}°"
-    if strength.law is not None:
-        words = strength.law.in_words()
+    if (law := strength.named_law) is not None:
+        words = law.in_words()
     if strength.dilation_deg:
         words += f"  ψ {strength.dilation_deg:{digits}}°"
     if strength.tension_kpa:
         words += f"  σt {strength.tension_kpa:.4g} kPa"
+    if strength.residual is not None:
+        words += f"  {strength.residual.in_words()}"
     return words
 
 

@@ -5,7 +5,8 @@ from typing import Any
 
 from slopekit.strength.barton_bandis import BartonBandis
 from slopekit.strength.bilinear import Bilinear
+from slopekit.strength.bridged import Bridged
 from slopekit.strength.mohr_coulomb import MohrCoulomb
 from slopekit.strength.power import PowerCurve
 
-LAWS: Mapping[str, Any] = {law.name: law for law in (MohrCoulomb, BartonBandis, PowerCurve, Bilinear)}
+LAWS: Mapping[str, Any] = {law.name: law for law in (MohrCoulomb, BartonBandis, PowerCurve, Bilinear, Bridged)}

@@ -219,6 +219,8 @@ def _absent(design: Design) -> Iterator[_Absent]:
         value = getattr(design, field.taken or name) if field.is_attribute else None
         if field.path == "loads.seismic":
             yield "loads.seismic.k", design.seismic.coefficient, ()
+        elif field.path == "loads.surcharge":
+            yield field.path, value or 0.0, ()
         elif field.path.startswith(("rock.d", "rock.u", "water")):
             continue
         elif isinstance(value, Plane):

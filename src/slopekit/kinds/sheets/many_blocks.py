@@ -22,6 +22,7 @@ from slopekit.kinds.sheets.shared import (
     leading,
     locked_in,
     methods,
+    residual,
     series,
     verdict,
 )
@@ -140,7 +141,7 @@ def _factors(result: Result) -> list[Factor]:
         rows.append(Factor(fos.all_pairs_failed, said))
     elif result.design.criterion == "all-pairs":
         rows.append(Factor(None, "all pairs failed: asked for, and not found"))
-    return rows
+    return [*rows, *residual(result)]
 
 
 def limit_in_words(result: Result) -> str:

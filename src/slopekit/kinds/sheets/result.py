@@ -19,6 +19,7 @@ from slopekit.kinds.sheets.shared import (
     leading,
     locked_in,
     methods,
+    residual,
     series,
     times,
     verdict,
@@ -96,7 +97,7 @@ def _factors(result: Result) -> list[Factor]:
     if fos.all_pairs_failed is not None:
         said = "all pairs failed (the paper's criterion; depends on the stiffness)"
         rows.append(Factor(fos.all_pairs_failed, said))
-    return rows
+    return [*rows, *residual(result)]
 
 
 def _rotation(result: Result) -> list[str]:

@@ -139,6 +139,20 @@ def locked_in(result: Result) -> Factor:
     return Factor(fos.lowest, "same mechanism, whatever forces are locked in", to=fos.highest)
 
 
+def residual(result: Result) -> list[Factor]:
+    """The factors on residual strength, after slip."""
+    left = result.residual
+    if left is None:
+        return []
+    status = result.design.in_own_names(result.words.status(left.status))
+    differs = "" if left.status == result.status else f": {status}"
+    rows = [Factor(left.limit, f"residual strength, limit, PRE-IE{differs}", judged_difference(
+        left.difference, left.agree, result.design.agree_within) if left.agree is not None else "")]  # fmt: skip
+    if left.closed_form is not None:
+        rows.append(Factor(left.closed_form, f"residual strength, {result.words.closed_form}"))
+    return rows
+
+
 def methods(result: Result) -> list[Entry]:
     """The methods of columns, which know other mechanics: printed beside, not compared."""
     if not result.methods:
@@ -188,16 +202,20 @@ def series(result: Result) -> list[Entry]:
 
 def verdict(result: Result) -> str:
     """Whether the limit agrees with the closed form, and by how much it differs."""
-    within = f"limit {result.design.agree_within * 100:g} %"
     if result.agree is None:
         return "not compared with the closed form"
     against = "forces only against closed form: " if result.moments_govern else ""
-    word = "AGREE" if result.agree else "DISAGREE"
-    if result.difference is None:
-        return f"{against}{word} (no number from either)" if result.agree else f"{against}{word}"
-    percent = result.difference * 100
+    return against + judged_difference(result.difference, result.agree, result.design.agree_within)
+
+
+def judged_difference(difference: float | None, agree: bool, agree_within: float) -> str:
+    """The difference of two methods and the word for it."""
+    within, word = f"limit {agree_within * 100:g} %", "AGREE" if agree else "DISAGREE"
+    if difference is None:
+        return f"{word} (no number from either)" if agree else word
+    percent = difference * 100
     shown = "< 0.0001 %" if percent < 1e-4 else f"{percent:.4f} %"
-    return f"{against}difference {shown}   {word} ({within})"
+    return f"difference {shown}   {word} ({within})"
 
 
 def all_pairs(result: Result) -> list[Entry]:

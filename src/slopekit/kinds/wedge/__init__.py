@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import frozen
-from slopekit.core.errors import Notice
+from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
 from slopekit.design.common import Strength
@@ -17,6 +17,7 @@ from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
+from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
@@ -49,7 +50,8 @@ def cut(design: WedgeDesign) -> Cut:
         block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
         lambda: _geometry(design, rock, block), _left_out(design, block),
-        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces},
+        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
+        | ground_water.ponded(design, FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
@@ -87,13 +89,21 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
         [point_force(force, origin) for force in design.forces], active, passive,
+        ground_water.pushes(design, _ground(design, rock, block)),
+    )  # fmt: skip
+
+
+def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> ground_water.Ground:
+    return ground_water.Ground(
+        block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
+        -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
 
 
 def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
     """Water on the joints and the crack: Hoek & Bray's pyramid, or the mean pressures that the user gave."""
     water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
-    if water.mode == "dry" and not water.crack_fill:
+    if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
         return {}
     pressures: dict[int, WaterPressure] = {}
     if water.mode == "pressures":
@@ -126,8 +136,15 @@ def arguments(design: WedgeDesign) -> Arguments:
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     water, crack = design.water, design.crack
     given = water.mode == "pressures"
-    pressures = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
-    return columns | force_on(design) | {
+    pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
+    force = force_on(design)
+    if design.is_cut_for_loads:
+        rock = _rock_mass(design)
+        means, rest = ground_water.for_closed_form(design, _ground(design, rock, cut_wedge(rock)))
+        force = ground_water.added(force, rest)
+        if water.mode == "table":
+            given, pressures = True, [means[J1], means[J2], means.get(CRACK, 0.0)]
+    return columns | force | {
         "height_m": design.height_m, **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
@@ -202,6 +219,21 @@ def closed_form(design: WedgeDesign) -> ClosedForm:
     return ON_ARRAYS.of(design)
 
 
+def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
+    """The wedge with its crack where the closed form is lowest; `place` in the file, for messages."""
+
+    def at(design: WedgeDesign, distance: float) -> WedgeDesign:
+        assert design.crack is not None
+        return replace(design, crack=replace(design.crack, distance_m=distance))
+
+    try:
+        rock = _rock_mass(replace(design, crack=None))
+    except GeometryError:
+        return replace(design, crack=None)  # which says the same where it is cut
+    trace = rock.back - rock.crest1
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, math.sqrt(float(trace @ trace)), place)
+
+
 def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
     changes: list[tuple[str, WedgeDesign]] = []
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
@@ -214,7 +246,7 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
         for name, other in changed_laws(strength):
             pair = [other if own == strength else own for own in (first, second)]
             changes.append((name + of, design.with_strengths(*pair)))
-    is_straight = not any(design.laws)
+    is_straight = not any((*design.laws, *design.made_of))
     phi, c = design.friction_angle_deg, design.cohesion_kpa
     if is_straight and max(phi) < 88.0:
         changes.append(("φ +1°", replace(design, friction_angle_deg=(phi[0] + 1.0, phi[1] + 1.0))))
@@ -264,7 +296,9 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
         yield Notice("W301", _parallel_note(design, apart))
-    water = design.water
+    water, toe = design.water, design.origin_m[2]
+    yield from ground_water.notices(design, toe, toe + design.height_m)
+    yield from worst_crack.notices(design)
     if design.crack and water.mode == "pressures" and len(water.pressures_kpa) < 3 and water.crack_fill is None:
         yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
     if water.mode == "dry" and water.crack_fill:
@@ -304,7 +338,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         area = size_number(geometry.areas_m2["crack"])
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
-            f"crest along J1  area {area} m²"
+            f"crest along J1{worst_crack.in_words(design)}  area {area} m²"
         )
     line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
     length = size_number(geometry.line_length_m)
@@ -312,7 +346,8 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     yield Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
-    yield loads_part(water_in_words(design), result)
+    wet = [] if design.water.mode == "table" else water_in_words(design)
+    yield loads_part([*wet, *ground_water.in_words(design)], result)
 
 
 def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:

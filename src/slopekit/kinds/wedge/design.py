@@ -1,5 +1,6 @@
 """The design of a wedge: its keys, and how it is read from a file or the inputs of a call; all faults at once."""
 
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,8 +11,9 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
-from slopekit.design.common import Design, Strength, Water
+from slopekit.design.common import Residual, Strength, Water
 from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
+from slopekit.design.ground_water import SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
@@ -20,6 +22,8 @@ from slopekit.design.sections import given_water, read_common, read_strength, re
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
+#: Where a crack lowers the closed form most.
+WORST = "worst"
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -45,11 +49,12 @@ class Crack:
 
     plane: Plane = orientation("plane", axis="the crack", example="80/180")
     distance_m: float = number("distance", "length", above=0.0, code="E121", label="crack distance", example="5 m",
-                                doc="from the crest along J1's trace")  # fmt: skip
+                                words=("worst",), doc="from the crest along J1's trace; `worst`: where the closed form "
+                                "is lowest")  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class WedgeDesign(Design):
+class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
     `laws` are the curved ones of the joints; cohesion and friction angle are those of `Strength.by_law` then.
@@ -80,11 +85,16 @@ class WedgeDesign(Design):
     )
     joint_names: tuple[str, str] = ("J1", "J2")
     laws: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+    made_of: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
+    residuals: tuple[Residual | None, Residual | None] = (None, None)
 
     @property
     def strengths(self) -> tuple[Strength, ...]:
         """The strength of each joint."""
-        parts = self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws
+        parts = (
+            self.cohesion_kpa, self.friction_angle_deg, self.dilation_deg, self.tension_kpa, self.laws, self.made_of,
+            self.residuals,
+        )  # fmt: skip
         return tuple(Strength(*values) for values in zip(*parts, strict=True))
 
     def with_strengths(self, first: Strength, second: Strength) -> "WedgeDesign":
@@ -94,7 +104,13 @@ class WedgeDesign(Design):
             friction_angle_deg=(first.friction_angle_deg, second.friction_angle_deg),
             dilation_deg=(first.dilation_deg, second.dilation_deg),
             tension_kpa=(first.tension_kpa, second.tension_kpa), laws=(first.law, second.law),
+            made_of=(first.made_of, second.made_of), residuals=(first.residual, second.residual),
         )  # fmt: skip
+
+    def at_residual(self) -> "WedgeDesign":
+        """The wedge with residual strength wherever there is one."""
+        first, second = self.strengths
+        return self.with_strengths(first.at_residual(), second.at_residual())
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -130,17 +146,24 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     crack = None if crack_node is None or crack_node.value is None else _crack(reader, crack_node)
     has_crack = crack_node is not None and crack_node.value is not None
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
-    water = _water(reader, crack_node, [*names, *(["crack"] if has_crack else [])])
+    ground, table = read_ground_water(reader)
+    water = _water(reader, crack_node, [*names, *(["crack"] if has_crack else [])], table)
     own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
     common = read_common(reader)
     sound = [one or Strength(0.0, 0.0) for one in strengths]
-    return reader.made(
-        WedgeDesign, own, common, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
+    design: WedgeDesign = reader.made(
+        WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
         water=water, cohesion_kpa=tuple(one.cohesion_kpa for one in sound),
         friction_angle_deg=tuple(one.friction_angle_deg for one in sound),
         dilation_deg=tuple(one.dilation_deg for one in sound), tension_kpa=tuple(one.tension_kpa for one in sound),
-        laws=tuple(one.law for one in sound),
+        laws=tuple(one.law for one in sound), made_of=tuple(one.made_of for one in sound),
+        residuals=tuple(one.residual for one in sound),
     )  # fmt: skip
+    if crack is None or crack_node is None or not math.isinf(crack.distance_m):
+        return design
+    from slopekit.kinds.wedge import with_worst_crack  # which judges designs, and is made of them
+
+    return with_worst_crack(design, str(crack_node.place))
 
 
 def _without_joints(reader: Reader) -> list[Strength | None]:
@@ -174,8 +197,10 @@ def crack_of_words(value: object, where: str) -> Crack:
         orientation = parse_plane(given["plane"], "crack", where)
     except DesignError as error:
         faults += error.faults
+    away = math.inf  # looked for once the wedge is known
     try:
-        away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
+        if str(given["distance"]).strip() != WORST:
+            away = words.above_zero(given["distance"], "length", "crack distance", "E121", where)
     except DesignError as error:
         faults += error.faults
     if faults:
@@ -183,10 +208,16 @@ def crack_of_words(value: object, where: str) -> Crack:
     return Crack(orientation, away)
 
 
-def _water(reader: Reader, crack: Node | None, order: Sequence[str]) -> Water:
+def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Water | None) -> Water:
     """Water on the joints, with the crack's own word: how full it is, or its pressure, the third beside the joints'."""
     has_crack = crack is not None
     node = crack.get("water") if crack is not None else None
+    if table is not None:
+        if node is not None:
+            reader.fault(
+                "E198", "the crack's water and a water table both say how full it is", node, "Keep one of them."
+            )
+        return table
     if node is None or node.value is None:
         return read_water(reader, order, has_crack)[0]
     top = reader.at("water")

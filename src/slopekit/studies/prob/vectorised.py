@@ -104,8 +104,10 @@ def vectorised(design: Design, values: Floats, values_at: ValuesAt) -> Vectorise
     on_arrays = kind.on_arrays
     if on_arrays is None:
         return None
-    if any(strength.law for strength in kind.strengths(design)):
-        # strength is curved: the closed form is asked again and again then, sample by sample
+    if design.is_cut_for_loads:
+        return None
+    if any(strength.named_law for strength in kind.strengths(design)):
+        # curved strength asks the closed form again and again, sample by sample; straight laws have keys of their own
         return None
     keys = [key for variable in design.variables for key in variable.columns]
     before = as_laid_out(design)

@@ -1,0 +1,108 @@
+"""Where a tension crack lowers the closed form's factor most: `crack: {distance: worst}`.
+
+A sweep of the whole range finds the valley, ever narrower sweeps its bottom. For a dry plane below level ground Hoek &
+Bray (1981, ch. 7) give it in closed form: b_c / H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.design.ground_water import SlopeDesign
+from slopekit.kinds.closed_forms import OnArrays
+
+WORST = "worst"
+_MANY, _FEW = 401, 31
+_NARROWER = 11
+_ENDS = 1e-6  # of the range: nearer to its ends there is no crack
+_FLAT = 1e-9
+
+D = TypeVar("D", bound=SlopeDesign)
+
+
+def lowest(
+    factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8
+) -> tuple[float, float, str]:
+    """The place in (0, reach) with the lowest factor, that factor, and whether it is "inside", at an "end" or "flat".
+
+    Parameters
+    ----------
+    factor_at : factors at places (n,), nan where there is none; count : places of the first sweep
+    rounds : narrower sweeps, each a fifth of the one before
+
+    >>> place, _, where = lowest(lambda x: (x - 2.0) ** 2 + 1.0, 10.0, 50)
+    >>> round(place, 6), where
+    (2.0, 'inside')
+    """
+    places = np.linspace(_ENDS, 1.0 - _ENDS, count) * reach
+    factors = factor_at(places)
+    if not np.isfinite(factors).any():
+        return math.nan, math.nan, "none"
+    k = int(np.nanargmin(factors))
+    where = "end" if k in (0, count - 1) else "inside"
+    if np.nanmax(factors) - np.nanmin(factors) <= _FLAT * abs(float(factors[k])):
+        where = "flat"
+    best = (float(places[k]), float(factors[k]))
+    low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, count - 1)])
+    for _ in range(rounds if where == "inside" else 0):
+        places = np.linspace(low, high, _NARROWER)
+        factors = factor_at(places)
+        k = int(np.nanargmin(factors))
+        best = (float(places[k]), float(factors[k])) if factors[k] <= best[1] else best
+        low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, _NARROWER - 1)])
+    return *best, where
+
+
+def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float], D], reach: float, place: str) -> D:
+    """The design with its crack where the closed form is lowest.
+
+    Parameters
+    ----------
+    at : the design with its crack at a distance; reach : the longest distance, m; place : in the file, for messages
+
+    Raises
+    ------
+    DesignError
+        E459 no place gives a factor.
+    """
+    first = at(design, reach / 2.0)
+    together = not design.is_cut_for_loads and not any(one.law for one in on_arrays.strengths(design))
+
+    def one(distance: float) -> float:
+        try:
+            return on_arrays.of(at(design, distance)).factor or math.nan
+        except GeometryError:
+            return math.nan
+
+    def factors(places: Floats) -> Floats:
+        if not together:
+            return np.array([one(float(place)) for place in places])
+        arguments: dict[str, Any] = on_arrays.arguments(first) | {"crack_distance_m": places}
+        found: Floats = np.asarray(on_arrays.closed_forms(arguments, on_arrays.bolts(first)).factor, dtype=np.float64)
+        return np.broadcast_to(found, places.shape)
+
+    distance, _, where = lowest(factors, reach, *((_MANY, 10) if together else (_FEW, 5)))
+    if where == "none":
+        message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
+        raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
+    return replace(at(design, distance), crack_searched=where)
+
+
+def notices(design: SlopeDesign) -> list[Notice]:
+    """What a reader must know of a place that was looked for."""
+    if design.crack_searched == "end":
+        return [Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
+                       "crest itself, or none at all")]  # fmt: skip
+    if design.crack_searched == "flat":
+        return [Notice("W421", "the place of the crack does not move the factor: none is worse than another")]
+    return []
+
+
+def in_words(design: SlopeDesign) -> str:
+    """Behind the place of the crack on the sheet."""
+    return " (the worst place by the closed form)" if design.crack_searched else ""

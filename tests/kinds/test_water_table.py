@@ -1,0 +1,270 @@
+"""Water tables, ponds, surcharge and the worst crack: against hydrostatics by hand, quadrature and Hoek & Bray."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.core.errors import DesignError, GeometryError
+from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes
+from slopekit.kinds import kind_named
+
+WATER = 9.81
+WEDGE = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "65/185", "upper": "0/185", "height": "20 m"},
+    "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "60/235"}}, "strength": {"s": {"c": 20, "phi": 30}},
+    "rock": {"unit_weight": 26},
+}  # fmt: skip
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": "12 m"},
+    "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 25, "phi": 37}}, "rock": {"unit_weight": 26},
+}  # fmt: skip
+
+
+def pressures():
+    """A table of each form, with and without a pond."""
+    slopes = np.array([[0.1, -0.8, 0.6], [0.0, -0.17, 0.98]])
+    forms = (
+        under_planes(slopes, np.array([0.0, 10.0]), 1.0),
+        in_strips(np.array([0.0, 1.0, 0.0]), [0.0, 5.0, 12.0], [1.0, 3.0, 9.0]),
+        (Height(np.array([0.1, -0.2, 0.0]), 2.0),),
+    )
+    return [Pressure(form, pond, WATER) for form in forms for pond in (None, 2.0)]
+
+
+@pytest.mark.parametrize("water", pressures())
+def test_the_integral_over_a_triangle_is_that_of_quadrature(water) -> None:
+    """Force and moment by 80,000 equal triangles: pressure at their middles, so that kinks alone cost (0.2 %)."""
+    rng = np.random.default_rng(3)
+    n = 283
+    u, v = np.meshgrid(np.arange(n) / n, np.arange(n) / n)
+    upward = (u + v < 1.0 - 0.5 / n).ravel()
+    downward = (u + v < 1.0 - 1.5 / n).ravel()
+    middles = np.concatenate([
+        np.stack([u.ravel()[upward], v.ravel()[upward]], 1) + 1.0 / 3.0 / n,
+        np.stack([u.ravel()[downward], v.ravel()[downward]], 1) + 2.0 / 3.0 / n,
+    ])  # fmt: skip
+    for _ in range(3):
+        corners = rng.normal(size=(3, 3)) * 8.0
+        sides = corners[1:] - corners[0]
+        points = corners[0] + middles @ sides
+        share = water.at(points) * float(np.linalg.norm(np.cross(*sides))) / 2.0 / len(points)
+        thrust, at = water.on(corners)
+        assert thrust == pytest.approx(float(share.sum()), rel=2e-3, abs=1e-6)
+        assert thrust * at == pytest.approx(share @ points, rel=5e-3, abs=2e-2 * (1.0 + abs(thrust)))
+
+
+def test_a_polygon_in_the_border_of_two_pieces_counts_once() -> None:
+    """A vertical crack at a corner of the table: γ h² / 2 at a third of its height, not twice that."""
+    wall = np.array([[0.0, 5.0, 0.0], [1.0, 5.0, 0.0], [1.0, 5.0, 6.0], [0.0, 5.0, 6.0]])
+    table = in_strips(np.array([0.0, 1.0, 0.0]), [0.0, 5.0, 12.0], [1.0, 3.0, 9.0])
+    thrust, at = Pressure(table, None, WATER).on(wall)
+    assert thrust == pytest.approx(WATER * 4.5, rel=1e-13)
+    assert at == pytest.approx([0.5, 5.0, 1.0], rel=1e-13)
+
+
+@pytest.mark.parametrize("design", [WEDGE, PLANE, {**WEDGE, "crack": {"plane": "80/185", "distance": "2 m"}}],
+                         ids=["wedge", "plane", "cracked wedge"])  # fmt: skip
+def test_a_drowned_block_has_its_buoyant_weight(design) -> None:
+    """Archimedes: the water's forces add up to γ_w V through the centroid, F is that of a rock of weight γ - γ_w."""
+    height = float(design["slope"]["height"].split()[0])
+    drowned = sk.load({**design, "water": {"pond": height}})
+    loads, block = (made := kind_named(drowned.kind).cut(drowned)).loads, made.block
+    water = sum(force for name, force in loads.parts.items() if name.startswith("water"))
+    assert water == pytest.approx([0.0, 0.0, WATER * block.volume], rel=1e-12, abs=1e-11 * WATER * block.volume)
+    assert loads.moment == pytest.approx(np.zeros(3), abs=1e-11 * WATER * block.volume * height)
+    result = sk.analyse(drowned)
+    buoyant = sk.run({**design, "rock": {"unit_weight": 26 - WATER}})
+    assert result.fos.limit == pytest.approx(buoyant.fos.limit, rel=1e-9)
+    assert result.fos.closed_form == pytest.approx(buoyant.fos.closed_form, rel=1e-12)
+
+
+@pytest.mark.parametrize("level", [3.0, 8.0])
+@pytest.mark.parametrize("is_ponded", [False, True])
+def test_a_level_table_on_a_plane_by_hand(level, is_ponded) -> None:
+    """U = γ_w h² / (2 sin ψ_p) on the plane; a pond of that level presses on the face with γ_w h² / (2 sin ψ_f)."""
+    water = {"pond": level} if is_ponded else {"mode": "table", "plane": f"0/180@{level} m"}
+    if not is_ponded:  # level ground water would stand above the face: it is refused, and points end at the face
+        with pytest.raises(GeometryError, match="E456"):
+            sk.run({**PLANE, "water": water})
+        water = {"mode": "table", "points": [[0, 0], [level / math.tan(math.radians(60.0)), level]]}
+    result = sk.run({**PLANE, "water": water})
+    dip, face, phi = (math.radians(angle) for angle in (35.0, 60.0, 37.0))
+    weight = 13.0 * 144.0 * (1.0 / math.tan(dip) - 1.0 / math.tan(face))
+    uplift, push = WATER * level**2 / 2.0 / math.sin(dip), 0.0
+    if is_ponded:
+        push = WATER * level**2 / 2.0 / math.sin(face)
+    else:  # below the face the head over the plane falls from the front to the toe
+        front = level / math.tan(face)
+        uplift = WATER * (front * (level - front * math.tan(dip)) / 2.0
+                          + (level - front * math.tan(dip)) ** 2 / math.tan(dip) / 2.0) / math.cos(dip)  # fmt: skip
+    normal = weight * math.cos(dip) - uplift + push * math.cos(face - dip)
+    driving = weight * math.sin(dip) - push * math.sin(face - dip)
+    exact = (25.0 * 12.0 / math.sin(dip) + normal * math.tan(phi)) / driving
+    assert result.forces.water["J1"] == pytest.approx(uplift, rel=1e-12)
+    assert result.forces.water.get("face", 0.0) == pytest.approx(push, rel=1e-12)
+    assert result.fos.closed_form == pytest.approx(exact, rel=1e-12)
+    assert result.forces_only == pytest.approx(exact, rel=1e-8)
+
+
+@pytest.mark.parametrize("water", [
+    {"mode": "table", "depth": "4 m"}, {"mode": "table", "depth": "4 m", "pond": "6 m"},
+    {"mode": "table", "points": [[0, 0], [6, 5], [20, 12]]}, {"mode": "table", "plane": "10/185@0m", "pond": 2},
+], ids=str)  # fmt: skip
+@pytest.mark.parametrize(
+    "crack",
+    [
+        None,
+        {
+            "plane": "80/185",
+            "distance": "2 m",
+        },
+    ],
+)
+def test_both_methods_judge_the_same_water(water, crack) -> None:
+    """The closed form on mean pressures, PRE-IE on resultants where they act: the same factor where nothing turns."""
+    design = {**WEDGE, "water": water, "loads": {"surcharge": "20 kPa"}} | ({"crack": crack} if crack else {})
+    result = sk.run(design)
+    assert result.forces_only == pytest.approx(result.fos.closed_form, rel=1e-9)
+    assert result.forces.water["J1"] > 0.0
+
+
+def test_a_surcharge_is_a_force_on_the_plan_of_the_upper_slope() -> None:
+    """The same as its resultant typed as a force through the middle of the upper slope, moments included."""
+    upper = sk.run(WEDGE).geometry.faces_m["upper slope"]
+    middle, area = upper.mean(axis=0), 0.5 * abs(float(np.cross(upper[1] - upper[0], upper[2] - upper[0])[2]))
+    assert len(upper) == 3
+    pressed = sk.run({**WEDGE, "loads": {"surcharge": "50 kPa"}})
+    forced = sk.run({**WEDGE, "loads": {"forces": [{"force": [0, 0, -50.0 * area], "at": middle.tolist()}]}})
+    assert pressed.fos.limit == pytest.approx(forced.fos.limit, rel=1e-10)
+    assert pressed.fos.closed_form == pytest.approx(forced.fos.closed_form, rel=1e-12)
+
+
+@pytest.mark.parametrize(("water", "origin"), [({"mode": "table", "points": [[0, 0], [6, 5], [20, 12]], "pond": 3}, 0),
+                                               ({"mode": "table", "plane": "10/185@-1m"}, 1)])  # fmt: skip
+def test_turned_and_moved(water, origin) -> None:
+    """Turned about the vertical, and moved to map coordinates with its elevations, a wedge keeps its factor."""
+    design = {**WEDGE, "water": water}
+    found = sk.run(design).fos
+    up = 250.0
+    moved = {key: value for key, value in water.items() if key == "mode"}
+    if "points" in water:
+        moved |= {"points": [[x, z + up] for x, z in water["points"]], "pond": water["pond"] + up}
+    else:
+        moved |= {"plane": f"10/225@{up - 1.0} m"}
+    turned = sk.run({
+        **design, "slope": {"face": "65/225", "upper": "0/185", "height": "20 m", "origin": [5e5, 4e6, up]},
+        "joints": {"J1": {"plane": "45/145"}, "J2": {"plane": "60/275"}}, "water": moved,
+    }).fos  # fmt: skip
+    assert (turned.limit, turned.closed_form) == pytest.approx((found.limit, found.closed_form), rel=1e-9)
+
+
+# -- the worst crack ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("face", "dip", "height"), [(60.0, 35.0, 12.0), (75.0, 40.0, 30.0), (50.0, 30.0, 5.0)])
+def test_the_worst_crack_of_a_dry_plane_is_hoek_and_brays(face, dip, height) -> None:
+    """Hoek & Bray (1981), ch. 7: b_c/H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f, z_c/H = 1 - sqrt(cot ψ_f tan ψ_p)."""
+    design = sk.load({
+        **PLANE, "slope": {"face": [face, 180], "height": height}, "joints": {"J1": {"plane": [dip, 180]}},
+        "crack": {"distance": "worst"},
+    })  # fmt: skip
+    cot_f, cot_p = 1.0 / math.tan(math.radians(face)), 1.0 / math.tan(math.radians(dip))
+    result = sk.analyse(design)
+    assert design.crack.distance_m / height == pytest.approx(math.sqrt(cot_f * cot_p) - cot_f, rel=1e-6)
+    assert result.geometry.crack_depth_m / height == pytest.approx(1.0 - math.sqrt(cot_f / cot_p), rel=1e-6)
+    assert "the worst place by the closed form" in " ".join(str(result.sheet).split())
+
+
+@pytest.mark.parametrize("more", [
+    {}, {"water": "full"}, {"water": {"mode": "table", "depth": "5 m"}, "loads": {"surcharge": "30 kPa"}},
+], ids=str)  # fmt: skip
+def test_no_place_of_a_dense_sweep_is_worse(more) -> None:
+    """Designs with the crack at places of their own, one by one, by the closed form: none has a lower factor."""
+    crack = {"plane": "80/185", "distance": "worst"}
+    worst = sk.load({**WEDGE, "crack": crack, **more})
+    form = kind_named("wedge").closed_form
+    lowest, factors = form(worst).factor, []
+    for distance in np.linspace(0.05, 9.0, 60):
+        try:
+            found = form(sk.load({**WEDGE, "crack": {**crack, "distance": float(distance)}, **more}))
+        except GeometryError:
+            break
+        factors.append(found.factor)
+    assert len(factors) > 20
+    assert lowest <= min(factors) * (1.0 + 1e-12)
+    assert worst.crack_searched == ("end" if "water" in more and more["water"] == "full" else "inside")
+    if worst.crack_searched == "inside":
+        assert lowest == pytest.approx(min(factors), rel=5e-3)
+
+
+def test_a_crack_that_does_not_matter_is_said() -> None:
+    """W421: without cohesion and water F of a plane is tan φ / tan ψ wherever the crack is."""
+    found = sk.run({**PLANE, "strength": {"s": {"c": 0, "phi": 37}}, "crack": {"distance": "worst"}})
+    assert "W421" in [notice.code for notice in found.warnings]
+    assert found.fos.limit == pytest.approx(math.tan(math.radians(37)) / math.tan(math.radians(35)), rel=1e-9)
+
+
+def test_water_in_the_crack_of_a_plane_as_in_a_wedges() -> None:
+    """Wyllie & Mah, ch. 6 (cases.json 4a_wm6): 3 m of water in a crack of 4.35 m give 1.24666; 3 m is 68.97 % of it."""
+    factors = [
+        sk.run({**PLANE, "crack": {"depth": 4.35, "water": water}}).fos.closed_form
+        for water in (3.0, f"{300 / 4.35} %")
+    ]  # fmt: skip
+    assert factors == pytest.approx([1.24666] * 2, abs=5e-6)
+    assert factors[0] == pytest.approx(factors[1], rel=1e-12)
+    alone = sk.run({**PLANE, "crack": {"depth": 4.35, "water": "9 kPa"}})
+    both = sk.run({**PLANE, "crack": {"depth": 4.35}, "water": {"pressures": [0, 9]}})
+    assert alone.fos == both.fos
+
+
+# -- what is wrong --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("water", "code"), [
+    ({"mode": "table"}, "E454"), ({"depth": 4}, "E454"), ({"mode": "table", "depth": -1}, "E454"),
+    ({"mode": "table", "plane": "5/180"}, "E454"), ({"mode": "table", "plane": "85/180@2m"}, "E454"),
+    ({"mode": "table", "points": [[0, 0], [10, 4], [5, 6]]}, "E455"),
+    ({"mode": "table", "points": [[0, 0], [0, 4]]}, "E455"),
+    ({"mode": "table", "depth": 4, "plane": "5/180@2m"}, "E198"),
+    ({"mode": "full", "pond": 3}, "E198"), ({"mode": "table", "depth": 4, "fill": "50 %"}, "E198"),
+    ({"mode": "table", "depth": "4 kPa"}, "E107"), ({"mode": "table", "points": [[0, 0], [1, "x"]]}, "E106"),
+], ids=str)  # fmt: skip
+@pytest.mark.parametrize("design", [WEDGE, PLANE], ids=["wedge", "plane"])
+def test_tables_that_are_none(design, water, code) -> None:
+    """Each is said by its code, whatever the kind."""
+    with pytest.raises(DesignError) as found:
+        sk.load({**design, "water": water})
+    assert found.value.codes == (code,) or list(found.value.codes) == [code]
+
+
+def test_what_else_is_wrong() -> None:
+    """A table above the ground, a lifting surcharge, two words for one crack, kinds without a table."""
+    with pytest.raises(GeometryError, match="E456"):
+        sk.run({**WEDGE, "water": {"mode": "table", "points": [[0, 0], [10, 40]]}})
+    for more, code in (
+        ({"loads": {"surcharge": -5}}, "E458"),
+        (
+            {"crack": {"plane": "80/185", "distance": 2, "water": "full"}, "water": {"mode": "table", "depth": 3}},
+            "E198",
+        ),
+        ({"crack": {"plane": "80/185", "distance": "best"}}, "E106"),
+    ):
+        with pytest.raises(DesignError, match=code):
+            sk.load({**WEDGE, **more})
+    with pytest.raises(DesignError, match="E198"):
+        sk.load({**PLANE, "crack": {"depth": 4, "distance": "worst"}})
+    with pytest.raises(DesignError, match="E459"):
+        sk.load(
+            {**PLANE, "rock": {"unit_weight": 5}, "water": {"pressures": [900, 900]}, "crack": {"distance": "worst"}}
+        )
+
+
+@pytest.mark.parametrize(("pond", "code"), [(-1.0, "W419"), (25.0, "W420")])
+def test_what_is_said_of_a_pond(pond, code) -> None:
+    """Below the toe it wets nothing, above the crest it may be a slip of elevations."""
+    result = sk.run({**WEDGE, "water": {"pond": pond}})
+    assert code in [notice.code for notice in result.warnings]
+    if code == "W419":
+        assert result.fos.limit == pytest.approx(sk.run(WEDGE).fos.limit, rel=1e-12)
