@@ -149,7 +149,7 @@ def test_explain_and_version() -> None:
     ("typed", "wanted"),
     [
         ("kin", ["kinematic"]),
-        ("templates show wedge-", ["wedge-scatter"]),
+        ("templates show wedge-", ["wedge-basal", "wedge-scatter"]),
         ("explain E37", ["E371", "E372", "E373", "E374", "E375", "E376"]),
         ("plot result.json ex", ["exploded"]),
         ("combos --convention l", ["left-hand-rule"]),

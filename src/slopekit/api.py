@@ -24,14 +24,15 @@ def wedge(
     face: Annotated[Any, Option("Slope face, D/DD [60/180].")] = None,
     upper: Annotated[Any, Option("Upper slope, D/DD [10/180].")] = None,
     height: Annotated[Any, Option("Vertical, toe to crest at J1's trace [64.89 m].")] = None,
-    c: Annotated[Any, Option("Cohesion, one value or C1,C2 [50 kPa].")] = None,
-    phi: Annotated[Any, Option("Friction angle, one value or P1,P2 [20].")] = None,
+    c: Annotated[Any, Option("Cohesion, one value or C1,C2[,basal] [50 kPa].")] = None,
+    phi: Annotated[Any, Option("Friction angle, one value or P1,P2[,basal] [20].")] = None,
     density: Annotated[Any, Option("Density [2600 kg/m3].")] = None,
     unit_weight: Annotated[Any, Option("Unit weight, kN/m3, instead of a density.")] = None,
     dilation: Annotated[Any, Option("Dilation angle of the joints, 0 to phi [0].")] = None,
     tension: Annotated[Any, Option("Tensile strength of the joints [0 kPa].")] = None,
-    water: Annotated[Any, Option("dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,crack] [dry].")] = None,
+    water: Annotated[Any, Option("dry, full, 50%, u=9.8kPa or u=5kPa,8kPa[,basal][,crack] [dry].")] = None,
     crack: Annotated[Any, Option("Tension crack, D/DD@DIST from the crest along J1's trace.")] = None,
+    basal: Annotated[Any, Option("Basal joint, D/DD@HEIGHT over the toe on J1's trace.")] = None,
     seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
     forces: Annotated[Any, Option("F@TREND/PLUNGE, kN; repeat for more.", flag="--force", texts=0)] = None,
     bolts: Annotated[Any, Option("T@TREND/PLUNGE[,active|passive], kN; repeat.", flag="--bolt", texts=0)] = None,
@@ -61,7 +62,8 @@ def wedge(
     -----
     Values are written as on the command line, "45/115" or "5 kPa", or as Python has them: planes (45, 115), numbers,
     (J1, J2) where the joints differ, forces (east, north, up) in kN or {"force": ..., "at": (x, y, z)}, bolts
-    {"force", "toward", "acts", "head", "length"}, a crack {"plane": ..., "distance": ...}, the origin (E, N, Z).
+    {"force", "toward", "acts", "head", "length"}, a crack {"plane": ..., "distance": ...}, a basal joint {"plane": ...,
+    "height": ...}, the origin (E, N, Z).
     """
     from slopekit.kinds.wedge.design import wedge_design
 

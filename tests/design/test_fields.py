@@ -35,6 +35,8 @@ ROCK = {"unit_weight": 25, "gravity": 9.81}
 DESIGNS = [
     ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"fill": 0.5},
                "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
+    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
+               "basal": {"plane": PLANE, "height": 5}}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
                "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "water": {"mode": "table", "depth": 4, "pond": 3},

@@ -7,7 +7,7 @@ half a microsecond, whatever it does.
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
@@ -49,6 +49,11 @@ class JointPair(NamedTuple):
     bonds: Floats
     tangents: Floats
     size: Floats
+
+    @property
+    def lines(self) -> Vector:
+        """The lines (1, m) along which it slides on several joints."""
+        return self.line[0][None], self.line[1][None], self.line[2][None]
 
     def of(self, one: int) -> "JointPair":
         """One wedge's, (2, 1): for any number of loads."""
@@ -100,7 +105,19 @@ class JointPair(NamedTuple):
 # -- passive bolts ------------------------------------------------------------------------------------
 
 
-def with_bolts(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
+class Bed(Protocol):
+    """The joints of one wedge: normals into it (k, 1), lines of several (l, 1), the size of its loads (1,)."""
+
+    @property
+    def inward(self) -> Vector: ...
+    @property
+    def lines(self) -> Vector: ...
+    @property
+    def size(self) -> Floats: ...
+    def slide(self, load: Vector) -> Slide: ...
+
+
+def with_bolts(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt]) -> tuple[float, Slide]:
     """The factor of one wedge with passive bolts, and how it slides at the first loss."""
 
     def at(reduction: Floats) -> Slide:
@@ -116,7 +133,7 @@ def with_bolts(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt]) -> 
     return factor, at(np.array([reduction]))
 
 
-def _pulled(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
+def _pulled(bed: Bed, load: Sequence[float], bolts: Sequence[Bolt], reduction: Floats) -> Vector:
     """The load under bolts that pull between 0 and λ (r,) times their capacity, so as to leave the least movement."""
     pulls = np.zeros((len(bolts), reduction.size))
     settled = np.zeros(reduction.size, dtype=np.bool_)
@@ -139,20 +156,21 @@ def _pulled(bed: JointPair, load: Sequence[float], bolts: Sequence[Bolt], reduct
     return under(pulls)
 
 
-def _best_pull(bed: JointPair, load: Vector, bolt: Bolt, most: Floats) -> Floats:
+def _best_pull(bed: Bed, load: Vector, bolt: Bolt, most: Floats) -> Floats:
     """The pull between 0 and `most` (r,) with which one bolt leaves the least movement.
 
     The movement along a bolt, R·b, rises with its pull p, in a straight line in each mode. Where it draws the bolt out
     even under `most`, that is the pull; where it pushes the bolt in, nothing; else what stops it in the mode that then
     is the wedge's: R·b = 0 for that of four p.
     """
-    along, across = dot(bolt, bed.line), dot(bolt, bed.inward)
+    along, across = dot(bolt, bed.lines), dot(bolt, bed.inward)
     square, pull = dot(bolt, bolt), dot(load, bolt)
-    tries = np.zeros((6, most.size))
+    several = 2 + len(along)
+    tries = np.zeros((several + len(across) + 1, most.size))
     tries[1] = most
-    tries[2] = -dot(load, bed.line) / along  # on both joints
-    tries[3:5] = (dot(load, bed.inward) * across - pull) / (square - across * across)  # on one
-    tries[5] = -pull / square  # off both
+    tries[2:several] = -dot(load, bed.lines) / along  # on two joints
+    tries[several:-1] = (dot(load, bed.inward) * across - pull) / (square - across * across)  # on one
+    tries[-1] = -pull / square  # off all
     np.copyto(tries, 0.0, where=~((tries >= 0.0) & (tries <= most)))
     east, north, up = ((part + tries * way).ravel() for part, way in zip(load, bolt, strict=True))
     slide = bed.slide((east, north, up))

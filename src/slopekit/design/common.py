@@ -414,6 +414,8 @@ class Design:
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
     #: Attributes that hold what stands at a key of another path.
     INTO: ClassVar[Mapping[str, str]] = {}
+    #: Attributes that inputs and their hash leave out where they are None: younger than the hashes that users keep.
+    UNSAID: ClassVar[tuple[str, ...]] = ()
 
     title: str = text("title", default="", doc="text")
     project: Project = group("project", Project, default=Project(), left_out="nothing", doc="on pages only")
@@ -517,6 +519,9 @@ class Design:
         document: dict[str, Any] = _plain(self._single())
         for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES):
             document.pop(key, None)
+        for key in self.UNSAID:
+            if document.get(key, "") is None:
+                del document[key]
         return document
 
     def input_hash(self) -> str:
@@ -530,6 +535,9 @@ class Design:
             del exact[key]
         for key in ("read_as", "crack_searched"):
             exact.pop(key, None)
+        for key in self.UNSAID:
+            if exact.get(key, "") is None:
+                del exact[key]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 

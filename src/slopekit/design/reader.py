@@ -317,7 +317,8 @@ class Reader:
 def strength_of(root: Node, joint: str) -> str | None:
     """The strength that a joint (a set; all of a joint list) names, or the only one there is."""
     joints, strengths = root.get("joints") or root.get("sets"), root.get("strength")
-    own = None if joints is None else (joints.get(joint) or joints).get("strength")
+    of_basal = root.get("basal") if joint == "basal" else None
+    own = None if joints is None else (joints.get(joint) or of_basal or joints).get("strength")
     names = [name for name, _ in strengths.items()] if strengths is not None else []
     return own.text if own is not None else names[0] if len(names) == 1 else None
 

@@ -267,7 +267,9 @@ def read_stiffness(reader: Reader) -> Stiffness:
 # -- water --------------------------------------------------------------------------------------------------------
 
 
-def read_water(reader: Reader, order: Sequence[str], has_crack: bool = False) -> tuple[Water, Node | None]:
+def read_water(
+    reader: Reader, order: Sequence[str], has_crack: bool = False, has_basal: bool = False
+) -> tuple[Water, Node | None]:
     """Water of the interfaces in `order`: dry, a fraction of full, or pressures; and where it stands."""
     node = reader.at("water")
     if node is None or node.value is None:
@@ -276,7 +278,7 @@ def read_water(reader: Reader, order: Sequence[str], has_crack: bool = False) ->
     if found is None:
         return Water(), node
     value, only = found
-    return reader.kept(words.water, value, str(only.place), has_crack) or Water(), only
+    return reader.kept(words.water, value, str(only.place), has_crack, has_basal) or Water(), only
 
 
 def given_water(reader: Reader, node: Node, order: Sequence[str]) -> tuple[Any, Node] | None:

@@ -33,7 +33,7 @@ def point(value: object, name: str, where: str) -> tuple[float, float, float]:
     return east, north, up
 
 
-def water(value: Any, where: str, has_crack: bool) -> Water:
+def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> Water:
     if isinstance(value, Water):
         return value
     if isinstance(value, dict):  # as a design file has it
@@ -44,7 +44,7 @@ def water(value: Any, where: str, has_crack: bool) -> Water:
         return Water() if text == "dry" else Water("full", 1.0)
     if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
         parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value
-        return pressures(parts, where, has_crack)
+        return pressures(parts, where, has_crack, has_basal)
     if text and not text.endswith("%") and not _BARE_NUMBER.match(text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
         raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
@@ -69,15 +69,16 @@ def fill(value: Any, where: str) -> float:
     return part
 
 
-def pressures(parts: Sequence[Any], where: str, has_crack: bool) -> Water:
-    if not 1 <= len(parts) <= (3 if has_crack else 2):
-        planes = "J1, J2 and the crack" if has_crack else "J1 and J2"
+def pressures(parts: Sequence[Any], where: str, has_crack: bool, has_basal: bool = False) -> Water:
+    if not 1 <= len(parts) <= 2 + has_crack + has_basal:
+        *most, last = ["J1", "J2", *["the basal joint"] * has_basal, *["the crack"] * has_crack]
+        planes = f"{', '.join(most)} and {last}"
         raise DesignError([Fault("E109", f"{len(parts)} water pressures given, there are {planes}", where)])
     values = [quantity(part, "pressure", "water pressure", where) for part in parts]
     if min(values) < 0.0:
         raise DesignError([Fault("E119", f"water pressure is {number(min(values))} kPa, it is never negative", where)])
     if len(values) == 1:
-        values *= 2
+        values *= 3 if has_basal else 2
     return Water("pressures", 0.0, tuple(values)) if any(values) else Water()
 
 

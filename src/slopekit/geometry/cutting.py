@@ -120,6 +120,36 @@ def cut_convex(normals: Floats, offsets: Floats, outline: Floats) -> Block:
     return _block(mesh, normals, offsets, centre, half)
 
 
+def half_spaces_cut(normals: Mapping[int, Floats], offsets: Mapping[int, float], outline: Floats) -> Block | None:
+    """The block below all of some planes `normal · x <= offset`, faces by their ids; None where it has no end.
+
+    Parameters
+    ----------
+    outline : (n, 3) its corners
+
+    Raises
+    ------
+    GeometryError
+        E208 nothing lies below all of them.
+    """
+    lowest, highest = outline.min(axis=0), outline.max(axis=0)
+    centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
+    rows, at = np.zeros((max(normals) + 1, 3)), np.zeros(max(normals) + 1)
+    piece = far_box(1.5, _FAR)
+    for plane, normal in normals.items():
+        rows[plane], at[plane] = normal, offsets[plane]
+        scaled = normal * half
+        size = math.sqrt(float(scaled @ scaled))
+        offset = (offsets[plane] - float(normal @ centre)) / size
+        piece = piece.split(half_space(scaled / size, offset, plane, _CUTTER_BACK))[1]
+    if piece.is_empty():
+        raise GeometryError([Fault("E208", "the planes enclose no block")])
+    mesh = piece.to_mesh64()
+    if int(np.asarray(mesh.face_id).max()) >= _FAR:
+        return None
+    return _block(mesh, rows, at, centre, half)
+
+
 def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half: Floats) -> Block:
     triangles = np.asarray(mesh.tri_verts, dtype=np.int64)
     made_by = np.asarray(mesh.face_id, dtype=np.int64)

@@ -67,6 +67,30 @@ def wedge_rock_mass(
         E201 parallel joints, E203-E205 the line of intersection does not daylight, E206 a joint parallel to
         the face, E207 crack outside the wedge, E209 face and upper slope make no crest.
     """
+    line, crest1, crest2, offset = traces_of(joints, face, upper, height, daylights=True)
+    into_rock = _into(line, face)
+    back = into_rock * (offset / float(upper @ into_rock))
+    planes, offsets = [*joints, face, upper], [0.0, 0.0, 0.0, offset]
+    if crack is not None:
+        offsets.append(_crack_offset(crack, distance, back, crest1, (*joints, upper)))
+        planes.append(crack)
+    return RockMass(frozen(planes), frozen(offsets), frozen(np.zeros(3)), frozen(back), frozen(crest1), frozen(crest2))
+
+
+def traces_of(
+    joints: Floats, face: Floats, upper: Floats, height: float, *, daylights: bool
+) -> tuple[Floats, Floats, Floats, float]:
+    """The line of intersection, where the traces of the joints on the face meet the crest, the upper slope's offset.
+
+    Parameters
+    ----------
+    daylights : whether the line of intersection has to
+
+    Raises
+    ------
+    GeometryError
+        E201, E206, E209 and, where it has to daylight, E203-E205.
+    """
     line = cross(joints[0], joints[1])
     sine = math.sqrt(float(line @ line))
     if sine < SAME_DIRECTION:
@@ -74,13 +98,12 @@ def wedge_rock_mass(
     crest_edge = cross(face, upper)
     if math.sqrt(float(crest_edge @ crest_edge)) < SAME_DIRECTION:
         raise GeometryError([Fault("E209", "face and upper slope have the same orientation: there is no crest")])
-    line = line / sine
-    into_rock = -line if face @ line > 0.0 else line
     traces = [cross(joint, face) for joint in joints]
     for k, trace in enumerate(traces):
         if math.sqrt(float(trace @ trace)) < SAME_DIRECTION:
             raise GeometryError([_parallel("E206", f"J{k + 1} and the face", "the joint does not cut the face", 0.0)])
-    _check_daylight(line, into_rock, face, upper, sine)
+    if daylights:
+        _check_daylight(line / sine, _into(line / sine, face), face, upper, sine)
     if abs(traces[0][2]) < SAME_DIRECTION:
         message = "the trace of J1 on the face is horizontal: it never climbs to the crest"
         advice = "Number the joints the other way round." if abs(traces[1][2]) > SAME_DIRECTION else ""
@@ -96,12 +119,11 @@ def wedge_rock_mass(
         message = "the trace of J2 on the face runs along the crest and never meets it"
         raise GeometryError([Fault("E206", message)])
     crest2 = traces[1] * (offset / climb)
-    back = into_rock * (offset / float(upper @ into_rock))
-    planes, offsets = [*joints, face, upper], [0.0, 0.0, 0.0, offset]
-    if crack is not None:
-        offsets.append(_crack_offset(crack, distance, back, crest1, (*joints, upper)))
-        planes.append(crack)
-    return RockMass(frozen(planes), frozen(offsets), frozen(np.zeros(3)), frozen(back), frozen(crest1), frozen(crest2))
+    return line / sine, crest1, crest2, offset
+
+
+def _into(line: Floats, face: Floats) -> Floats:
+    return -line if face @ line > 0.0 else line
 
 
 def _check_daylight(line: Floats, into_rock: Floats, face: Floats, upper: Floats, sine: float) -> None:

@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder
 
 DILATES = "the closed form knows no dilation: it is printed, not compared"
+_OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
 _MOST_REFINED = 4
 _MOST_PASSES = 300  # where the coarser pairs took more, finer ones are not tried: seconds, and seldom settled
 _BOUND_REFINED = 2  # the static bound does not see finer node pairs (1e-6 of it), but its time does
@@ -167,6 +168,7 @@ def kind_of_one_block(
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
     carried: Carried = Carried(),  # noqa: B008  (frozen)
+    words_of: Callable[[D], Words] | None = None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -177,6 +179,7 @@ def kind_of_one_block(
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
     has_site : support can be looked for, by the block's `face`
+    words_of : what one design calls things, where that is not as the kind does
     """
 
     def analyse(design: D) -> Result:
@@ -197,7 +200,8 @@ def kind_of_one_block(
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
         of_design = tuple(notices(design))
-        return result(words, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
+        own = words if words_of is None else words_of(design)
+        return result(own, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)
@@ -527,7 +531,7 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
 
     Parameters
     ----------
-    interfaces : the ids of J1 and, where there is one, J2
+    interfaces : the ids of J1 and, where there are such, J2 and the basal joint
     """
     model = scene.model
     if limit.outcome is Outcome.NOT_CONVERGED:
@@ -551,9 +555,19 @@ def block_status(limit: Limit, analysis: LimitAnalysis, scene: Scene, interfaces
         return "slides_up"
     if len(interfaces) == 1:
         return "slides_on_J1"
+    if len(interfaces) > 2:
+        return _slides_on(limit, scene, interfaces, wholly)
     if any(wholly):
         return "slides_on_J2" if wholly[0] else "slides_on_J1"
     return "slides_on_both"
+
+
+def _slides_on(limit: Limit, scene: Scene, interfaces: Sequence[int], opens: Sequence[bool]) -> str:
+    """On which of three joints a block slides: on the two that carry most, where none of them opens."""
+    closed = [joint for joint, is_open in zip(interfaces, opens, strict=True) if not is_open]
+    carried = {joint: float(limit.normal_force[scene.pairs.interface == joint].sum()) for joint in closed}
+    two = sorted(carried, key=lambda joint: -carried[joint])[:2]
+    return "slides_on_" + "_and_".join(_OF_THREE[joint] for joint in closed if joint in two)
 
 
 def turns_over(limit: Limit, model: Model) -> str:

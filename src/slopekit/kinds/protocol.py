@@ -164,7 +164,8 @@ def compare(
     if not factor and not closed.factor:
         factor = None  # no strength at all: a status on both sides, no number (UX.md rule 2)
     if factor is None or closed.factor is None:
-        return None, factor is None and not closed.factor and (status == closed.status or status == "topples")
+        held = closed.status == "no_driving_force" and status == "rotates"  # forces alone do not drive it, moments do
+        return None, factor is None and not closed.factor and (status in (closed.status, "topples") or held)
     if closed.factor == 0.0:
         return None, False
     difference = abs(factor / closed.factor - 1.0)

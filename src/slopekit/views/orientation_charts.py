@@ -71,6 +71,8 @@ def orientations_of(document: Document) -> Oriented | None:
     friction: dict[str, float] = {}
     if isinstance(inputs.get("joints"), Mapping):  # wedge
         joints = {name: parse_plane(plane, name) for name, plane in inputs["joints"].items()}
+        if isinstance(basal := inputs.get("basal"), Mapping):
+            joints["basal"] = parse_plane(basal["plane"], "basal")
         friction = dict(zip(joints, inputs.get("friction_angle_deg") or (), strict=False))
     elif isinstance(inputs.get("joint"), str):  # plane
         name = str(inputs.get("joint_name") or "J1")

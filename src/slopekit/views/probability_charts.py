@@ -103,8 +103,9 @@ def _words(document: Document) -> str:
     with_factor = document["fos"]["samples"]
     said = [f"{document['n']} samples, {with_factor} with a factor of safety"]
     if with_factor < document["n"]:
-        known = {"slides_on_both", "slides_on_J1", "slides_on_J2", "slides_up", "slides", "rotates", "topples"}
-        without = [f"{name} {count}" for name, count in document["outcomes"].items() if name not in known]
+        known = {"slides_up", "slides", "rotates", "topples"}
+        without = [f"{name} {count}" for name, count in document["outcomes"].items()
+                   if name not in known and not name.startswith("slides_on_")]  # fmt: skip
         said.append(f"without: {', '.join(without[:5])}" if without else "")
     if bins["below"] or bins["above"]:
         said.append(f"beyond the bars: {bins['below']} lower, {bins['above']} higher")

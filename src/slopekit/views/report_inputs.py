@@ -167,12 +167,13 @@ def _planes(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str, ..
         else:
             continue
         used.add(key)
-    crack = inputs.get("crack")
-    if isinstance(crack, Mapping) and plane_of(crack.get("plane")):
-        head, where, said = _plane_row("crack", crack["plane"])
-        rest = [f"{words(name)} {value_text(name, part)}" for name, part in crack.items() if name != "plane"]
-        yield head, where, "; ".join([said, *rest])
-        used.add("crack")
+    for own_name in ("basal", "crack"):
+        one = inputs.get(own_name)
+        if isinstance(one, Mapping) and plane_of(one.get("plane")):
+            head, where, said = _plane_row(own_name, one["plane"])
+            rest = [f"{words(name)} {value_text(name, part)}" for name, part in one.items() if name != "plane"]
+            yield head, where, "; ".join([said, *rest])
+            used.add(own_name)
 
 
 def _crack_only(inputs: Mapping[str, Any]) -> bool:

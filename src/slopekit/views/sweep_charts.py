@@ -44,7 +44,8 @@ _NOW: dict[str, Any] = {
 }  # fmt: skip
 _BRIEF = {
     "slides_on_both": "both planes", "slides_on_J1": "J1", "slides_on_J2": "J2", "no_driving_force": "nothing drives",
-    "slides_up": "up", "not_converged": "no convergence",
+    "slides_up": "up", "not_converged": "no convergence", "slides_on_basal": "basal", "slides_on_J1_and_J2": "J1, J2",
+    "slides_on_J1_and_basal": "J1, basal", "slides_on_J2_and_basal": "J2, basal",
 }  # fmt: skip
 
 

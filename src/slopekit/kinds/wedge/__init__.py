@@ -39,6 +39,10 @@ _FAR_M = 1e4  # coordinates beyond this are a map's
 
 def cut(design: WedgeDesign) -> Cut:
     """Cut the wedge and load it. Raises GeometryError where the planes cut no such wedge."""
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.cut(design)
     rock = _rock_mass(design)
     block = cut_wedge(rock)
     acting = _loads(design, rock, block)
@@ -58,7 +62,12 @@ def cut(design: WedgeDesign) -> Cut:
 
 def compared(design: WedgeDesign) -> ClosedForm:
     """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without cutting the wedge."""
-    _rock_mass(design)
+    if design.basal is None:
+        _rock_mass(design)
+    else:
+        from slopekit.kinds.wedge import basal
+
+        basal.block_of(design)
     return replace(closed_form(design), why_not=DILATES if any(design.dilation_deg) else "")
 
 
@@ -72,7 +81,7 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
 
 
 def strengths_of(design: WedgeDesign) -> list[Strength]:
-    """The strengths of its two joints."""
+    """The strengths of its joints."""
     return list(design.strengths)
 
 
@@ -98,6 +107,15 @@ def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> ground_water.G
         block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
+
+
+def _ground_of(design: WedgeDesign) -> ground_water.Ground:
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.ground_of(design)
+    rock = _rock_mass(design)
+    return _ground(design, rock, cut_wedge(rock))
 
 
 def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
@@ -135,15 +153,20 @@ def arguments(design: WedgeDesign) -> Arguments:
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
     water, crack = design.water, design.crack
-    given = water.mode == "pressures"
-    pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0] if given else [None] * 3
+    given, basal = water.mode == "pressures", design.basal
+    pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
     force = force_on(design)
     if design.is_cut_for_loads:
-        rock = _rock_mass(design)
-        means, rest = ground_water.for_closed_form(design, _ground(design, rock, cut_wedge(rock)))
+        ground = _ground_of(design)
+        means, rest = ground_water.for_closed_form(design, ground)
         force = ground_water.added(force, rest)
         if water.mode == "table":
-            given, pressures = True, [means[J1], means[J2], means.get(CRACK, 0.0)]
+            given, pressures = True, [means.get(face, 0.0) for face in ground.joints]
+    if basal is not None:
+        columns |= {
+            "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
+            "basal_height_m": basal.height_m, "pressure3": pressures.pop(2),
+        }  # fmt: skip
     return columns | force | {
         "height_m": design.height_m, **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
@@ -157,11 +180,8 @@ def arguments(design: WedgeDesign) -> Arguments:
 
 
 def _of_strengths(strengths: Sequence[Strength]) -> Arguments:
-    one, two = strengths
-    return {
-        "cohesion1_kpa": one.cohesion_kpa, "cohesion2_kpa": two.cohesion_kpa,
-        "friction1_deg": one.friction_angle_deg, "friction2_deg": two.friction_angle_deg,
-    }  # fmt: skip
+    found: Arguments = {f"cohesion{k}_kpa": own.cohesion_kpa for k, own in enumerate(strengths, 1)}
+    return found | {f"friction{k}_deg": own.friction_angle_deg for k, own in enumerate(strengths, 1)}
 
 
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
@@ -171,6 +191,10 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
     ----------
     bolts : east, north and up of the passive ones
     """
+    if "basal_dip_deg" in arguments:
+        from slopekit.kinds.wedge import basal
+
+        return basal.closed_forms(arguments, bolts)
     given = dict(arguments)
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
@@ -240,23 +264,27 @@ def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
         changes.append(
             ("full water", replace(design, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
-    first, second = design.strengths
-    for k, strength in enumerate(dict.fromkeys(design.strengths), 1):
-        of = "" if first == second else f" of J{k}"
+    one_for_all = len(set(design.strengths)) == 1
+    for k, strength in enumerate(dict.fromkeys(design.strengths)):
+        of = "" if one_for_all else f" of {('J1', 'J2', 'basal')[k]}"
         for name, other in changed_laws(strength):
-            pair = [other if own == strength else own for own in (first, second)]
-            changes.append((name + of, design.with_strengths(*pair)))
+            each = [other if own == strength else own for own in design.strengths]
+            changes.append((name + of, design.with_strengths(each)))
     is_straight = not any((*design.laws, *design.made_of))
     phi, c = design.friction_angle_deg, design.cohesion_kpa
     if is_straight and max(phi) < 88.0:
-        changes.append(("φ +1°", replace(design, friction_angle_deg=(phi[0] + 1.0, phi[1] + 1.0))))
+        changes.append(("φ +1°", replace(design, friction_angle_deg=tuple(own + 1.0 for own in phi))))
     if is_straight and any(c):
-        changes.append(("c +10 %", replace(design, cohesion_kpa=(c[0] * 1.1, c[1] * 1.1))))
+        changes.append(("c +10 %", replace(design, cohesion_kpa=tuple(own * 1.1 for own in c))))
     for k, joint in enumerate(design.joints):
         if joint.dip_deg <= 89.0:
             steeper = Plane(joint.dip_deg + 1.0, joint.dip_direction_deg)
             joints = (steeper, design.joints[1]) if k == 0 else (design.joints[0], steeper)
             changes.append((f"dip of J{k + 1} +1°", replace(design, joints=joints)))
+    if design.basal is not None and design.basal.plane.dip_deg <= 89.0:
+        plane = design.basal.plane
+        under = replace(design.basal, plane=Plane(plane.dip_deg + 1.0, plane.dip_direction_deg))
+        changes.append(("dip of basal +1°", replace(design, basal=under)))
     return changes
 
 
@@ -296,11 +324,16 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
     apart = math.degrees(math.acos(min(1.0, cosine)))
     if apart < _NEARLY_PARALLEL_DEG:
         yield Notice("W301", _parallel_note(design, apart))
-    water, toe = design.water, design.origin_m[2]
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        yield from basal.notices(design)
+    water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
     yield from ground_water.notices(design, toe, toe + design.height_m)
     yield from worst_crack.notices(design)
-    if design.crack and water.mode == "pressures" and len(water.pressures_kpa) < 3 and water.crack_fill is None:
-        yield Notice("W319", "the crack is dry: pressures were given for J1 and J2 only (a third is the crack's)")
+    if design.crack and water.mode == "pressures" and len(water.pressures_kpa) <= joints and water.crack_fill is None:
+        only = "J1 and J2 only (a third" if joints == 2 else "the joints only (a fourth"
+        yield Notice("W319", f"the crack is dry: pressures were given for {only} is the crack's)")
     if water.mode == "dry" and water.crack_fill:
         yield Notice("W319", "the crack holds water, the joints below it are dry: full water (Hoek & Bray) fills both")
     if max(abs(coordinate) for coordinate in design.origin_m) > _FAR_M:
@@ -327,11 +360,16 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     entries, geometry = [], result.geometry
     assert isinstance(geometry, WedgeGeometry)
     for (_, name), own, plane, strength in zip(
-        JOINTS, design.joint_names, design.joints, strengths_of(design), strict=True
+        JOINTS, design.joint_names, design.joints, strengths_of(design), strict=False
     ):
         called = name if own == name else f"{name} ({own})"
         area = size_number(geometry.areas_m2[name])
         entries.append(f"{called} {plane}  {plane.in_words()}  {strength_in_words(strength)}  area {area} m²")
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        strength_said = strength_in_words(design.strengths[2])
+        entries.append(basal.plane_entry(design, geometry.areas_m2["basal"], strength_said))
     entries.append(f"face {design.face}  {design.face.in_words()}")
     entries.append(f"upper {design.upper}  {design.upper.in_words()}")
     if design.crack:
@@ -340,9 +378,12 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
             f"crest along J1{worst_crack.in_words(design)}  area {area} m²"
         )
-    line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
-    length = size_number(geometry.line_length_m)
-    entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
+    if design.basal is not None:
+        entries.append(basal.line_entry(geometry))
+    else:
+        line = Line(geometry.line_trend_deg, geometry.line_plunge_deg)
+        length = size_number(geometry.line_length_m)
+        entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
     yield Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
@@ -352,15 +393,27 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
 
 def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:
     values = zip(*(inputs[key] for key in STRENGTH_INPUTS), strict=True)
-    return {name: CarriedJoint(name, *own) for name, own in zip(inputs["joint_names"], values, strict=False)}
+    names = [*inputs["joint_names"], *(["basal"] if inputs.get("basal") else [])]
+    return {name: CarriedJoint(name, *own) for name, own in zip(names, values, strict=False)}
 
+
+_WORDS = Words(
+    "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
+    "Hoek & Bray: forces only", {}, along=True,
+)  # fmt: skip
+_ON_THREE = replace(
+    _WORDS, title="wedge on two joints and a basal joint", seismic="along the dip direction of the face",
+    closed_form="closed form by vectors", rests_on="vectors: forces only",
+    statuses={
+        "slides_on_J1": "slides on J1 alone", "slides_on_J2": "slides on J2 alone",
+        "lifted": "is pushed off its joints",
+        "no_driving_force": "stands: nothing drives it out of its three joints",
+    },
+)  # fmt: skip
 
 KIND = kind_of_one_block(
-    "wedge", WedgeDesign, read_wedge,
-    Words(
-        "wedge on two joints", "wedge", "along the trend of the line of intersection", "Hoek & Bray closed form",
-        "Hoek & Bray: forces only", {}, along=True,
-    ),
+    "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
+    words_of=lambda design: _WORDS if design.basal is None else _ON_THREE,
 )  # fmt: skip

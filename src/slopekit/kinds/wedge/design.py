@@ -14,7 +14,7 @@ from slopekit.design import words
 from slopekit.design.common import Residual, Strength, Water
 from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
 from slopekit.design.ground_water import SlopeDesign, read_ground_water
-from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
+from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
@@ -53,11 +53,29 @@ class Crack:
                                 "is lowest")  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class Basal:
+    """A third joint under the wedge: its plane, and its height (m) on the trace of J1 over the toe."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("strength", "text", left_out="the only one", doc="a name under strength"),
+    )
+
+    plane: Plane = orientation("plane", axis="the basal joint", example="20/180")
+    height_m: float = number(
+        "height", "length", least=-1e7, most=1e7, code="E445", label="height of the basal joint", example="5 m",
+        axis="height of the basal joint", role="quantity", says="it lies between {least} and {most} m",
+        doc="vertical, from where J1, J2 and the face meet to where it meets J1's trace on the face; below 0 the block "
+        "lies under that point (a socket wedge)",
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
-    `laws` are the curved ones of the joints; cohesion and friction angle are those of `Strength.by_law` then.
+    Strengths are those of J1, J2 and, where there is one, the basal joint. `laws` are the curved ones of the joints;
+    cohesion and friction angle are those of `Strength.by_law` then.
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
@@ -65,6 +83,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
+    UNSAID: ClassVar[tuple[str, ...]] = ("basal",)
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -74,19 +93,20 @@ class WedgeDesign(SlopeDesign):
         check=more_than_nothing, says="out of range ({least} to {most})",
         doc="vertical, from the toe to where J1's trace meets the crest",
     )  # fmt: skip
-    cohesion_kpa: tuple[float, float]
-    friction_angle_deg: tuple[float, float]
-    dilation_deg: tuple[float, float] = (0.0, 0.0)
-    tension_kpa: tuple[float, float] = (0.0, 0.0)
+    cohesion_kpa: tuple[float, ...]
+    friction_angle_deg: tuple[float, ...]
+    dilation_deg: tuple[float, ...] = (0.0, 0.0)
+    tension_kpa: tuple[float, ...] = (0.0, 0.0)
+    basal: Basal | None = group("basal", Basal, default=None, left_out="no basal joint")
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
     refine: int = refinements()
     origin_m: tuple[float, float, float] = point(
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
     joint_names: tuple[str, str] = ("J1", "J2")
-    laws: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
-    made_of: "tuple[StrengthLaw | None, StrengthLaw | None]" = (None, None)
-    residuals: tuple[Residual | None, Residual | None] = (None, None)
+    laws: "tuple[StrengthLaw | None, ...]" = (None, None)
+    made_of: "tuple[StrengthLaw | None, ...]" = (None, None)
+    residuals: tuple[Residual | None, ...] = (None, None)
 
     @property
     def strengths(self) -> tuple[Strength, ...]:
@@ -97,25 +117,19 @@ class WedgeDesign(SlopeDesign):
         )  # fmt: skip
         return tuple(Strength(*values) for values in zip(*parts, strict=True))
 
-    def with_strengths(self, first: Strength, second: Strength) -> "WedgeDesign":
+    def with_strengths(self, strengths: Sequence[Strength]) -> "WedgeDesign":
         """The same wedge with other strengths on its joints."""
-        return replace(
-            self, cohesion_kpa=(first.cohesion_kpa, second.cohesion_kpa),
-            friction_angle_deg=(first.friction_angle_deg, second.friction_angle_deg),
-            dilation_deg=(first.dilation_deg, second.dilation_deg),
-            tension_kpa=(first.tension_kpa, second.tension_kpa), laws=(first.law, second.law),
-            made_of=(first.made_of, second.made_of), residuals=(first.residual, second.residual),
-        )  # fmt: skip
+        return replace(self, **_by_joint(strengths))
 
     def at_residual(self) -> "WedgeDesign":
         """The wedge with residual strength wherever there is one."""
-        first, second = self.strengths
-        return self.with_strengths(first.at_residual(), second.at_residual())
+        return self.with_strengths([one.at_residual() for one in self.strengths])
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
-        """The joints, and the crack where there is one."""
-        return (*self.joint_names, "crack") if self.crack is not None else self.joint_names
+        """The joints, the basal joint and the crack where there are such."""
+        also = [name for name, own in (("basal", self.basal), ("crack", self.crack)) if own is not None]
+        return (*self.joint_names, *also)
 
     def in_own_names(self, sentence: str) -> str:
         """A sentence with the names of the two joints in place of J1 and J2."""
@@ -126,6 +140,17 @@ class WedgeDesign(SlopeDesign):
         document = super(WedgeDesign, self).inputs()
         document["joints"] = {f"J{k}": str(plane) for k, plane in enumerate(self.joints, 1)}
         return document
+
+
+def _by_joint(strengths: Sequence[Strength]) -> dict[str, Any]:
+    """The attributes of a wedge that have a value for each joint."""
+    return {
+        "cohesion_kpa": tuple(one.cohesion_kpa for one in strengths),
+        "friction_angle_deg": tuple(one.friction_angle_deg for one in strengths),
+        "dilation_deg": tuple(one.dilation_deg for one in strengths),
+        "tension_kpa": tuple(one.tension_kpa for one in strengths), "laws": tuple(one.law for one in strengths),
+        "made_of": tuple(one.made_of for one in strengths), "residuals": tuple(one.residual for one in strengths),
+    }  # fmt: skip
 
 
 # -- files ------------------------------------------------------------------------------------------------------------
@@ -141,23 +166,24 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     """
     joints = joints_of(reader, 2)
     own = reader.fields(WedgeDesign, only=("face", "upper", "height_m"))
-    strengths = strengths_of(reader, joints) if joints else _without_joints(reader)
+    basal_node = reader.at("basal")
+    if basal_node is not None and basal_node.value is None:
+        basal_node = None
+    basal, under = _basal(reader, basal_node, [joint.name for joint in joints])
+    strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
     crack_node = reader.at("crack")
     crack = None if crack_node is None or crack_node.value is None else _crack(reader, crack_node)
     has_crack = crack_node is not None and crack_node.value is not None
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     ground, table = read_ground_water(reader)
-    water = _water(reader, crack_node, [*names, *(["crack"] if has_crack else [])], table)
+    also = [name for name, is_there in (("basal", basal_node is not None), ("crack", has_crack)) if is_there]
+    water = _water(reader, crack_node, [*names, *also], table, basal_node is not None)
     own |= reader.fields(WedgeDesign, only=("refine", "origin_m"))
     common = read_common(reader)
     sound = [one or Strength(0.0, 0.0) for one in strengths]
     design: WedgeDesign = reader.made(
         WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        water=water, cohesion_kpa=tuple(one.cohesion_kpa for one in sound),
-        friction_angle_deg=tuple(one.friction_angle_deg for one in sound),
-        dilation_deg=tuple(one.dilation_deg for one in sound), tension_kpa=tuple(one.tension_kpa for one in sound),
-        laws=tuple(one.law for one in sound), made_of=tuple(one.made_of for one in sound),
-        residuals=tuple(one.residual for one in sound),
+        water=water, basal=basal, **_by_joint(sound),
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design
@@ -166,11 +192,31 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     return with_worst_crack(design, str(crack_node.place))
 
 
-def _without_joints(reader: Reader) -> list[Strength | None]:
+def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Basal | None, list[GivenJoint]]:
+    """The basal joint, and the same as a joint whose strength is read with those of the others."""
+    if node is None:
+        return None, []
+    if "basal" in names:
+        message = "a joint is called basal, which is the name of the joint under the wedge"
+        reader.fault("E446", message, reader.at("joints"), "Give it another name.")
+    elif not node.is_mapping:
+        message = f"basal is {node.text}, it is a group of keys"
+        reader.fault("E447", message, node, "Write basal: {plane: 20/180, height: 5 m}.")
+        return None, [GivenJoint("basal", None, None, node, {})]
+    own = reader.fields(Basal, node)
+    for key in ("plane", "height"):
+        given = node.get(key)
+        if given is None or given.value is None:
+            reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
+    joint = GivenJoint("basal", own["plane"], node.get("strength"), node, {})
+    return (None if None in own.values() else Basal(**own)), [joint]
+
+
+def _without_joints(reader: Reader, under: int) -> list[Strength | None]:
     """Strengths whose joints are wrong: what is wrong with them is said all the same."""
     for name, node in reader.names("strength"):
         read_strength(reader, node, name, reader.record.DEFAULTS)
-    return [None, None]
+    return [None] * (2 + under)
 
 
 def _crack(reader: Reader, node: Node) -> Crack | None:
@@ -208,8 +254,8 @@ def crack_of_words(value: object, where: str) -> Crack:
     return Crack(orientation, away)
 
 
-def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Water | None) -> Water:
-    """Water on the joints, with the crack's own word: how full it is, or its pressure, the third beside the joints'."""
+def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Water | None, has_basal: bool) -> Water:
+    """Water on the joints, with the crack's own word: how full it is, or its pressure, the last beside the joints'."""
     has_crack = crack is not None
     node = crack.get("water") if crack is not None else None
     if table is not None:
@@ -219,21 +265,23 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
             )
         return table
     if node is None or node.value is None:
-        return read_water(reader, order, has_crack)[0]
+        return read_water(reader, order, has_crack, has_basal)[0]
     top = reader.at("water")
     given = None if top is None or top.value is None else given_water(reader, top, order)
     water, value = ("dry" if given is None else given[0]), reader.value(node)
-    joints = list(water) if isinstance(water, list) else [0.0, 0.0] if water in ("dry", 0.0) else None
+    count = 3 if has_basal else 2
+    joints = list(water) if isinstance(water, list) else [0.0] * count if water in ("dry", 0.0) else None
 
     def read(word: Any, at: Node) -> Water:
-        return reader.kept(words.water, word, str(at.place), has_crack) or Water()
+        return reader.kept(words.water, word, str(at.place), has_crack, has_basal) or Water()
 
     if not is_unit_of(unit_of(value), "pressure"):
-        if joints is None or len(joints) < 3:
+        if joints is None or len(joints) <= count:
             own = read(water, given[1]) if given is not None else Water()
             return replace(own, crack_fill=reader.kept(words.fill, value, str(node.place)))
-    elif joints is not None and len(joints) < 3:
-        return read([*(joints * 2)[:2], value], node)
+    elif joints is not None and len(joints) <= count:
+        each = joints * count if len(joints) == 1 else [*joints, 0.0]
+        return read([*each[:count], value], node)
     advice = "Give the crack's water in one place; beside full joints it is a part of full: crack: {water: 50 %}."
     reader.fault("E198", f"the crack's water is {node.text}, and water says another thing", node, advice)
     return Water()
@@ -252,7 +300,7 @@ _PATHS: Mapping[str, str] = {
 }  # fmt: skip
 _OF_JOINTS = ("c", "phi", "dilation", "tension")
 _STIFFNESS = {"normal_stiffness": "normal", "shear_stiffness": "shear"}
-_KNOWN = ("dips", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
+_KNOWN = ("dips", "basal", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
 _LISTS = ("forces", "bolts", "factors", "accept")
 
 
@@ -292,11 +340,16 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
     for name, plane in zip(("J1", "J2"), _both_joints(values.get("dips"), option, faults), strict=False):
         put(f"joints.{name}.plane", node("dips", plane))
         put(f"joints.{name}.strength", node("dips", name))
+    names = ["J1", "J2"]
+    for key, part in _basal_parts(values.get("basal"), option, faults).items():
+        put(f"basal.{key}", node("basal", part, values["basal"]))
+        put("basal.strength", node("basal", "basal"))
+        names = ["J1", "J2", "basal"]
     for key in _OF_JOINTS:
-        for name, part in zip(("J1", "J2"), _both(key, values.get(key), option, faults), strict=False):
+        for name, part in zip(names, _each(key, values.get(key), option, faults, len(names)), strict=False):
             put(f"strength.{name}.{key}", part if isinstance(part, Node) else node(key, part, values[key]))
     for key, path in _STIFFNESS.items():
-        for name in ("J1", "J2") if key in values else ():
+        for name in names if key in values else ():
             put(f"strength.{name}.stiffness.{path}", node(key, values[key]))
     for key, path in _PATHS.items():
         value = values.get(key)
@@ -338,18 +391,35 @@ def _both_joints(dips: Any, option: Callable[[str], str], faults: list[Fault]) -
     return dips
 
 
-def _both(key: str, value: Any, option: Callable[[str], str], faults: list[Fault]) -> Sequence[Any]:
-    """One value for both joints, or one for each."""
+def _basal_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) -> Mapping[str, Any]:
+    """Plane and height of a basal joint as it is written in a call: 20/180@5m."""
+    if isinstance(value, str) and value.count("@") == 1:
+        plane, _, height = value.partition("@")
+        return {"plane": plane.strip(), "height": height.strip()}
+    if isinstance(value, Mapping) and value.keys() == {"plane", "height"}:
+        return value
+    if value is not None:
+        message = f"basal is {words.shown(value)}, it is written 20/180@5m"
+        advice = "The height is that over the toe, where it meets J1's trace on the face."
+        faults.append(Fault("E447", message, f"{option('basal')} {words.shown(value)}", advice))
+    return {}
+
+
+def _each(
+    key: str, value: Any, option: Callable[[str], str], faults: list[Fault], joints: int
+) -> Sequence[Any]:  # fmt: skip
+    """One value for all joints, or one for each."""
     if value is None:
         return ()
     parts = re.split(r"\s*,\s*", value.strip()) if isinstance(value, str) else value
     parts = list(parts) if isinstance(parts, Sequence) and not isinstance(parts, str) else [parts]
-    if len(parts) == 1 or (len(parts) == 2 and parts[0] == parts[1]):
+    if len(parts) == 1 or (len(parts) == joints and all(part == parts[0] for part in parts)):
         place = Place("", 0, 0, f"{option(key)} {words.shown(value)}")
         same = from_python(parts[0], key, lambda _path, _value: place, faults)
-        return same, same  # the same node: what is wrong with it is said once
-    if len(parts) != 2:
-        message = f"{key} has {len(parts)} values, a wedge has two joints: give one value or two"
+        return [same] * joints  # the same node: what is wrong with it is said once
+    if len(parts) != joints:
+        has = "two joints: give one value or two" if joints == 2 else "three joints: give one value or three"
+        message = f"{key} has {len(parts)} values, a wedge {'has' if joints == 2 else 'with a basal joint has'} {has}"
         faults.append(Fault("E109", message, f"{option(key)} {words.shown(value)}"))
         return ()
     return parts

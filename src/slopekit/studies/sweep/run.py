@@ -186,7 +186,7 @@ class Sweep(Outcome):
             return 4
         if any(point.factors is not None for point in self.points):
             return 0
-        return 3 if any(point.code.startswith("E2") for point in self.points) else 2
+        return 3 if any(point.code.startswith(("E2", "E44")) for point in self.points) else 2
 
     @property
     def warnings(self) -> tuple[Notice, ...]:

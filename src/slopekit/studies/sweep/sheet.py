@@ -17,7 +17,10 @@ from slopekit.studies.words import BRIEF, METHODS, cell, check_word, head, statu
 
 _MOST_ROWS = 100
 _CELL = 9
-_BRIEFLY = {"slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv"}
+_BRIEFLY = {
+    "slides_on_both": "both", "no_driving_force": "stands", "not_converged": "no conv", "slides_on_basal": "basal",
+    "slides_on_J1_and_J2": "J1, J2", "slides_on_J1_and_basal": "J1, B", "slides_on_J2_and_basal": "J2, B",
+}  # fmt: skip
 _GOES = {"rises": "rises with it", "falls": "falls with it", "stays": "does not depend on it", "turns": "turns around"}
 
 
@@ -93,7 +96,7 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
         Column(title, attrgetter("value"), key.path, key.unit,
                lambda value: key.shown(value, 8) + (" now" if value == key.value else ""), -21),
         Column("", attrgetter("changed"), "changed", show=lambda changed: ">" if changed else "", width=-2),
-        Column("status", _status, "status", width=-17),
+        Column("status", _status, "status", width=-max([17, *(len(status) for status in statuses if _slides(status))])),
         *(Column(BRIEF[method], _by(method), method, show=_factor_text, width=12) for method in swept.asked),
     ]  # fmt: skip
     if len(swept.asked) > 1:
@@ -101,6 +104,10 @@ def _curve(swept: Sweep) -> Table[_PointOfCurve]:
     left = len(points) - len(kept)
     rest = f"… {left} more points are left out here: see the JSON or the CSV" if left else ""
     return Table(columns, rows, rest=rest)
+
+
+def _slides(status: str) -> bool:
+    return status.startswith("slides_on_")
 
 
 def _status(row: _PointOfCurve) -> str:

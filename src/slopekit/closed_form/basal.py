@@ -1,0 +1,436 @@
+"""A wedge on three joints in vector form, over arrays: two joints that bound it and a basal joint under it.
+
+The block is what lies above the basal joint and on the wedge's side of J1 and J2, in front of a crack, below the face
+and the upper slope. Its areas and volume come from its edges: each is a line in which two of the planes meet, clipped
+by the others (Cyrus & Beck 1978 (m)); the way it moves is the resultant's projection on the cone of movements that the
+joints leave (Warburton 1981; Goodman & Shi 1985, ch. 9): along one plane, along the line of two, or held by all three.
+Forces only, zero dilation, cohesion only on planes in contact.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from slopekit.closed_form.given import Bools, Codes, Columns, Floats, columns_of, counted, of_chunk
+from slopekit.closed_form.tolerances import SAME_DIRECTION, SMALL
+from slopekit.closed_form.wedge import WedgeArrays
+from slopekit.closed_form.wedge_sliding import (
+    FALLS,
+    LIFTED,
+    SLIDES_UP,
+    STATUSES,
+    STILL,
+    Bolt,
+    Slide,
+    Vector,
+    cross,
+    dot,
+    length,
+    plus,
+    rows,
+    times,
+    with_bolts,
+)  # fmt: skip
+
+#: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
+OUTCOMES: Final = (
+    "slides_on_J1_and_J2", *STATUSES[1:], "slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal",
+    "E201", "E206", "E209", "E441", "E443", "E442", "E440", "E444", "E207",
+)  # fmt: skip
+_NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
+_REFUSED: Final = _NUMBER["E201"]
+_CHUNK: Final = 2048  # edges take fifteen rows of each
+_RADIAN: Final = math.pi / 180.0
+_NONE: Final = 1e-12  # of the surface of the block: a face below it is none
+
+_J1, _J2, _BASAL, _FACE, _UPPER, _CRACK = range(6)
+_PLANES: Final = ("joint1", "joint2", "basal", "face", "upper", "crack")
+_FORCE: Final = ("force_east_kn", "force_north_kn", "force_up_kn")
+_PAIRS: Final = ((_J1, _J2), (_J1, _BASAL), (_J2, _BASAL))
+# modes of sliding: off all, on one, on the line of two, held by three; and what each is called
+_MODES: Final = ((), (_J1,), (_J2,), (_BASAL,), *_PAIRS, (_J1, _J2, _BASAL))
+_CALLED: Final = np.array(
+    [LIFTED, *(_NUMBER[f"slides_on_{name}"] for name in (
+        "J1", "J2", "basal", "J1_and_J2", "J1_and_basal", "J2_and_basal"
+    )), STILL], dtype=np.int8,
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BasalWedgeArrays(WedgeArrays):
+    """Wedges on three joints; what they share with those on two is as there, but for the water and the seismic trend.
+
+    Attributes
+    ----------
+    basal_dip_deg, basal_dip_direction_deg : the basal joint; the block lies above it
+    basal_height_m : vertical, from the point where J1, J2 and the face meet to where the basal joint meets the trace of
+        J1 on the face; below 0 the block lies under that point (a socket wedge)
+    cohesion3_kpa, friction3_deg : of the basal joint
+    pressures_kpa : on J1, J2, the basal joint and maybe the crack
+    fill : of γ_w H/6 on the three joints, H the height of the block; with a crack of γ_w h₅/3 on all, h₅ the depth of
+        its lowest corner below the upper slope
+    seismic_trend_deg : None for the dip direction of the face
+    """
+
+    basal_dip_deg: ArrayLike
+    basal_dip_direction_deg: ArrayLike
+    basal_height_m: ArrayLike
+    cohesion3_kpa: ArrayLike
+    friction3_deg: ArrayLike
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedFormBasalWedges:
+    """What the closed form says of each of n wedges on three joints; numbers are nan where the planes cut none.
+
+    Attributes
+    ----------
+    outcome : (n,) int8, an index into `OUTCOMES`
+    factor : (n,) factor of safety, nan unless the wedge slides (or where passive bolts hold it whatever its strength)
+    normal_kn : (3, n) effective normal forces on J1, J2 and the basal joint
+    driving_kn, resisting_kn : (n,) along the direction of sliding; with passive bolts under their pull at that factor
+    areas_m2, pressures_kpa : (4, n) of J1, J2, the basal joint and the crack
+    volume_m3, weight_kn, total_height_m : (n,)
+    """
+
+    outcome: Codes
+    factor: Floats
+    normal_kn: Floats
+    driving_kn: Floats
+    resisting_kn: Floats
+    areas_m2: Floats
+    pressures_kpa: Floats
+    volume_m3: Floats
+    weight_kn: Floats
+    total_height_m: Floats
+
+    def counts(self) -> dict[str, int]:
+        """How many wedges there are of each outcome, in the order of `OUTCOMES`, the absent ones left out."""
+        return counted(self.outcome, OUTCOMES)
+
+
+def basal_wedges(wedges: BasalWedgeArrays) -> ClosedFormBasalWedges:
+    """Outcome, factor of safety and forces of wedges on two joints and a basal joint, maybe with a tension crack.
+
+    Raises
+    ------
+    ValueError
+        The arrays do not fit together.
+
+    Formula: with R the resultant and nᵢ the normals into the block, the block moves along the s of s = R + Σ Nᵢ nᵢ for
+    which Nᵢ >= 0, s·nᵢ >= 0 and Nᵢ (s·nᵢ) = 0; F = Σ (cᵢAᵢ + Nᵢ tan φᵢ) / |s| over the planes in contact. Codes are
+    those of `geometry.basal`.
+
+    >>> wedges = BasalWedgeArrays(
+    ...     joint1_dip_deg=75.0, joint1_dip_direction_deg=100.0, joint2_dip_deg=75.0, joint2_dip_direction_deg=260.0,
+    ...     face_dip_deg=70.0, face_dip_direction_deg=180.0, upper_dip_deg=5.0, upper_dip_direction_deg=180.0,
+    ...     height_m=20.0, cohesion1_kpa=0.0, cohesion2_kpa=0.0, friction1_deg=30.0, friction2_deg=30.0,
+    ...     unit_weight_kn_m3=26.0, basal_dip_deg=[25.0, 45.0, 25.0], basal_dip_direction_deg=180.0,
+    ...     basal_height_m=[5.0, 5.0, 25.0], cohesion3_kpa=0.0, friction3_deg=30.0,
+    ... )
+    >>> found = basal_wedges(wedges)
+    >>> [OUTCOMES[outcome] for outcome in found.outcome], found.factor.round(4).tolist()
+    (['slides_on_basal', 'slides_on_J1_and_J2', 'E441'], [1.2381, 2.8886, nan])
+    """
+    columns, count = _columns(wedges)
+    bolts = [(float(bolt[0]), float(bolt[1]), float(bolt[2])) for bolt in wedges.passive_kn]
+    outcome, numbers = np.empty(count, dtype=np.int8), np.empty((17, count))
+    with np.errstate(all="ignore"):
+        for first in range(0, count, _CHUNK):
+            part = slice(first, first + _CHUNK)
+            outcome[part], found = _solved(of_chunk(columns, part), outcome[part].size, bolts)
+            for row, values in zip(numbers, found, strict=True):
+                row[part] = values
+    numbers[:, outcome >= _REFUSED] = np.nan
+    statuses = outcome < _REFUSED
+    numbers[0, statuses & ((outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL))] = np.nan
+    return ClosedFormBasalWedges(
+        outcome, numbers[0], numbers[1:4], numbers[4], numbers[5], numbers[6:10], numbers[10:14], *numbers[14:]
+    )
+
+
+def _columns(wedges: BasalWedgeArrays) -> tuple[Columns, int]:
+    given: dict[str, ArrayLike | None] = {field.name: getattr(wedges, field.name) for field in fields(wedges)}
+    for several in ("pressures_kpa", "force_kn", "passive_kn"):
+        del given[several]
+    if len(wedges.pressures_kpa) not in (0, 3, 4):
+        raise ValueError(
+            f"pressures_kpa holds {len(wedges.pressures_kpa)} values: J1, J2, the basal joint and maybe the crack"
+        )
+    given |= {f"pressure{k}_kpa": value for k, value in enumerate(wedges.pressures_kpa, 1)}
+    if wedges.force_kn is not None:
+        given |= dict(zip(_FORCE, wedges.force_kn, strict=True))
+    if (wedges.crack_dip_deg is None) != (wedges.crack_dip_direction_deg is None):
+        raise ValueError("crack_dip_deg and crack_dip_direction_deg: give both or neither")
+    return columns_of(given)
+
+
+# -- the block --------------------------------------------------------------------------------------------------------
+
+
+class _Block(NamedTuple):
+    """The planes' inward normals, three of (k, m), and of the block areas (k, m), volume, height, depth of the crack;
+    code: why there is none, else 0.
+    """
+
+    inward: Vector
+    areas: Floats
+    volume: Floats
+    height: Floats
+    crack_depth: Floats | None
+    code: Codes
+
+
+def _block(columns: Columns, count: int) -> _Block:
+    names = _PLANES if "crack_dip_deg" in columns else _PLANES[:_CRACK]
+    angles = np.empty((2, len(names), count))
+    for plane, name in enumerate(names):
+        angles[0, plane], angles[1, plane] = columns[f"{name}_dip_deg"], columns[f"{name}_dip_direction_deg"]
+    angles *= _RADIAN
+    sine, cosine = np.sin(angles), np.cos(angles)
+    upward = sine[0] * sine[1], sine[0] * cosine[1], cosine[0]
+    face, upper, joints = rows(upward, _FACE), rows(upward, _UPPER), rows(upward, slice(_J1, _BASAL))
+
+    traces = cross(joints, (face[0][None], face[1][None], face[2][None]))
+    squares, line = dot(traces, traces), cross(rows(joints, 0), rows(joints, 1))
+    crest_edge = cross(face, upper)
+    up1 = times(rows(traces, 0), 1.0 / traces[2][0])  # J1's trace, by a metre of height
+    crest1 = times(up1, columns["height_m"])
+    offset = dot(upper, crest1)
+    climb = dot(upper, rows(traces, 1))
+    crest2 = times(rows(traces, 1), offset / climb)
+    code = np.zeros(count, dtype=np.int8)
+    for where, name in (
+        (climb * climb < SAME_DIRECTION**2 * squares[1], "E206"),
+        (~(offset > 0.0), "E209"),
+        (np.abs(traces[2][0]) < SAME_DIRECTION, "E206"),
+        ((squares < SAME_DIRECTION**2).any(axis=0), "E206"),
+        (dot(crest_edge, crest_edge) < SAME_DIRECTION**2, "E209"),
+        (dot(line, line) < SAME_DIRECTION**2, "E201"),
+    ):
+        code[where] = _NUMBER[name]
+
+    # the wedge lies between the traces, above the point in which they meet or, a socket wedge, below it
+    at = times(up1, columns["basal_height_m"])
+    below = np.where(columns["basal_height_m"] < 0.0, -1.0, 1.0)
+    sides = np.ones((len(names), count))
+    sides[_J1] = np.copysign(1.0, dot(rows(upward, _J1), crest2)) * below
+    sides[_J2] = np.copysign(1.0, dot(rows(upward, _J2), crest1)) * below
+    sides[_FACE] = sides[_UPPER] = -1.0
+    # offsets from where the basal joint meets J1's trace: of the face, J1 and the basal joint they vanish
+    offsets = np.zeros((len(names), count))
+    offsets[_J2], offsets[_UPPER] = -dot(rows(upward, _J2), at), offset - dot(upper, at)
+    if len(names) > _CRACK:
+        crack, along = rows(upward, _CRACK), cross(rows(upward, _J1), upper)
+        into = np.copysign(1.0, -dot(face, along)) / length(along)
+        ahead = dot(crack, times(along, into)) * columns["crack_distance_m"]
+        sides[_CRACK] = np.where(ahead > 0.0, -1.0, 1.0)  # the crest lies in front of it
+        offsets[_CRACK] = dot(crack, (crest1[0] - at[0], crest1[1] - at[1], crest1[2] - at[2])) + ahead
+    inward = times(upward, sides)
+    edges = _edges(inward, offsets * sides)
+    areas, volume, height = edges.areas, edges.volume, edges.height
+    depth = None
+    if len(names) > _CRACK:
+        on = edges.has & (edges.planes == _CRACK).any(axis=1)[:, None]
+        deep = [(offsets[_UPPER] - dot(upper, end)) / upper[2] for end in edges.ends]
+        depth = np.where(on, np.maximum(*deep), 0.0).max(axis=0)
+    none = areas <= _NONE * areas.sum(axis=0)
+    found = np.zeros(count, dtype=np.int8)
+    for where, name in (
+        (none[_CRACK] if len(names) > _CRACK else np.zeros(count, dtype=np.bool_), "E207"),
+        (none[_J1] | none[_J2], "E444"), (none[_BASAL], "E440"), (none[_FACE], "E442"), (edges.endless, "E443"),
+        (~edges.endless & ~(volume > 0.0), "E441"),
+    ):  # fmt: skip
+        found[where] = _NUMBER[name]
+    return _Block(inward, areas, volume, height, depth, np.where(code, code, found))
+
+
+class _Edges(NamedTuple):
+    """The edges of a convex body: planes (e, 2), two ends of three (e, m), which there are, what follows of them."""
+
+    planes: Any
+    ends: tuple[Vector, Vector]
+    has: Bools
+    endless: Bools
+    areas: Floats
+    volume: Floats
+    height: Floats
+
+
+def _edges(inward: Vector, offsets: Floats) -> _Edges:
+    """The body n·x >= offset of k planes (k, m), by the lines in which they meet."""
+    count = len(offsets)
+    planes = np.array([(i, j) for i in range(count) for j in range(i)])
+    first, second = planes.T
+    one, two = rows(inward, list(first)), rows(inward, list(second))
+    along = cross(one, two)
+    long = length(along)
+    along = times(along, 1.0 / long)
+    # the point of the line next to the origin
+    base = times(plus(times(cross(two, along), offsets[first]), times(cross(along, one), offsets[second])), 1.0 / long)
+    low, high = np.full(long.shape, -np.inf), np.full(long.shape, np.inf)
+    for plane in range(count):
+        others = (planes != plane).all(axis=1)[:, None]
+        normal = rows(inward, plane)
+        rate, room = dot(normal, along), offsets[plane] - dot(normal, base)
+        at = room / rate
+        low = np.where(others & (rate > SMALL), np.maximum(low, at), low)
+        high = np.where(others & (rate < -SMALL), np.minimum(high, at), high)
+        high = np.where(others & (np.abs(rate) <= SMALL) & (room > 0.0), -np.inf, high)
+    has = (long >= SAME_DIRECTION) & (high > low)
+    endless: Bools = (has & ~(np.isfinite(low) & np.isfinite(high))).any(axis=0)
+    has &= ~endless
+    ends = tuple(plus(base, times(along, np.where(has, at, 0.0))) for at in (low, high))
+    # around a face seen from outside the edges run along outward normal x that of the other plane: here inward, twice
+    turned = cross(ends[0], ends[1])
+    areas = np.zeros(offsets.shape)
+    for plane in range(count):
+        for number, sign in ((0, 0.5), (1, -0.5)):
+            on = planes[:, number] == plane
+            if on.any():
+                parts = dot(rows(inward, plane), rows(turned, list(np.flatnonzero(on))))
+                areas[plane] -= sign * np.where(has[on], parts, 0.0).sum(axis=0)
+    heights = np.stack([ends[0][2], ends[1][2]])
+    top = np.where(has, heights, -np.inf).max(axis=(0, 1))
+    bottom = np.where(has, heights, np.inf).min(axis=(0, 1))
+    volume = -(offsets * areas).sum(axis=0) / 3.0
+    return _Edges(planes, (ends[0], ends[1]), has, endless, areas, volume, top - bottom)
+
+
+# -- how it moves -----------------------------------------------------------------------------------------------------
+
+
+class JointTriple(NamedTuple):
+    """The three joints (3, m): normals into the block, lines of J1 and J2, J1 and basal, J2 and basal, strength."""
+
+    inward: Vector
+    lines: Vector
+    bonds: Floats
+    tangents: Floats
+    size: Floats
+
+    def of(self, one: int) -> "JointTriple":
+        """One wedge's, (3, 1): for any number of loads."""
+
+        def part(values: Any) -> Any:
+            return tuple(map(part, values)) if isinstance(values, tuple) else values[..., one : one + 1]
+
+        return JointTriple(*map(part, self))
+
+    def slide(self, load: Vector) -> Slide:
+        """The one mode in which no plane pulls and none is entered: off all, on one, on two, or held by three."""
+        on = dot(load, self.inward)
+        count = on.shape[-1]
+        normals = np.zeros((len(_MODES), 3, count))
+        ways: list[Vector] = []
+        amiss = np.empty((len(_MODES), count))
+        for mode, planes in enumerate(_MODES):
+            carried = normals[mode]
+            if len(planes) == 1:
+                carried[planes[0]] = -on[planes[0]]
+            elif len(planes) == 2:
+                i, j = planes
+                between = dot(rows(self.inward, i), rows(self.inward, j))
+                share = 1.0 - between * between
+                carried[i], carried[j] = (on[j] * between - on[i]) / share, (on[i] * between - on[j]) / share
+            elif len(planes) == 3:
+                carried[:] = self._held(load)
+            way = load if not planes else plus(
+                load, tuple((part * carried).sum(axis=0) for part in self.inward)
+            )  # fmt: skip
+            if len(planes) == 3:
+                way = times(way, 0.0)
+            ways.append(way)
+            entered = np.zeros(count)
+            for plane in set(range(3)) - set(planes):
+                entered = np.maximum(entered, -dot(way, rows(self.inward, plane)))
+            amiss[mode] = np.maximum(entered, -carried.min(axis=0))
+        amiss[~np.isfinite(amiss)] = np.inf
+        mode_of = np.argmin(amiss, axis=0)
+        each = np.arange(count)
+        east, north, up = (np.stack([np.broadcast_to(way[axis], count) for way in ways])[mode_of, each]
+                           for axis in range(3))  # fmt: skip
+        normal = normals[mode_of, :, each].T
+        touching = np.array([[plane in planes for plane in range(3)] for planes in _MODES])[mode_of].T
+        driving = length((east, north, up))
+        resisting = np.where(touching, self.bonds + normal * self.tangents, 0.0).sum(axis=0)
+        outcome = _CALLED[mode_of]
+        off = outcome == LIFTED
+        outcome = np.where((up > 0.0) & ~off, SLIDES_UP, outcome)
+        highest = np.broadcast_to(np.maximum.reduce(self.inward[2]), off.shape)
+        outcome = np.where(off & (highest <= 0.0), FALLS, outcome)
+        outcome = np.where(driving <= SMALL * self.size, STILL, outcome).astype(np.int8)
+        return Slide(outcome, normal, driving, resisting, (east, north, up))
+
+    def _held(self, load: Vector) -> Floats:
+        """Normal forces (3, m) on all three planes that balance the load: by Cramer's rule."""
+        planes = [rows(self.inward, plane) for plane in range(3)]
+        across = [cross(planes[(k + 1) % 3], planes[(k + 2) % 3]) for k in range(3)]
+        space = dot(planes[0], across[0])
+        return np.stack([np.broadcast_to(-dot(load, one) / space, np.shape(load[2])) for one in across])
+
+
+def _solved(columns: Columns, count: int, bolts: Sequence[Bolt]) -> tuple[Codes, Sequence[Any]]:
+    """Outcomes, and the numbers of `ClosedFormBasalWedges`, of a chunk."""
+    block = _block(columns, count)
+    weight = columns["unit_weight_kn_m3"] * block.volume
+    pressures = _pressures(columns, block)
+    load, size = _load(columns, block, weight, pressures)
+    joints = rows(block.inward, slice(3))
+    lines = cross(rows(joints, [_J1, _J1, _J2]), rows(joints, [_J2, _BASAL, _BASAL]))
+    strength = np.empty((2, 3, count))
+    for joint in range(3):
+        strength[0, joint] = columns[f"cohesion{joint + 1}_kpa"]
+        strength[1, joint] = columns[f"friction{joint + 1}_deg"]
+    bed = JointTriple(
+        joints, times(lines, 1.0 / length(lines)), strength[0] * block.areas[:3], np.tan(strength[1] * _RADIAN), size
+    )
+    outcome, normal, driving, resisting, _ = bed.slide(load)
+    factor = resisting / driving
+    if bolts:
+        for one in np.flatnonzero((block.code == 0) & (outcome != STILL)).tolist():
+            alone = [float(np.broadcast_to(part, count)[one]) for part in load]
+            factor[one], last = with_bolts(bed.of(one), alone, bolts)
+            outcome[one], normal[:, one] = last.outcome[0], last.normal[:, 0]
+            resisting[one], driving[one] = last.resisting[0], last.driving[0]
+    still = (outcome == LIFTED) | (outcome == FALLS) | (outcome == STILL)
+    driving = np.where(still, 0.0, driving)
+    outcome = np.where(block.code, block.code, outcome)
+    crack = block.areas[_CRACK] if len(block.areas) > _CRACK else 0.0
+    return outcome, [factor, *normal, driving, resisting, *block.areas[:3], crack, *pressures, block.volume, weight,
+                     block.height]  # fmt: skip
+
+
+def _pressures(columns: Columns, block: _Block) -> list[Any]:
+    """Mean pressures on J1, J2, the basal joint and the crack: γ_w H/6, with a crack γ_w h₅/3 on all."""
+    water, deep = columns["water_unit_weight_kn_m3"], block.crack_depth
+    full = 0.0 if deep is None else water * deep / 3.0
+    own = columns["crack_fill"] * full if "crack_fill" in columns else None
+    if "pressure1_kpa" in columns:
+        given = columns.get("pressure4_kpa", 0.0)
+        return [*(columns[f"pressure{k}_kpa"] for k in (1, 2, 3)), given if own is None else own]
+    mean = columns["fill"] * (water * block.height / 6.0 if deep is None else full)
+    in_crack = 0.0 if deep is None else mean
+    return [mean, mean, mean, in_crack if own is None else own]
+
+
+def _load(columns: Columns, block: _Block, weight: Floats, pressures: Sequence[Any]) -> tuple[Vector, Floats]:
+    """The resultant of all loads (m,), and the sum of their sizes."""
+    trend = np.radians(columns["seismic_trend_deg" if "seismic_trend_deg" in columns else "face_dip_direction_deg"])
+    push = weight * columns["seismic"]
+    load: Vector = (push * np.sin(trend), push * np.cos(trend), -weight)
+    size = weight + 0.0
+    wet = [_J1, _J2, _BASAL] + ([_CRACK] if len(block.areas) > _CRACK else [])
+    for plane, pressure in zip(wet, pressures, strict=False):
+        push = pressure * block.areas[plane]
+        load = plus(load, times(rows(block.inward, plane), push))
+        size = size + np.abs(push)
+    if _FORCE[0] in columns:
+        force = columns[_FORCE[0]], columns[_FORCE[1]], columns[_FORCE[2]]
+        load = plus(load, force)
+        size = size + length(force)
+    return load, size

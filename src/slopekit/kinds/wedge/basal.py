@@ -1,0 +1,221 @@
+"""A wedge with a basal joint: how it is cut, loaded and closed, and what a reader must know of it."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.orientation import Line, line_of
+from slopekit.extents import WedgeGeometry
+from slopekit.geometry.basal import (
+    BASAL,
+    CRACK,
+    FACE,
+    J1,
+    J2,
+    PLANE_NAMES,
+    UPPER,
+    BasalRockMass,
+    basal_rock_mass,
+    cut_basal_wedge,
+)
+from slopekit.geometry.cutting import Block
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.kinds import ground_water
+from slopekit.kinds.closed_forms import ClosedForms
+from slopekit.kinds.one_block import Cut
+from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
+from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.kinds.words import line_in_words, size_number
+from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
+from slopekit.notices import Interface
+from slopekit.preie.model import build_model
+
+JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
+_IDS = tuple(joint for joint, _ in JOINTS)
+
+
+def cut(design: WedgeDesign) -> Cut:
+    """Cut the wedge above its basal joint and load it.
+
+    Raises
+    ------
+    GeometryError
+        Where the planes cut no such wedge, see `geometry.basal`.
+    """
+    rock = _rock_mass(design)
+    block = cut_basal_wedge(rock)
+    acting = _loads(design, rock, block)
+    polygons = {joint: block.faces[joint] for joint in _IDS}
+    strength = joint_strength(design.strengths)
+    bedding = Bedding(polygons, block.centroid, lambda pairs: build_model(pairs, acting, block.centroid, strength))
+    left = ["bedrock (no unknowns)", "face and upper slope (free)", "deformation of the rock"]
+    left.append("the rock below the basal joint (it stays)")
+    if CRACK in block.faces:
+        left.append("contact across the tension crack")
+    if any(design.tension_kpa):
+        left.append("tensile strength at the limit (it is lost where a joint opens)")
+    return Cut(
+        block, acting, lambda refine: bedding.scene(node_pairs(polygons, refine)),
+        [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, design.strengths, strict=True)],
+        lambda: _geometry(design, rock, block), tuple(left),
+        {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
+        | ground_water.ponded(design, FACE, UPPER),
+        FACE, design.refine, origin=np.array(design.origin_m),
+    )  # fmt: skip
+
+
+def block_of(design: WedgeDesign) -> Block:
+    """The block alone. Raises GeometryError as `cut`."""
+    return cut_basal_wedge(_rock_mass(design))
+
+
+def _rock_mass(design: WedgeDesign) -> BasalRockMass:
+    basal, crack = design.basal, design.crack
+    assert basal is not None
+    return basal_rock_mass(
+        np.array([plane.normal() for plane in design.joints]), design.face.normal(), design.upper.normal(),
+        design.height_m, basal.plane.normal(), basal.height_m,
+        crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
+    )  # fmt: skip
+
+
+def _loads(design: WedgeDesign, rock: BasalRockMass, block: Block) -> Loads:
+    given = design.seismic
+    trend = design.face.dip_direction_deg if given.trend_deg is None else given.trend_deg
+    origin = np.array(design.origin_m)
+    active, passive = bolt_forces(
+        design, origin, lambda name, head, way, length, where: check_bolt(block, name, head, way, length, _IDS, where)
+    )
+    return block_loads(
+        block, design.unit_weight_kn_m3, _water(design, rock, block), given.coefficient * Line(trend, 0.0).vector(),
+        [point_force(force, origin) for force in design.forces], active, passive,
+        ground_water.pushes(design, _ground(design, rock, block)),
+    )  # fmt: skip
+
+
+def ground_of(design: WedgeDesign) -> ground_water.Ground:
+    """The block in its slope, for water and surcharge on its faces."""
+    rock = _rock_mass(design)
+    return _ground(design, rock, cut_basal_wedge(rock))
+
+
+def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> ground_water.Ground:
+    return ground_water.Ground(
+        block, (*_IDS, CRACK), (FACE, UPPER), np.array([rock.outward[face] for face in (FACE, UPPER)]),
+        np.array([rock.offsets[face] for face in (FACE, UPPER)]), np.eye(3),
+        -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
+    )  # fmt: skip
+
+
+def _water(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[int, WaterPressure]:
+    """Mean pressures, even over each joint: γ_w H/6, with a crack γ_w h₅/3 on all, or those that the user gave."""
+    water, joints = design.water, list(_IDS)
+    if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
+        return {}
+    faces = [*joints, CRACK] if CRACK in block.faces else joints
+    pressures: dict[int, float] = {}
+    if water.mode == "pressures":
+        pressures = dict(zip(faces, water.pressures_kpa, strict=False))
+    elif water.mode == "full":
+        full = _full(design, rock, block) * water.fill
+        pressures = dict.fromkeys(faces, full)
+    if CRACK in block.faces and water.crack_fill is not None:
+        pressures[CRACK] = water.crack_fill * _full(design, rock, block)
+    return {face: WaterPressure(pressure) for face, pressure in pressures.items() if pressure}
+
+
+def _full(design: WedgeDesign, rock: BasalRockMass, block: Block) -> float:
+    if CRACK not in block.faces:
+        return design.water_unit_weight_kn_m3 * float(np.ptp(block.corners[:, 2])) / 6.0
+    upper = rock.outward[UPPER]
+    depths = (rock.offsets[UPPER] - block.faces[CRACK] @ upper) / upper[2]
+    return design.water_unit_weight_kn_m3 * float(depths.max()) / 3.0
+
+
+def _geometry(design: WedgeDesign, rock: BasalRockMass, block: Block) -> WedgeGeometry:
+    line, origin = line_of(rock.line), np.array(design.origin_m)
+    corners = {"toe": np.zeros(3), "basal_J1": rock.basal_at, "crest_J1": rock.crest1, "crest_J2": rock.crest2}
+    areas = {name: block.areas[face] for face, name in (*JOINTS, (CRACK, "crack")) if face in block.areas}
+    return WedgeGeometry(
+        block.volume, float(np.ptp(block.corners[:, 2])), areas, line.trend_deg, line.plunge_deg,
+        _shared_edge(block.faces[J1], block.faces[J2]), {name: frozen(at + origin) for name, at in corners.items()},
+        frozen(block.centroid + origin),
+        {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
+    )  # fmt: skip
+
+
+def _shared_edge(one: Floats, other: Floats) -> float:
+    """Length of the edge that two faces of a block share: their corners are the same numbers."""
+    both = [np.array(corner) for corner in set(map(tuple, one.tolist())) & set(map(tuple, other.tolist()))]
+    return math.sqrt(float(((both[0] - both[1]) ** 2).sum())) if len(both) == 2 else 0.0
+
+
+# -- the closed form ----------------------------------------------------------------------------------
+
+
+def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
+    """Designs by the closed form of three joints; see `kinds.wedge.closed_forms`."""
+    given = dict(arguments)
+    pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure3", "pressure5")]
+    force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
+    wedges = basal_wedges(
+        BasalWedgeArrays(
+            **given, passive_kn=bolts, pressures_kpa=() if pressures[0] is None else pressures,
+            force_kn=None if force[0] is None else force,
+        )
+    )  # fmt: skip
+    return ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:3]))
+
+
+# -- words ----------------------------------------------------------------------------------------------------------
+
+
+def plane_entry(design: WedgeDesign, area_m2: float, strength: str) -> str:
+    """The basal joint as the sheet has it."""
+    assert design.basal is not None
+    plane, height = design.basal.plane, design.basal.height_m
+    where = f"{abs(height):.4g} m {'above' if height >= 0.0 else 'below'} the toe along J1's trace"
+    return f"basal {plane}  {plane.in_words()}, {where}  {strength}  area {size_number(area_m2)} m²"
+
+
+def line_entry(geometry: WedgeGeometry) -> str:
+    """The line of intersection of J1 and J2 as the sheet has it."""
+    line = line_in_words(Line(geometry.line_trend_deg, geometry.line_plunge_deg))
+    if not geometry.line_length_m:
+        return f"line of intersection of J1 and J2 {line}, no edge of the block"
+    length = size_number(geometry.line_length_m)
+    return f"line of intersection of J1 and J2 {line}, {length} m of it above the basal joint"
+
+
+def notices(design: WedgeDesign) -> Iterator[Notice]:
+    """What a reader must know of a basal joint."""
+    basal = design.basal
+    assert basal is not None
+    if basal.height_m < 0.0:
+        yield Notice("W411", "a socket wedge: it lies below the point where J1, J2 and the face meet")
+    elif float(basal.plane.normal() @ _rock_mass(design).basal_at) > 0.0 and _daylights(design):
+        yield Notice(
+            "W410",
+            "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay: run it "
+            "without basal too",
+        )
+    if basal.plane.dip_deg == 0.0:
+        yield Notice("W412", "the basal joint is level: on it alone nothing drives the block but other loads")
+
+
+def _daylights(design: WedgeDesign) -> bool:
+    try:
+        wedge_rock_mass(
+            np.array([plane.normal() for plane in design.joints]), design.face.normal(), design.upper.normal(),
+            design.height_m,
+        )  # fmt: skip
+    except GeometryError:
+        return False
+    return True

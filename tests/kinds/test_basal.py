@@ -1,0 +1,236 @@
+"""Wedges with a basal joint: PRE-IE against the closed form, geometry against a hand calculation, refusals, words."""
+
+import dataclasses
+import json
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks.basal import Compared, compared_until
+from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
+from slopekit.core.errors import DesignError, GeometryError
+from slopekit.design.templates import path_of
+from slopekit.kinds.wedge import closed_form
+from tests.commands import slopekit
+
+TEMPLATE = path_of("wedge-basal")
+#: A trough along 180 with a level line, behind an upright face, over a basal joint that rises from 4 m into the slope.
+TROUGH = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "90/180", "upper": "0/180", "height": 10},
+    "joints": {"J1": {"plane": "60/090", "strength": "side"}, "J2": {"plane": "60/270", "strength": "side"}},
+    "basal": {"plane": "30/180", "height": 4, "strength": "base"},
+    "strength": {"side": {"c": 0, "phi": 20}, "base": {"c": 20, "phi": 25}}, "rock": {"unit_weight": 25},
+}  # fmt: skip
+
+
+@cache
+def random_ones() -> list[Compared]:
+    return compared_until(60)
+
+
+def test_sixty_random_wedges_agree_with_the_closed_form_to_1e_9() -> None:
+    """`closed_form.basal` shares no line with the solver; where moments govern, the forces alone are compared."""
+    blocks = [one for one in random_ones() if one.status[0] != "E"]
+    assert len(blocks) == 60
+    assert all(one.agree for one in blocks)
+    differences = [one.difference for one in blocks if one.difference is not None]
+    assert len(differences) > 45
+    assert max(differences) < 1e-9
+    assert {"slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal", "slides_on_J1_and_J2"} <= {
+        one.status for one in blocks
+    }
+
+
+def put(design: dict, **values) -> dict:
+    """A copy with values by their paths, dots written as two lines."""
+    copy = json.loads(json.dumps(design))
+    for path, value in values.items():
+        *above, last = path.split("__")
+        holder = copy
+        for key in above:
+            holder = holder.setdefault(key, {})
+        holder[last] = value
+    return copy
+
+
+def test_volume_and_areas_by_hand() -> None:
+    """z runs from 4 m to 10 m, the trough is 2z/√3 wide, the block reaches (z - 4) √3 behind the face."""
+    found = sk.run(TROUGH)
+    assert found.geometry.volume_m3 == pytest.approx(288.0, rel=1e-12)
+    areas = {"J1": 36.0, "J2": 36.0, "basal": 4.0 / math.sqrt(3.0) * 42.0}
+    assert found.geometry.areas_m2 == pytest.approx(areas, rel=1e-12)
+    assert found.geometry.line_length_m == 0.0
+    assert found.status == "no_driving_force"  # it would have to widen the trough to follow its base down
+    assert found.agree
+
+
+def test_a_block_that_leaves_its_sides_is_a_plane_failure() -> None:
+    """Sides that open outward: F = (c A + W cos 30 tan φ) / (W sin 30) on the basal joint alone, as for any slab."""
+    design = put(TROUGH, joints__J1__plane="80/100", joints__J2__plane="80/260")
+    found = sk.run(design)
+    weight, area = 25.0 * found.geometry.volume_m3, found.geometry.areas_m2["basal"]
+    by_hand = 20.0 * area / (weight * 0.5) + math.tan(math.radians(25)) / math.tan(math.radians(30))
+    assert found.status == "slides_on_basal"
+    assert found.fos.closed_form == pytest.approx(by_hand, rel=1e-12)
+    assert (found.forces_only or found.fos.limit) == pytest.approx(by_hand, rel=1e-9)
+    assert found.forces.normal["J1"] == found.forces.normal["J2"] == 0.0
+    uplift = sk.run(put(design, water__pressures={"basal": 10.0}))
+    pushed = (20.0 * area + (weight * math.cos(math.radians(30)) - 10.0 * area) * math.tan(math.radians(25))) / (
+        weight * 0.5
+    )
+    assert uplift.fos.closed_form == pytest.approx(pushed, rel=1e-12)
+
+
+def test_what_it_shares_with_the_wedge_of_two_joints() -> None:
+    """A flat basal joint a hair above the toe leaves all of its volume; a steep one, without cohesion, its factor."""
+    wedge = {key: TROUGH[key] for key in ("slopekit", "kind", "rock")} | {
+        "slope": {"face": "65/185", "upper": "12/195", "height": 30},
+        "joints": {"J1": {"plane": "45/105"}, "J2": {"plane": "70/235"}}, "strength": {"sand": {"c": 0, "phi": 25}},
+    }  # fmt: skip
+    two = sk.run(wedge)
+    flat, steep = (sk.run(put(wedge, basal={"plane": plane, "height": 1e-3})) for plane in ("5/190", "40/190"))
+    assert flat.geometry.volume_m3 == pytest.approx(two.geometry.volume_m3, rel=1e-6)
+    assert steep.geometry.volume_m3 < 0.95 * two.geometry.volume_m3
+    assert (two.status, steep.status) == ("slides_on_both", "slides_on_J1_and_J2")
+    assert steep.fos.closed_form == pytest.approx(two.fos.closed_form, rel=1e-12)
+    assert steep.fos.limit == pytest.approx(two.fos.limit, rel=1e-9)
+
+
+@pytest.mark.parametrize("number", [1, 4, 7, 20, 33])
+def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
+    """By the closed form; c grows with the size."""
+    one = [one.design for one in random_ones() if one.status[0] != "E"][number]
+    design = put({key: value for key, value in one.items() if key not in ("loads", "water", "support")})
+    factor = sk.run(design).fos.closed_form
+
+    def changed(turn, scale=1.0) -> dict:
+        def plane(text: str) -> str:
+            dip, _, direction = text.partition("/")
+            return f"{dip}/{turn(float(direction)) % 360.0}"
+
+        new = put(design)
+        for holder in (*new["joints"].values(), new["basal"], *([new["crack"]] if "crack" in new else [])):
+            holder["plane"] = plane(holder["plane"])
+        new["slope"] |= {key: plane(new["slope"][key]) for key in ("face", "upper")}
+        for holder, key in ((new["slope"], "height"), (new["basal"], "height"), (new.get("crack", {}), "distance")):
+            if key in holder:
+                holder[key] *= scale
+        for strength in new["strength"].values():
+            strength["c"] *= scale
+        return new
+
+    for other in (
+        changed(lambda at: at + 77.0), changed(lambda at: -at), changed(lambda at: at, 1e3),
+        put(design, slope__origin=[5e5, 4e6, 120.0]),
+    ):  # fmt: skip
+        assert sk.run(other).fos.closed_form == (factor and pytest.approx(factor, rel=1e-9))
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"basal__height": 11}, "E441"),
+        ({"basal__plane": "30/000"}, "E443"),
+        ({"basal__plane": "80/000", "basal__height": 9.9}, "E443"),
+        ({"joints__J2__plane": "60/090"}, "E201"),
+        ({"crack": {"plane": "90/180", "distance": 40}}, "E207"),
+    ],
+)
+def test_planes_that_close_no_block_are_refused_alike_by_both_methods(change, code) -> None:
+    design = put(TROUGH, **change)
+    with pytest.raises(GeometryError) as refused:
+        sk.run(design)
+    assert refused.value.codes == (code,)
+    with pytest.raises(GeometryError) as closed:
+        closed_form(sk.load(design))
+    assert closed.value.codes == (code,)
+
+
+@pytest.mark.parametrize(
+    ("change", "codes"),
+    [
+        ({"basal": {"plane": "30/180", "strength": "base"}}, ("E143",)),
+        ({"basal__height": "4 kPa"}, ("E107",)),
+        ({"basal__plane": "95/180"}, ("E101",)),
+        ({"basal__strength": "bas"}, ("E176",)),
+        ({"basal__high": 4}, ("E142",)),
+        ({"joints": {"basal": {"plane": "60/090"}, "J2": {"plane": "60/270"}}}, ("E446",)),
+        ({"water__pressures": [1, 2, 3, 4]}, ("E109",)),
+    ],
+)
+def test_what_is_wrong_with_a_basal_joint_is_said(change, codes) -> None:
+    with pytest.raises(DesignError) as refused:
+        sk.load(put(TROUGH, **change))
+    assert set(codes) <= set(refused.value.codes)
+
+
+def test_a_call_takes_it_as_the_command_line_does() -> None:
+    given = ["wedge", "--dips", "80/100", "78/262", "--face", "70/180", "--upper", "5/180", "--height", "20", "--basal",
+             "28/185@4m", "--c", "0,0,10kPa", "--phi", "32,32,24", "--unit-weight", "26"]  # fmt: skip
+    code, out, _ = slopekit(*given, "--json")
+    document = json.loads(out)
+    from_file = sk.run(TEMPLATE, set={"crack": None})
+    assert code == 0
+    assert document["fos"]["limit"] == pytest.approx(from_file.fos.limit, rel=1e-12)
+    assert list(document["geometry"]["areas_m2"]) == ["J1", "J2", "basal"]
+    assert list(document["forces_kn"]["normal"]) == ["J1", "J2", "basal"]
+    code, _, said = slopekit(*given[:10], "--basal", "28/185")
+    assert code == 2
+    assert "E447 basal is 28/185, it is written 20/180@5m" in said
+    code, _, said = slopekit(*given[:12], "--c", "0,10")
+    assert code == 2
+    assert "three joints: give one value or three" in said
+
+
+def test_studies_know_its_keys() -> None:
+    design = sk.load(TEMPLATE)
+    swept = sk.sweep(design, {"basal.plane.dip": [20.0, 28.0, 36.0]})
+    factors = [point.factors.closed_form for point in swept.points]
+    assert factors == sorted(factors, reverse=True)
+    solved = sk.solve(design, "basal.plane.dip", fos=1.0)
+    again = sk.run(TEMPLATE, set={"basal.plane.dip": solved.answer.value})
+    assert again.fos.limit == pytest.approx(1.0, abs=1e-6)
+
+
+def test_samples_that_scatter_are_evaluated_in_one_call() -> None:
+    """The strength and the plane of a basal joint go where its fields say: one call gives what each design gives."""
+    from slopekit.studies.prob.vectorised import vectorised
+
+    document = put(TROUGH, joints__J1__plane="80/100", joints__J2__plane="80/260")
+    document["basal"]["height"] = {"dist": "normal", "mean": 4, "sd": 0.2}
+    document["strength"]["base"]["phi"] = {"dist": "normal", "mean": 25, "sd": 2}
+    design = sk.load(document)
+    keys = [key for variable in design.variables for key in variable.columns]
+    values = np.array([[4.1, 24.0], [3.8, 27.0]])[:, [keys.index("basal.height"), keys.index("strength.base.phi")]]
+    asked = vectorised(design, values, lambda row: dict(zip(keys, values[row].tolist(), strict=True)))
+    assert asked is not None
+    one_by_one = [
+        sk.run(document, set=dict(zip(keys, row.tolist(), strict=True))).fos.closed_form for row in values
+    ]  # fmt: skip
+    assert asked(values).factor == pytest.approx(one_by_one, rel=1e-12)
+
+
+def test_passive_bolts_hold_what_active_ones_press() -> None:
+    """A bolt square to the basal joint adds its normal force: F = (c A + (N + T) tan φ) / S where it acts as a load."""
+    plain = BasalWedgeArrays(
+        joint1_dip_deg=80.0, joint1_dip_direction_deg=100.0, joint2_dip_deg=80.0, joint2_dip_direction_deg=260.0,
+        face_dip_deg=90.0, face_dip_direction_deg=180.0, upper_dip_deg=0.0, upper_dip_direction_deg=180.0,
+        height_m=10.0, cohesion1_kpa=0.0, cohesion2_kpa=0.0, cohesion3_kpa=20.0, friction1_deg=20.0, friction2_deg=20.0,
+        friction3_deg=25.0, unit_weight_kn_m3=25.0, basal_dip_deg=30.0, basal_dip_direction_deg=180.0,
+        basal_height_m=4.0,
+    )  # fmt: skip
+    found = basal_wedges(plain)
+    normal, driving, area = found.normal_kn[2, 0], found.driving_kn[0], found.areas_m2[2, 0]
+    # square to a plane that dips 30° to the south: it drives nothing
+    pressed = basal_wedges(dataclasses.replace(plain, force_kn=(0.0, 50.0, -math.sqrt(0.75) * 100.0)))
+    assert OUTCOMES[pressed.outcome[0]] == "slides_on_basal"
+    assert pressed.driving_kn[0] == pytest.approx(driving, rel=1e-12)
+    assert pressed.factor[0] == pytest.approx(
+        (20.0 * area + (normal + 100.0) * math.tan(math.radians(25))) / driving, rel=1e-12
+    )
+    # along the slide, upward, a passive bolt of T holds with T / F: F = (resisting + T) / driving
+    held = basal_wedges(dataclasses.replace(plain, passive_kn=[(0.0, math.sqrt(0.75) * 50.0, 25.0)]))
+    assert held.factor[0] == pytest.approx((found.resisting_kn[0] + 50.0) / driving, rel=1e-9)
