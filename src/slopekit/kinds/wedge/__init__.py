@@ -210,6 +210,10 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
 
 def bounds(design: WedgeDesign) -> Bounds:
     """The planes that bound the wedge; of planes that cut none they are not numbers, or mean nothing."""
+    if design.basal is not None:
+        from slopekit.kinds.wedge import basal
+
+        return basal.bounds(design)
     planes = [*design.joints, design.face, design.upper]
     first, second, face, upper = normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -28,6 +28,7 @@ from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.kinds import ground_water
 from slopekit.kinds.closed_forms import ClosedForms
+from slopekit.kinds.held_bolts import Bounds, upward
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
@@ -149,6 +150,44 @@ def _geometry(design: WedgeDesign, rock: BasalRockMass, block: Block) -> WedgeGe
         frozen(block.centroid + origin),
         {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
     )  # fmt: skip
+
+
+def bounds(design: WedgeDesign) -> Bounds:
+    """The planes that bound the block, of one design or of one whose numbers are arrays; see `geometry.basal`."""
+    basal, crack = design.basal, design.crack
+    assert basal is not None
+    planes = [*design.joints, basal.plane, design.face, design.upper, *([] if crack is None else [crack.plane])]
+    normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
+    first, second, under, face, upper = normals[:5]
+    height, low = np.atleast_1d(design.height_m), np.atleast_1d(basal.height_m)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        traces = [np.cross(joint, face) for joint in (first, second)]
+        crest1 = traces[0] * (height / traces[0][:, 2])[:, None]
+        offset = _dots(upper, crest1)
+        crest2 = traces[1] * (offset / _dots(upper, traces[1]))[:, None]
+        below = np.where(low < 0.0, -1.0, 1.0)
+        sides = [np.copysign(1.0, _dots(first, crest2)) * below, np.copysign(1.0, _dots(second, crest1)) * below]
+        outward = [-sides[0][:, None] * first, -sides[1][:, None] * second, -under, face, upper]
+        offsets: list[Any] = [0.0, 0.0, -_dots(under, crest1 * (low / height)[:, None]), 0.0, offset]
+        if crack is not None:
+            trace = np.cross(first, upper)
+            trace /= (np.copysign(np.sqrt(_dots(trace, trace)), -_dots(face, trace)))[:, None]
+            ahead = _dots(normals[5], trace) * crack.distance_m
+            sign = np.where(ahead > 0.0, 1.0, -1.0)
+            outward.append(sign[:, None] * normals[5])
+            offsets.append(sign * (_dots(normals[5], crest1) + ahead))
+    size = np.sqrt(np.maximum(_dots(crest1, crest1), _dots(crest2, crest2)))
+    count = max(len(size), *map(len, outward), *(np.size(np.asarray(one)) for one in offsets))
+    faces = np.stack([np.broadcast_to(one, (count, 3)) for one in outward])
+    at = np.stack([np.broadcast_to(np.asarray(one, dtype=np.float64), count) for one in offsets]) + faces @ np.array(
+        design.origin_m
+    )
+    return Bounds(faces, at, (0, 1, 2), (3, 4), np.broadcast_to(size, count))
+
+
+def _dots(one: Floats, other: Floats) -> Floats:
+    found: Floats = (one * other).sum(axis=-1)
+    return found
 
 
 def _shared_edge(one: Floats, other: Floats) -> float:
