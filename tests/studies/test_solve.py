@@ -341,14 +341,18 @@ def test_sheets_are_a_hundred_columns_wide() -> None:
         assert max(map(len, str(solved("wedge", key, target)).splitlines())) <= 100
 
 
-def test_data_frames_need_pandas_and_a_table(monkeypatch) -> None:
-    """A single answer has no table; without pandas that is said first."""
+def test_data_frames_need_pandas(monkeypatch) -> None:
+    """The answer by each method is a row, the one that counts first."""
     found = solved("wedge", "strength.weak.c", 1.3)
-    for module, code in ((None, "E374"), (ModuleType("pandas"), "E375")):
-        monkeypatch.setitem(sys.modules, "pandas", module)
-        with pytest.raises(DesignError) as caught:
-            found.to_frame()
-        assert caught.value.codes == (code,)
+    pandas = ModuleType("pandas")
+    pandas.DataFrame = lambda records, columns: records
+    monkeypatch.setitem(sys.modules, "pandas", pandas)
+    assert [row["method"] for row in found.to_frame()] == ["pre_ie", "closed_form"]
+    assert found.to_frame()[0]["strength.weak.c"] == found.answer.value
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(DesignError) as caught:
+        found.to_frame()
+    assert caught.value.codes == ("E374",)
     assert repr(found) == f"<Solution: {found.line}>"
 
 
