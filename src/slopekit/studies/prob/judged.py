@@ -256,9 +256,7 @@ def notices_of(
                      "and count nowhere: bound the distribution with min or max")  # fmt: skip
     unsolved = int(judged.unjudged.sum())
     if unsolved:
-        said = (
-            "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
-        )
+        said = "counted as failures, but may be none" if judged.counted.any() else "there is no probability"
         yield Notice("W351", f"{unsolved} of {len(samples.values)} samples gave no answer (not_converged, an error, "
                      f"or a bolt that misses the block or is too short): {said}")  # fmt: skip
     if share.count < _RARE and share.of:
