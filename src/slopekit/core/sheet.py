@@ -28,6 +28,8 @@ WIDTH = 100
 LABEL = 10
 Row = TypeVar("Row")
 
+_AT_ONCE = 8192  # rows of a CSV whose columns are made at once
+
 
 @dataclass(frozen=True, slots=True)
 class Column(Generic[Row]):
@@ -69,9 +71,8 @@ class Column(Generic[Row]):
             return ""
         return format(value, self.show) if isinstance(value, int | float) else str(value)
 
-    def written(self, row: Row) -> str:
-        """The cell of a row in CSV."""
-        value = self.of(row)
+    def _written(self, value: Any) -> str:
+        """A cell in CSV."""
         if not isinstance(value, float):  # most are
             value = json_of(value)
         if value is None or (isinstance(value, float) and not math.isfinite(value)):
@@ -79,6 +80,13 @@ class Column(Generic[Row]):
         if isinstance(value, float):
             return format(value, self.exact) if self.exact else float.__repr__(value)
         return str(value)
+
+    def cells(self, rows: Sequence[Row]) -> list[str | float]:
+        """The cells of many rows in CSV; floats that are written with every digit as they are."""
+        values, exact, finite = [self.of(row) for row in rows], self.exact, math.isfinite
+        return [
+            value if type(value) is float and finite(value) and not exact else self._written(value) for value in values
+        ]
 
     def padded(self, text: str) -> str:
         """A cell or the head as wide as the column, with what stands about it."""
@@ -140,7 +148,9 @@ class Table(Generic[Row]):
         columns = [column for column in self.columns if column.key]
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([column.key for column in columns])
-        writer.writerows([column.written(row) for column in columns] for row in self.rows)
+        for start in range(0, len(self.rows), _AT_ONCE):
+            rows = self.rows[start : start + _AT_ONCE]
+            writer.writerows(zip(*(column.cells(rows) for column in columns), strict=True))
 
     def records(self) -> list[dict[str, Any]]:
         """Every row by the keys of its columns: what data frames are made of."""

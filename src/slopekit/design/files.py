@@ -36,15 +36,37 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any], overrides: Override
         With every fault found.
     """
     if isinstance(source, Mapping):
-        return design_of(with_overrides(document_from(source), overrides))
+        return _set_over(source, overrides, with_overrides(document_from(source), overrides))
     document, faults = read_document(source, overrides)
     try:
-        design = design_of(document)
+        design = _set_over(source, overrides, document)
     except DesignError as error:
         raise DesignError(dict.fromkeys([*faults, *error.faults])) from None
     if faults:
         raise DesignError(faults)
     return design
+
+
+def _set_over(
+    source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides, document: Document
+) -> Design:  # fmt: skip
+    """The design of a document with overrides: a number in place of a distribution takes its correlations along."""
+    try:
+        return design_of(document)
+    except DesignError as error:
+        set_here = [path for path, _ in overrides]
+        if {fault.code for fault in error.faults} != {"E168"} or not set_here or "correlation" in set_here:
+            raise
+        try:
+            before = load(source)
+        except DesignError:
+            raise error from None
+        design = design_of(document, other_values=True)
+        gone = [
+            f"{a} / {b}" for a, b, _ in before.correlation if (a, b) not in {pair[:2] for pair in design.correlation}
+        ]
+        said = f"correlation {', '.join(gone)} (a number was set in place of a distribution)"
+        return replace(design, left_out=(*design.left_out, said))
 
 
 def design_of(document: Document, other_values: bool = False) -> Design:

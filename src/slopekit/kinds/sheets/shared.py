@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 
+import numpy as np
+
 from slopekit.core.arrays import Floats
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.common import Rule
@@ -20,6 +22,8 @@ METHOD_NAMES = {
     "fellenius": "Fellenius", "janbu": "Janbu (simplified)", "bishop": "Bishop (simplified)",
     "all_equilibrium": "all equilibrium",
 }  # fmt: skip
+
+_ROUNDING = 1e-12  # of the greatest of three coordinates: what a balance leaves of 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,7 +323,13 @@ def _share(part: float) -> str:
 
 
 def _place(point: Floats) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in point.tolist()) + ")"
+    """A point of a balance: what is nothing but its rounding error beside the others is 0.
+
+    >>> _place(np.array([-4.441e-16, 2.5, 0.0]))
+    '(0, 2.5, 0)'
+    """
+    rounding = _ROUNDING * float(np.abs(point).max(initial=0.0))
+    return "(" + ", ".join(f"{0.0 if abs(value) <= rounding else value:.4g}" for value in point.tolist()) + ")"
 
 
 def governs(result: Result) -> list[Entry]:

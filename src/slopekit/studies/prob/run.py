@@ -315,12 +315,18 @@ def prob(
         design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
         forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
         judged.evaluator, crew_in_words(crew),
-        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts)), clock.done(),
+        (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
+         *_not_used(design)), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
     )  # fmt: skip
     if desk.folder is None:
         found.done()
     return found
+
+
+def _not_used(design: Design) -> tuple[Notice, ...]:
+    """W327: what the design says and the study does not take."""
+    return (Notice("W327", f"not used: {'; '.join(design.left_out)}"),) if design.left_out else ()
 
 
 class _Settings(Sequence[Mapping[str, object]]):
