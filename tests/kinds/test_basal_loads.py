@@ -25,7 +25,7 @@ def test_both_methods_get_the_same_water(water) -> None:
 
 
 def test_a_drowned_block_has_its_weight_in_water() -> None:
-    """Above all of the block a pond presses as Archimedes says, whatever the joints: a force up the rock's own share."""
+    """A pond over all of the block bears its share of the weight, as Archimedes says: without cohesion F is as dry."""
     no_cohesion = {"strength.bedding.c": 0, "crack": None}
     drowned = sk.run(FILE, set=no_cohesion | {"water.mode": "table", "water.pond": "60 m"})
     dry = sk.run(FILE, set=no_cohesion)
