@@ -1,0 +1,331 @@
+"""How large it is what fails in a bench: volume, crest setback, face width, traces, height, over arrays.
+
+One for every kind: a wedge on two joints, a block on one plane, toppling columns, the corners of any block. No strength
+and no load comes in, so that all lengths grow with the height, areas with its square, volumes with its cube.
+
+Sources: Hoek & Bray (1981), Rock Slope Engineering, ch. 7 and 8 (corners of plane and wedge); Wyllie & Mah (2004),
+ch. 9 (columns). The setback of the crest, also called backbreak or crest loss, is horizontal and square to the crest.
+"""
+
+import math
+from dataclasses import dataclass, fields
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from slopekit.closed_form.given import Bools, Floats, Value, columns_of
+from slopekit.closed_form.tolerances import PARALLEL_DEG, SAME_DIRECTION
+from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, times
+
+_RADIAN: Final = math.pi / 180.0
+_SMALLEST: Final = 1e-300
+
+
+@dataclass(frozen=True, slots=True)
+class WedgeSizes:
+    """Sizes of n wedges that daylight in a face, each (n,), nan where the planes cut none.
+
+    Attributes
+    ----------
+    volume_m3 : of the wedge
+    height_m : vertical, from its lowest to its highest corner
+    face_width_m : between the two points where the joints meet the crest
+    setback_m : how far behind the crest it reaches
+    trace1_m, trace2_m : of J1 and J2 on the face, from the toe to the crest
+    upper_trace1_m, upper_trace2_m : of J1 and J2 on the upper slope, from the crest back
+    line_m : length of the line of intersection
+    area1_m2, area2_m2, face_area_m2, upper_area_m2 : of its four faces
+    """
+
+    volume_m3: Floats
+    height_m: Floats
+    face_width_m: Floats
+    setback_m: Floats
+    trace1_m: Floats
+    trace2_m: Floats
+    upper_trace1_m: Floats
+    upper_trace2_m: Floats
+    line_m: Floats
+    area1_m2: Floats
+    area2_m2: Floats
+    face_area_m2: Floats
+    upper_area_m2: Floats
+
+    @property
+    def longest1_m(self) -> Floats:
+        """The longest edge of the face of J1, (n,): how far the joint must run for the wedge to be free."""
+        found: Floats = np.maximum(np.maximum(self.trace1_m, self.upper_trace1_m), self.line_m)
+        return found
+
+    @property
+    def longest2_m(self) -> Floats:
+        """The longest edge of the face of J2, (n,)."""
+        found: Floats = np.maximum(np.maximum(self.trace2_m, self.upper_trace2_m), self.line_m)
+        return found
+
+    def scaled(self, by: ArrayLike) -> "WedgeSizes":
+        """The same wedges with all lengths times a factor, one or (n,): areas by its square, volumes by its cube."""
+        one = np.asarray(by, dtype=np.float64)
+        powers = {"_m3": 3, "_m2": 2}
+        return WedgeSizes(
+            *(getattr(self, field.name) * one ** powers.get(field.name[-3:], 1) for field in fields(WedgeSizes))
+        )
+
+
+def wedge_sizes(
+    joint1_dip_deg: ArrayLike, joint1_dip_direction_deg: ArrayLike, joint2_dip_deg: ArrayLike,
+    joint2_dip_direction_deg: ArrayLike, face_dip_deg: ArrayLike, face_dip_direction_deg: ArrayLike,
+    upper_dip_deg: ArrayLike, upper_dip_direction_deg: ArrayLike, height_m: ArrayLike, *, up_the_face: bool = False,
+) -> WedgeSizes:  # fmt: skip
+    """Sizes of wedges on two joints without a tension crack, each argument one number for all or (n,), in degrees, m.
+
+    Parameters
+    ----------
+    height_m : vertical, from the toe to where the trace of J1 meets the crest, as for `hoek_bray_wedges`
+    up_the_face : it is the height of the crest straight up the dip of the face instead, as benches have it
+
+    Raises
+    ------
+    ValueError
+        The arrays do not fit together.
+
+    Formula: with the toe at 0, crest points P_i = t_i λ_i on the traces t_i = n_i x n_face, end B = l μ of the line
+    l = n_1 x n_2, all three on the upper slope n·x = h: volume |P_1·(P_2 x B)| / 6, setback the part of B - P_1 that is
+    horizontal and square to the crest.
+
+    >>> one = wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, [10.0, 20.0])
+    >>> one.setback_m.round(3).tolist(), one.face_width_m.round(3).tolist(), one.volume_m3.round(2).tolist()
+    ([14.142, 28.284], [28.284, 56.569], [666.67, 5333.33])
+    """
+    columns, count = columns_of({
+        "joint1": joint1_dip_deg, "joint1_to": joint1_dip_direction_deg, "joint2": joint2_dip_deg,
+        "joint2_to": joint2_dip_direction_deg, "face": face_dip_deg, "face_to": face_dip_direction_deg,
+        "upper": upper_dip_deg, "upper_to": upper_dip_direction_deg, "height_m": height_m,
+    })  # fmt: skip
+    one, two, face, upper = (_normal(columns[name], columns[f"{name}_to"]) for name in _PLANES)
+    traces, line, edge = (cross(one, face), cross(two, face)), cross(one, two), cross(face, upper)
+    with np.errstate(all="ignore"):
+        if up_the_face:
+            offset = dot(upper, _up_the_face(columns["face"], columns["face_to"], columns["height_m"]))
+        else:
+            offset = dot(upper, times(traces[0], columns["height_m"] / traces[0][2]))
+        climbs = tuple(dot(upper, way) for way in (*traces, line))
+        first, second, back = (
+            times(way, offset / climb) for way, climb in zip((*traces, line), climbs, strict=True)
+        )  # fmt: skip
+        spans = cross(first, back), cross(second, back)
+        heights = [np.zeros(count), *(point[2] + np.zeros(count) for point in (first, second, back))]
+        across = _across(edge)
+        behind = less(back, first)
+        found = WedgeSizes(*(np.array(values + np.zeros(count)) for values in (
+            abs(dot(first, spans[1])) / 6.0, np.maximum.reduce(heights) - np.minimum.reduce(heights),
+            length(less(first, second)), abs(behind[0] * across[0] + behind[1] * across[1]), length(first),
+            length(second), length(behind), length(less(back, second)), length(back), length(spans[0]) / 2.0,
+            length(spans[1]) / 2.0, length(cross(first, second)) / 2.0,
+            length(cross(less(first, back), less(second, back))) / 2.0,
+        )))  # fmt: skip
+        cuts = _cuts(face, line, traces, climbs, offset, edge) & np.ones(count, dtype=bool)
+    for field in fields(WedgeSizes):
+        getattr(found, field.name)[~cuts] = np.nan
+    return found
+
+
+def largest_scale(sizes: WedgeSizes, reach1_m: ArrayLike, reach2_m: ArrayLike) -> Floats:
+    """How much smaller joints that run only so far make wedges, (n,): 1 where both are long enough.
+
+    Parameters
+    ----------
+    reach1_m, reach2_m : one number or (n,), the longest edge that the face of J1 and of J2 can have
+
+    >>> sizes = wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, 10.0)
+    >>> largest_scale(sizes, 10.0, np.inf).round(4).tolist()
+    [0.5]
+    """
+    with np.errstate(invalid="ignore"):
+        by_one = np.asarray(reach1_m, dtype=np.float64) / sizes.longest1_m
+        by_two = np.asarray(reach2_m, dtype=np.float64) / sizes.longest2_m
+        found: Floats = np.minimum(1.0, np.minimum(by_one, by_two))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class PlaneSizes:
+    """Sizes of n blocks on one plane, per metre of slope, each (n,), nan where the plane cuts none.
+
+    Attributes
+    ----------
+    area_m2 : of the section: the volume per metre; length_m : of the plane
+    height_m : vertical, from the toe to the highest corner; setback_m : how far behind the crest it reaches
+    trace_m : on the face, from the toe to the crest straight up; upper_m : on the upper slope, from the crest back
+    """
+
+    area_m2: Floats
+    length_m: Floats
+    height_m: Floats
+    setback_m: Floats
+    trace_m: Floats
+    upper_m: Floats
+
+
+def plane_sizes(
+    plane_dip_deg: ArrayLike, face_dip_deg: ArrayLike, upper_dip_deg: ArrayLike, height_m: ArrayLike,
+    crack_distance_m: ArrayLike | None = None,
+) -> PlaneSizes:  # fmt: skip
+    """Sizes of blocks on a plane that daylights at the toe, each argument one number for all or (n,), in degrees, m.
+
+    Parameters
+    ----------
+    plane_dip_deg, face_dip_deg, upper_dip_deg : positive out of the slope
+    height_m : vertical, from the toe to the crest
+    crack_distance_m : of a vertical crack behind the crest, None without one
+
+    Formula: b = H (cot ψ_p - cot ψ_f) / (1 - tan ψ_s cot ψ_p), with a level upper slope and no crack an area of H b / 2
+    (Hoek & Bray 1981, ch. 7).
+
+    >>> block = plane_sizes(35.0, 60.0, 0.0, 12.0)
+    >>> block.setback_m.round(4).tolist(), block.area_m2.round(3).tolist()
+    ([10.2096], [61.257])
+    """
+    columns, count = columns_of({
+        "plane": plane_dip_deg, "face": face_dip_deg, "upper": upper_dip_deg, "height_m": height_m,
+        "crack": crack_distance_m,
+    })  # fmt: skip
+    none, height = np.zeros(count), columns["height_m"] + np.zeros(count)
+    plane, face, upper = (columns[name] + none for name in ("plane", "face", "upper"))
+    with np.errstate(all="ignore"):
+        run = height / np.tan(face * _RADIAN)  # from the toe to the crest
+        slope, rise = np.tan(plane * _RADIAN), np.tan(upper * _RADIAN)
+        whole = (height - run * slope) / (slope - rise)  # where the plane comes out
+        back = np.minimum(columns["crack"], whole) if "crack" in columns else whole
+        deep, left = ((height + at * rise) - (run + at) * slope for at in (0.0, back))  # under the crest, of the crack
+        area = 0.5 * deep * (run + whole) - 0.5 * left * (whole - back)
+        top = height + back * rise
+        cuts = (plane > PARALLEL_DEG) & (plane < face - PARALLEL_DEG) & (plane > upper + PARALLEL_DEG) & (back > 0.0)
+        lengths = (run + back) / np.cos(plane * _RADIAN)
+        found = area, lengths, np.maximum(height, top), back, np.hypot(run, height), back / np.cos(upper * _RADIAN)
+        return PlaneSizes(*(np.where(cuts, values, np.nan) for values in found))
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnSizes:
+    """Sizes of toppling columns behind a crest, per metre of slope, each (n,).
+
+    Attributes
+    ----------
+    columns : how many of them, from the face back, turn over on their own
+    height_m : of the first, along its side from the base to the top; 0 where none reaches the crest
+    setback_m, area_m2 : of all that turn over: behind the crest, and of their section
+    slenderness : of the first, overturning by restoring moment of its weight about its toe: above 1 it topples
+    """
+
+    columns: Floats
+    height_m: Floats
+    setback_m: Floats
+    area_m2: Floats
+    slenderness: Floats
+
+
+def column_sizes(
+    joint_dip_deg: ArrayLike, base_dip_deg: ArrayLike, face_dip_deg: ArrayLike, height_m: ArrayLike, width_m: ArrayLike
+) -> ColumnSizes:
+    """Columns between joints that dip into the slope, on a base that dips out of it and daylights at the toe.
+
+    Each stands alone: the push of those behind it is left out, as the first test of Goodman & Bray leaves it out.
+
+    Parameters
+    ----------
+    joint_dip_deg : of the joints, into the slope; base_dip_deg : of the base, out of it; both in the section
+    height_m : vertical, from where the base daylights to the level crest; width_m : of a column, square to its sides
+
+    Formula: a column of height y and base b on ψ_b between sides that dip ψ_d turns over where y cos ψ_d > b cos ψ_b,
+    b = Δx / sin(ψ_d + ψ_b); where the base is square to the sides that is Δx / y < tan ψ_b (Goodman & Bray 1976; Wyllie
+    & Mah 2004, §9.3).
+
+    >>> found = column_sizes(60.0, 30.0, 70.0, 15.0, [1.0, 3.0, 8.0])
+    >>> found.columns.tolist(), found.slenderness.round(3).tolist()
+    ([15.0, 3.0, 0.0], [5.924, 1.975, 0.74])
+    """
+    columns, count = columns_of({
+        "joint": joint_dip_deg, "base": base_dip_deg, "face": face_dip_deg, "height_m": height_m, "width_m": width_m,
+    })  # fmt: skip
+    none = np.zeros(count)
+    joint, base, face = ((columns[name] + none) * _RADIAN for name in ("joint", "base", "face"))
+    height, width = columns["height_m"] + none, columns["width_m"] + none
+    with np.errstate(all="ignore"):
+        climb = np.tan(base)
+        # down the side of a column whose top lies s behind the crest: d = (h - (h cot ψ_f + s) tan ψ_b) / share
+        share = (1.0 + climb / np.tan(joint)) * np.sin(joint)
+        first = np.maximum(0.0, (height - height / np.tan(face) * climb) / share)
+        needed = width / np.sin(joint + base) * np.cos(base) / np.cos(joint)  # the height that just turns over
+        apart = width / np.sin(joint)
+        lost = apart * climb / share  # of height from one column to the next
+        many = np.where(first > needed, np.ceil((first - needed) / lost), 0.0)
+        last = np.maximum(0.0, first - lost * many)
+        area = many * width * (first + last) / 2.0  # between sides that are that high
+        setback, slender = many * apart, first / needed
+    return ColumnSizes(many, first, setback, area, slender)
+
+
+@dataclass(frozen=True, slots=True)
+class BlockExtents:
+    """Extents of one block from its corners: behind the crest, along it, and up."""
+
+    setback_m: float
+    face_width_m: float
+    height_m: float
+
+
+def block_extents(
+    corners_m: ArrayLike, face_dip_deg: float, face_dip_direction_deg: float, crest_m: ArrayLike
+) -> BlockExtents:
+    """How far the corners of any block reach behind a level crest, along it and in height.
+
+    Parameters
+    ----------
+    corners_m : (k, 3) east, north and up; crest_m : (3,) a point of the crest
+    face_dip_deg, face_dip_direction_deg : of the face, whose strike the crest has
+
+    >>> block_extents([[0, 0, 0], [4, 3, 5], [-2, 1, 5]], 90.0, 0.0, [0, 3.5, 5])
+    BlockExtents(setback_m=3.5, face_width_m=6.0, height_m=5.0)
+    """
+    corners, crest = np.asarray(corners_m, dtype=np.float64), np.asarray(crest_m, dtype=np.float64)
+    to = face_dip_direction_deg * _RADIAN
+    behind = (corners - crest) @ np.array([-math.sin(to), -math.cos(to), 0.0])
+    along = corners @ np.array([math.cos(to), -math.sin(to), 0.0])
+    return BlockExtents(max(0.0, float(behind.max())), float(np.ptp(along)), float(np.ptp(corners[:, 2])))
+
+
+_PLANES: Final = ("joint1", "joint2", "face", "upper")
+
+
+def _normal(dip_deg: Value, direction_deg: Value) -> Vector:
+    """Upward unit normals."""
+    dip, to = dip_deg * _RADIAN, direction_deg * _RADIAN
+    return np.sin(dip) * np.sin(to), np.sin(dip) * np.cos(to), np.cos(dip)
+
+
+def _up_the_face(dip_deg: Value, direction_deg: Value, height: Value) -> Vector:
+    """The crest straight up the dip of the face from the toe."""
+    back, to = height / np.tan(dip_deg * _RADIAN), direction_deg * _RADIAN
+    return -np.sin(to) * back, -np.cos(to) * back, height
+
+
+def _across(edge: Vector) -> tuple[Value, Value]:
+    """The horizontal direction square to the crest."""
+    flat = np.hypot(edge[0], edge[1])
+    return -edge[1] / flat, edge[0] / flat
+
+
+def _cuts(
+    face: Vector, line: Vector, traces: tuple[Vector, Vector], climbs: tuple[Value, ...], offset: Value, edge: Vector
+) -> Bools:
+    """Whether the line of intersection runs from the face up into the rock and out of the upper slope."""
+    out, long = dot(face, line), np.maximum(length(line), _SMALLEST)
+    toward = np.copysign(1.0, out)
+    found = (long > SAME_DIRECTION) & (length(edge) > SAME_DIRECTION) & (offset > 0.0)
+    found &= (line[2] * toward < 0.0) & (climbs[2] * toward < 0.0) & (out != 0.0)
+    for trace, climb in zip(traces, climbs, strict=False):
+        found &= np.abs(climb) > SAME_DIRECTION * length(trace)
+    answer: Bools = np.asarray(found)
+    return answer
