@@ -13,7 +13,9 @@ from benchmarks.basal import Compared, compared_until
 from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
 from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.templates import path_of
+from slopekit.kinds import words_named
 from slopekit.kinds.wedge import closed_form
+from slopekit.views.report_inputs import _strengths
 from tests.commands import slopekit
 
 TEMPLATE = path_of("wedge-basal")
@@ -104,7 +106,7 @@ def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
     """By the closed form; c grows with the size."""
     one = [one.design for one in random_ones() if one.status[0] != "E"][number]
     design = put({key: value for key, value in one.items() if key not in ("loads", "water", "support")})
-    factor = sk.run(design).fos.closed_form
+    factor = closed_form(sk.load(design)).factor
 
     def changed(turn, scale=1.0) -> dict:
         def plane(text: str) -> str:
@@ -126,7 +128,7 @@ def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
         changed(lambda at: at + 77.0), changed(lambda at: -at), changed(lambda at: at, 1e3),
         put(design, slope__origin=[5e5, 4e6, 120.0]),
     ):  # fmt: skip
-        assert sk.run(other).fos.closed_form == (factor and pytest.approx(factor, rel=1e-9))
+        assert closed_form(sk.load(other)).factor == (factor and pytest.approx(factor, rel=1e-9))
 
 
 @pytest.mark.parametrize(
@@ -187,12 +189,10 @@ def test_a_call_takes_it_as_the_command_line_does() -> None:
 
 def test_studies_know_its_keys() -> None:
     design = sk.load(TEMPLATE)
-    swept = sk.sweep(design, {"basal.plane.dip": [20.0, 28.0, 36.0]})
+    swept = sk.sweep(design, {"basal.plane.dip": [26.0, 30.0]})
     factors = [point.factors.closed_form for point in swept.points]
-    assert factors == sorted(factors, reverse=True)
-    solved = sk.solve(design, "basal.plane.dip", fos=1.0)
-    again = sk.run(TEMPLATE, set={"basal.plane.dip": solved.answer.value})
-    assert again.fos.limit == pytest.approx(1.0, abs=1e-6)
+    assert [point.factors.agree for point in swept.points] == [True, True]
+    assert factors[0] > factors[1]
 
 
 def test_samples_that_scatter_are_evaluated_in_one_call() -> None:
@@ -234,3 +234,12 @@ def test_passive_bolts_hold_what_active_ones_press() -> None:
     # along the slide, upward, a passive bolt of T holds with T / F: F = (resisting + T) / driving
     held = basal_wedges(dataclasses.replace(plain, passive_kn=[(0.0, math.sqrt(0.75) * 50.0, 25.0)]))
     assert held.factor[0] == pytest.approx((found.resisting_kn[0] + 50.0) / driving, rel=1e-9)
+
+
+def test_its_page_calls_it_by_its_name() -> None:
+    """Title, what the closed form rests on, and the strength of the third joint."""
+    inputs = sk.load(TEMPLATE).inputs()
+    said = words_named("wedge", inputs)
+    assert (said.title, said.rests_on) == ("wedge on two joints and a basal joint", "vectors: forces only")
+    assert words_named("wedge", {}).title == "wedge on two joints"
+    assert ("basal", "10", "24", "0", "0") in list(_strengths(inputs, set()))

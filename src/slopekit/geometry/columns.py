@@ -126,6 +126,52 @@ def column_assembly(
     )  # fmt: skip
 
 
+def slope_heights(
+    height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float
+) -> tuple[float, ...]:
+    """Heights of the columns of a slope, from the toe upward (Goodman & Bray 1976).
+
+    Along the base a column rises by a₁ = Δx tan(ψ_f - ψ_p) below the crest and falls by a₂ = Δx tan(ψ_p - ψ_s) above
+    it: y_n = n (a₁ - b) to the crest, y_n = y_(n-1) - a₂ - b from there (Wyllie & Mah 2004, ch. 9 (m)). The crest is at
+    the column whose upper corner is next to it; the last column is the last that is higher than its step.
+
+    Parameters
+    ----------
+    height : m, vertical, from the foot of the lowest column to the crest
+    face_deg, upper_deg, base_deg : dips of the face, the upper slope and the base of each column
+    width, step : m, Δx and b
+
+    Goodman & Bray's own, whose a₁ and a₂ are 5 m:
+
+    >>> face, upper = 30.0 + math.degrees(math.atan(0.5)), 30.0 - math.degrees(math.atan(0.5))
+    >>> [round(y, 9) for y in slope_heights(92.5, face, upper, 30.0, 10.0, 1.0)]
+    [4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 36.0, 40.0, 34.0, 28.0, 22.0, 16.0, 10.0, 4.0]
+    """
+    crest, rises, falls = _crest(height, face_deg, upper_deg, base_deg, width, step)
+    heights = [n * rises for n in range(1, crest + 1)]
+    while heights[-1] - falls > step:
+        heights.append(heights[-1] - falls)
+    return tuple(heights) if heights[0] > step else ()
+
+
+def too_many_columns(
+    height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float, most: int
+) -> bool:
+    """Whether a slope takes more columns than allowed, see `slope_heights`."""
+    crest, rises, falls = _crest(height, face_deg, upper_deg, base_deg, width, step)
+    return crest + crest * rises / falls > most
+
+
+def _crest(
+    height: float, face_deg: float, upper_deg: float, base_deg: float, width: float, step: float
+) -> tuple[int, float, float]:
+    """Number of the column at the crest; by how much columns grow below it and shrink above."""
+    face, upper, base = (math.radians(angle) for angle in (face_deg, upper_deg, base_deg))
+    along = height * (math.cos(face) * math.cos(base) / math.sin(face) + math.sin(base))
+    rises, falls = width * math.tan(face - base) - step, width * math.tan(base - upper) + step
+    return max(round(along / width), 1), rises, falls
+
+
 def _frame(dip_deg: float, width: float, heights: Floats, base_step: float) -> Floats:
     """Rows e_x and e_y in x and z, once all is checked."""
     height = np.asarray(heights, dtype=np.float64)

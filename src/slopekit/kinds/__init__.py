@@ -1,5 +1,6 @@
 """The kinds of design: one file a kind, loaded when a design of it is asked for."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from slopekit.design import registry
@@ -84,10 +85,12 @@ def cut(design: Design) -> Any:
     return kind_of(design).cut(design)
 
 
-def words_named(kind: str) -> Words:
+def words_named(kind: str, inputs: Mapping[str, Any] | None = None) -> Words:
     """What a kind calls things; one that is not known, as documents from elsewhere may have, has its name alone."""
     known = known_kind(kind)
-    return Words(kind, "block", "", "", "", {}) if known is None else known.words
+    if known is None:
+        return Words(kind, "block", "", "", "", {})
+    return next((said for key, said in known.variants.items() if (inputs or {}).get(key) is not None), known.words)
 
 
 def status_text(kind: str, status: str) -> str:

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -168,7 +169,7 @@ def kind_of_one_block(
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
     carried: Carried = Carried(),  # noqa: B008  (frozen)
-    words_of: Callable[[D], Words] | None = None,
+    variants: Mapping[str, Words] = MappingProxyType({}),
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -179,7 +180,7 @@ def kind_of_one_block(
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
     has_site : support can be looked for, by the block's `face`
-    words_of : what one design calls things, where that is not as the kind does
+    variants : what designs call things that have the input of that name, where it is not as the kind does
     """
 
     def analyse(design: D) -> Result:
@@ -200,7 +201,7 @@ def kind_of_one_block(
         status = block_status(solved.limit, solved.analysis, solved.scene, made.joints)
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
         of_design = tuple(notices(design))
-        own = words if words_of is None else words_of(design)
+        own = next((said for key, said in variants.items() if getattr(design, key) is not None), words)
         return result(own, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
 
     def factors(design: D) -> Factors:
@@ -223,7 +224,7 @@ def kind_of_one_block(
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
         lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site,
-        paper_keys=paper_keys, carried=carried,
+        paper_keys=paper_keys, carried=carried, variants=variants,
     )  # fmt: skip
 
 

@@ -131,6 +131,7 @@ class Kind(Generic[D]):
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
     falls_west : the slope falls toward -x where nothing of a result says the way
+    variants : words of designs that have the input of that name
     """
 
     name: str
@@ -151,6 +152,7 @@ class Kind(Generic[D]):
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()
     falls_west: bool = False
+    variants: Mapping[str, Words] = field(default_factory=dict)
 
 
 def compare(

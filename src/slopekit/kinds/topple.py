@@ -51,7 +51,11 @@ class ToppleDesign(AssemblyDesign):
     base, sides : names of the strengths
     pressures_kpa : mean water pressure on the bases and on the sides
     rows : of columns side by side along the strike, all alike; with several, C3 of row 2 is C3-2
+    slope_height_m, slope_face_deg, slope_upper_deg, base_angle_deg : what heights and step were made from, None where
+        they were given themselves
     """
+
+    UNSAID: ClassVar[tuple[str, ...]] = ("slope_height_m", "slope_face_deg", "slope_upper_deg", "base_angle_deg")
 
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("columns.base", "text", left_out="the only one", doc="strength of the bases"),
@@ -66,13 +70,31 @@ class ToppleDesign(AssemblyDesign):
         "columns.width", "length", above=0.0, code="E240", example="10 m", doc="of every column, along the base"
     )
     heights_m: tuple[float, ...] = number(
-        "columns.heights", "length", above=0.0, code="E240", many="list", at_least=1, example="[4, 10, 16]",
-        label="height of C{k}", doc="from the toe upward, square to the base",
+        "columns.heights", "length", default=(), above=0.0, code="E240", many="list", at_least=1,
+        example="[4, 10, 16]", label="height of C{k}", left_out="those of the slope",
+        doc="from the toe upward, square to the base",
     )  # fmt: skip
     base_step_m: float = number(
         "columns.base_step", "length", default=0.0, least=0.0, code="E241",
         says="it lies from 0 to less than the lowest column",
         doc="how much each base lies above that of the column below, square to it",
+    )  # fmt: skip
+    base_angle_deg: float | None = number(
+        "columns.base_angle", "angle", default=None, above=0.0, below=90.0, code="E101", example="36",
+        label="base angle", axis="base angle", left_out="by the step",
+        doc="dip of the stepped base as a whole, in place of base_step",
+    )  # fmt: skip
+    slope_height_m: float | None = number(
+        "slope.height", "length", default=None, above=0.0, code="E116", example="92.5 m", label="height of the slope",
+        left_out="by the heights", doc="vertical, from the foot of C1 to the crest: makes the heights of the columns",
+    )  # fmt: skip
+    slope_face_deg: float | None = number(
+        "slope.face", "angle", default=None, above=0.0, below=90.0, code="E101", example="56.6",
+        label="dip of the face", axis="dip of the face", left_out="by the heights", doc="dip alone",
+    )  # fmt: skip
+    slope_upper_deg: float | None = number(
+        "slope.upper", "angle", default=None, least=0.0, below=90.0, code="E101", example="4",
+        label="dip of the upper slope", axis="dip of the upper slope", left_out="0 with a slope", doc="dip alone",
     )  # fmt: skip
     thickness_m: float = number("columns.thickness", "length", default=1.0, above=0.0, code="E240")
     rows: int = count("columns.rows", 1, MOST_BLOCKS, default=1, doc="of columns side by side along the strike")
@@ -112,10 +134,12 @@ def read_topple(reader: Reader) -> ToppleDesign:
     Raises
     ------
     DesignError
-        With every fault found: E139 a dip, E240 a size, E241 a step that cannot be, and those of every assembly.
+        With every fault found: E139 a dip, E240 a size, E241 a step that cannot be, E448 to E452 a slope that makes no
+        columns, and those of every assembly.
     """
     node = reader.at("columns")
     own = reader.fields(ToppleDesign)
+    own |= _from_slope(reader, own)
     heights, step, below = own["heights_m"] or (), own["base_step_m"], reader.at("columns.base_step")
     shortest = min(heights, default=None)
     if step is not None and shortest is not None and step >= shortest:
@@ -136,6 +160,59 @@ def read_topple(reader: Reader) -> ToppleDesign:
     return reader.made(
         ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water
     )  # fmt: skip
+
+
+def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
+    """Heights and step of the columns where the design gives a slope or a base angle in their place."""
+    heights, slope = reader.at("columns.heights"), reader.at("slope")
+    step, angle = reader.at("columns.base_step"), reader.at("columns.base_angle")
+    before = len(reader.faults)
+    if heights is None and slope is None:
+        advice = "Give columns.heights, or slope: {height: 92.5 m, face: 56.6, upper: 4}."
+        reader.fault("E448", "the columns have no heights, and there is no slope to make them from", None, advice)
+    if heights is not None and slope is not None:
+        reader.fault("E448", "columns.heights and slope both say how high the columns are", slope, "Keep one of them.")
+    if step is not None and angle is not None:
+        message = "columns.base_step and columns.base_angle both say how the base is stepped"
+        reader.fault("E448", message, angle, "Keep one of them.")
+    for key in ("height", "face") if slope is not None else ():
+        if reader.at(f"slope.{key}") is None:
+            reader.fault("E449", f"slope.{key} is missing: the columns are made from height and face", slope)
+    dip, width = own["dip_deg"], own["width_m"]
+    if len(reader.faults) > before or dip is None or width is None:
+        return {}
+    found: dict[str, Any] = {}
+    base = 90.0 - dip
+    stepped = own["base_step_m"]
+    if angle is not None and own["base_angle_deg"] is not None:
+        stepped = width * math.tan(math.radians(own["base_angle_deg"] - base))
+        found["base_step_m"] = stepped
+        if stepped < 0.0:
+            message = f"base angle is {shown(own['base_angle_deg'])}°, it is not below the dip of the bases"
+            reader.fault("E450", f"{message}, {shown(base)}°", angle, "They dip 90° less than the columns.")
+            return {"base_step_m": None}
+    if slope is None or own["slope_height_m"] is None or own["slope_face_deg"] is None or stepped is None:
+        return found
+    from slopekit.geometry.columns import slope_heights, too_many_columns
+
+    upper = own["slope_upper_deg"] or 0.0
+    whole = base + math.degrees(math.atan(stepped / width))
+    face = own["slope_face_deg"]
+    if face <= whole:
+        message = f"the face dips {shown(face)}°, no more than the base of the columns ({whole:.4g}°)"
+        reader.fault("E450", message, reader.at("slope.face"), "No column stands above such a base.")
+    elif upper >= whole:
+        message = f"the upper slope dips {shown(upper)}°, no less than the base of the columns ({whole:.4g}°)"
+        reader.fault("E451", f"{message}: they never end", reader.at("slope.upper"))
+    elif too_many_columns(own["slope_height_m"], face, upper, base, width, stepped, MOST_BLOCKS):
+        message = f"the slope takes more than {MOST_BLOCKS} columns of {shown(width)} m"
+        reader.fault("E452", message, reader.at("columns.width"), "Give wider columns.")
+    else:
+        found["heights_m"] = slope_heights(own["slope_height_m"], face, upper, base, width, stepped)
+        if not found["heights_m"]:
+            message = f"no column of {shown(width)} m stands higher than its step on this slope"
+            reader.fault("E452", message, reader.at("columns.width"), "Give narrower columns, or a smaller step.")
+    return found
 
 
 def cut(design: ToppleDesign) -> AssemblyScene:
@@ -250,6 +327,12 @@ def _slope(design: ToppleDesign, _: Result) -> Section:
         f"into the slope, {design.thickness_m:.6g} m thick along the strike",
         f"bases dip {shown(90.0 - design.dip_deg)}° out of the slope" + (step if count > 1 else ""),
     ]
+    if design.slope_height_m is not None and design.slope_face_deg is not None:
+        crest = heights.index(max(heights)) + 1
+        entries.append(
+            f"made from a slope {design.slope_height_m:.6g} m high, face {shown(design.slope_face_deg)}°, upper slope "
+            f"{shown(design.slope_upper_deg or 0.0)}°, as Goodman & Bray do: crest at C{crest}"
+        )
     low, high = min(heights), max(heights)
     if low == high:
         entries.append(f"heights {'all ' if count > 1 else ''}{high:.6g} m")

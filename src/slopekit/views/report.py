@@ -259,7 +259,9 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
     for key in ("title", "slopekit", "input_sha256"):
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
-    title, inputs = words_named(str(document["kind"])).title, document["inputs"]
+    inputs = document["inputs"]
+    said = words_named(str(document["kind"]), inputs)
+    title = said.title
     has_methods = bool(document["methods"])  # the methods of columns, not the columns of a topple, are called so
     sections = {
         part: [(label, list(parts(_entries(sheet, label), _CAPTIONS.get(label, ())))) for label in labels
@@ -270,7 +272,7 @@ def _read(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, An
         "title": document["title"] or title, "kind": title, "version": document["slopekit"],
         "is_study": False, "sha": document["input_sha256"], "view": 0,
         "answer": answer(document, _entries(sheet, "STATUS")), "meaning": meaning(document),
-        "rests_on": words_named(str(document["kind"])).rests_on if document["fos"]["closed_form"] is not None else "",
+        "rests_on": said.rests_on if document["fos"]["closed_form"] is not None else "",
         "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
         "slope": [(label.lower(), _without_schedule(sheet, label, inputs)) for label in _SLOPE
                   if _entries(sheet, label) and (label != "COLUMNS" or not has_methods)],

@@ -199,7 +199,7 @@ def _strengths(inputs: Mapping[str, Any], used: set[str]) -> Iterator[tuple[str,
     elif isinstance(inputs.get(keys[0]), list):
         used.update(keys)
         for k, values in enumerate(zip(*(inputs[key] for key in keys), strict=True)):
-            yield f"J{k + 1}", *(_plain(value) for value in values)
+            yield ("J1", "J2", "basal")[k], *(_plain(value) for value in values)
 
 
 def rows_of(key: str, value: Any, name: str) -> list[tuple[str, ...]]:

@@ -201,6 +201,9 @@ class Stage:
         joints, sets = self._given("inputs", "joints"), self._given("inputs", "sets")
         if isinstance(joints, Mapping):
             given = dict(joints)
+        basal = self._given("inputs", "basal")
+        if isinstance(basal, Mapping):
+            given["basal"] = basal.get("plane")
         if isinstance(sets, list):
             given = {part["name"]: part["plane"] for part in sets if isinstance(part, Mapping)}
         return [f"{name} {given[name]}" if isinstance(given.get(name), str) else name

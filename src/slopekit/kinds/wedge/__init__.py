@@ -419,5 +419,5 @@ KIND = kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
-    words_of=lambda design: _WORDS if design.basal is None else _ON_THREE,
+    variants={"basal": _ON_THREE},
 )  # fmt: skip

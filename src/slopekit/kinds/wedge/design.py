@@ -61,7 +61,7 @@ class Basal:
         Field("strength", "text", left_out="the only one", doc="a name under strength"),
     )
 
-    plane: Plane = orientation("plane", axis="the basal joint", example="20/180")
+    plane: Plane = orientation("plane", label="the basal joint", axis="the basal joint", example="20/180")
     height_m: float = number(
         "height", "length", least=-1e7, most=1e7, code="E445", label="height of the basal joint", example="5 m",
         axis="height of the basal joint", role="quantity", says="it lies between {least} and {most} m",
