@@ -215,7 +215,8 @@ NO_BOLTS = PassiveBolts(
 class AssemblyLoads:
     """Loads on the blocks of an assembly: forces (n, 3) kN and moments (n, 3) kNm about their centroids.
 
-    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a patch; `live` forces and moments that are part of
+    `weights` (n,) kN; `water` (k,) kN, what pushes on each side of a
+    patch through `water_points` (None: its middle); `live` forces and moments that are part of
     them and neither weight nor water. Passive `bolts` are strength and no part of them.
     """
 
@@ -225,6 +226,11 @@ class AssemblyLoads:
     water: Floats
     live: tuple[Floats, Floats]
     bolts: PassiveBolts = NO_BOLTS
+    water_points: Floats | None = None
+
+    def water_at(self, assembly: Assembly) -> Floats:
+        """The points (k, 3) that the water of each patch acts through."""
+        return assembly.patches.centroids if self.water_points is None else self.water_points
 
 
 def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> AssemblyLoads:
@@ -237,7 +243,7 @@ def drained(assembly: Assembly, loads: AssemblyLoads, patches: Bools) -> Assembl
         own = at[side[at] >= 0]
         push = sign * water[own, None] * assembly.patches.normals[own]
         np.subtract.at(forces, side[own], push)
-        arms = assembly.patches.centroids[own] - assembly.centroids[side[own]]
+        arms = loads.water_at(assembly)[own] - assembly.centroids[side[own]]
         np.subtract.at(moments, side[own], cross(arms, push))
     water[at] = 0.0
     return replace(loads, forces=frozen(forces), moments=frozen(moments), water=frozen(water))
@@ -250,6 +256,7 @@ def assembly_loads(
     pressures: Floats,
     pushes: Sequence[tuple[int, PointForce]] = (),
     bolts: PassiveBolts = NO_BOLTS,
+    water_points: Floats | None = None,
 ) -> AssemblyLoads:
     """Add up the loads on the blocks of an assembly.
 
@@ -257,7 +264,7 @@ def assembly_loads(
     ----------
     unit_weights : (n,) kN/m³
     seismic : (3,) parts of the weight, acting at the centroids
-    pressures : (k,) mean water pressure on each patch (kPa), even over it
+    pressures : (k,) mean water pressure on each patch (kPa); water_points : (k, 3) where it acts, None: in its middle
     pushes : forces and the blocks they act on; bolts : the passive ones
     """
     weights = unit_weights * assembly.volumes
@@ -275,7 +282,14 @@ def assembly_loads(
         if len(at):
             push = sign * water[at, None] * patches.normals[at]
             np.add.at(forces, side[at], push)
-            np.add.at(moments, side[at], cross(patches.centroids[at] - assembly.centroids[side[at]], push))
+            middles = patches.centroids if water_points is None else water_points
+            np.add.at(moments, side[at], cross(middles[at] - assembly.centroids[side[at]], push))
     return AssemblyLoads(
-        frozen(forces), frozen(moments), frozen(weights), frozen(water), (frozen(live), frozen(turning)), bolts
+        frozen(forces),
+        frozen(moments),
+        frozen(weights),
+        frozen(water),
+        (frozen(live), frozen(turning)),
+        bolts,
+        water_points,
     )

@@ -1,12 +1,14 @@
 """Water tables, ponds, surcharge and the worst crack: against hydrostatics by hand, quadrature and Hoek & Bray."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError, GeometryError
+from slopekit.exchange.losses import lost_of_strength_and_water
 from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes
 from slopekit.kinds import kind_named
 
@@ -268,3 +270,78 @@ def test_what_is_said_of_a_pond(pond, code) -> None:
     assert code in [notice.code for notice in result.warnings]
     if code == "W419":
         assert result.fos.limit == pytest.approx(sk.run(WEDGE).fos.limit, rel=1e-12)
+
+
+# -- many blocks ----------------------------------------------------------------------------------------------------
+
+
+def section_of_blocks(water):
+    """The plane failure of PLANE as a section of kind blocks: x into the slope, a fixed base under one block."""
+    back = 12.0 / math.tan(math.radians(35.0))
+    crest = 12.0 / math.tan(math.radians(60.0))
+    return {
+        "slopekit": 1, "kind": "blocks", "strength": PLANE["strength"], "water": water, "rock": {"unit_weight": 26},
+        "blocks": {"base": {"polygon": [[0, 0], [back, 12], [back, -3], [0, -3]], "fixed": True},
+                   "B1": {"polygon": [[0, 0], [back, 12], [crest, 12]]}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("water", [
+    {"mode": "table", "points": [[0, 0], [6, 8], [12, 9]]}, {"mode": "table", "plane": "25/180@0 m"},
+], ids=str)  # fmt: skip
+def test_blocks_have_the_water_of_the_plane(water) -> None:
+    """One block on its base in a section of kind blocks is the plane failure: the same push and the same factor."""
+    in_blocks = water if "points" in water else {"mode": "table", "plane": "25/270@0 m"}
+    plane, blocks = sk.run({**PLANE, "water": water}), sk.run(section_of_blocks(in_blocks))
+    assert blocks.forces.water["s"] == pytest.approx(plane.forces.water["J1"], rel=1e-12)
+    assert blocks.fos.limit == pytest.approx(plane.fos.limit, rel=1e-7)
+    assert "water table" in str(blocks.sheet)
+
+
+def test_a_table_over_the_contacts_of_a_bench() -> None:
+    """The water of each set is the integral over its contacts, by their corners and a rule of three points."""
+    bench = {
+        "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": "8 m", "length": "16 m"},
+        "sets": {"S1": {"plane": "35/175", "spacing": "3 m"}, "S2": {"plane": "80/270", "spacing": "4 m"}},
+        "strength": {"s": {"c": 5, "phi": 30}}, "rock": {"unit_weight": 25},
+    }  # fmt: skip
+    scene = kind_named("bench").cut(sk.load({**bench, "water": {"mode": "table", "plane": "20/180@0 m"}}))
+    patches = scene.assembly.patches
+    table = Pressure((Height(np.array([0.0, math.tan(math.radians(20.0)), 0.0]), 0.0),), None, WATER)
+    heads = patches.corners[:, 2] - patches.corners[:, 1] * math.tan(math.radians(20.0))
+    checked = 0
+    for k in range(len(patches)):
+        head = heads[patches.first[k] : patches.first[k + 1]]
+        if (head < 0.0).all():  # wholly wet: pressure at the centroid is the mean of a linear one
+            at = table.at(patches.centroids[k][None, :])[0]
+            assert scene.pressures[k] == pytest.approx(at, rel=1e-9)
+            checked += 1
+        elif (head > 0.0).all():
+            assert scene.pressures[k] == 0.0
+    assert checked > 5
+    with pytest.raises(GeometryError, match="E456"):
+        sk.run({**bench, "water": {"mode": "table", "plane": "0/180@20 m"}})
+
+
+@pytest.mark.parametrize(("water", "code"), [
+    ({"mode": "table"}, "E454"), ({"points": [[0, 0], [1, 1]]}, "E454"),
+    ({"mode": "table", "points": [[2, 0], [1, 1]]}, "E455"),
+    ({"mode": "table", "points": [[0, 0], [1, 1]], "plane": "5/270@1m"}, "E198"),
+    ({"mode": "table", "plane": "5/270@1m", "pressures": {"B1/base": 5}}, "E198"),
+    ({"mode": "full"}, "E179"), ({"mode": "table", "pond": 3}, "E142"),
+], ids=str)  # fmt: skip
+def test_tables_that_are_none_for_blocks(water, code) -> None:
+    """As for one block, and a pond is not known: no free face of many blocks takes water."""
+    with pytest.raises(DesignError) as found:
+        sk.load(section_of_blocks(water))
+    assert code in found.value.codes
+
+
+def test_what_blocks_that_are_written_lose() -> None:
+    """An export as kind blocks says that the table, and residual strength, are not in it."""
+    strength = {"s": {"c": 25, "phi": 37, "residual": {"c": 0, "phi": 30}}}
+    design = {**section_of_blocks({"mode": "table", "points": [[0, 0], [6, 8]]}), "strength": strength}
+    lost = lost_of_strength_and_water(SimpleNamespace(document=sk.run(design).to_dict(), has_many=True))
+    assert [one.partition(":")[0] for one in lost] == ["residual strength", "the water table"]
+    dry = sk.run(section_of_blocks({"mode": "dry"})).to_dict()
+    assert lost_of_strength_and_water(SimpleNamespace(document=dry, has_many=True)) == []

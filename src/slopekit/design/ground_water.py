@@ -30,6 +30,16 @@ class TablePlane:
         return f"{self.plane}@{shown(self.level_m)}m"
 
 
+def table_points(place: str) -> Any:
+    """Points of a water table by their places."""
+    return text(
+        "water.points", default=None, coordinates=2, left_out="no table",
+        doc=f"with `mode: table`: {place}, ascending, and elevation; level beyond its ends",
+        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
+        example="[[0, 0], [10, 4], [30, 9]]",
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeDesign(Design):
     """A block in a slope with a toe, a face and an upper slope.
@@ -44,12 +54,7 @@ class SlopeDesign(Design):
         says="a table lies at or below the ground", example="4 m", left_out="no table",
         doc="with `mode: table`: of the table below the ground, vertical",
     )  # fmt: skip
-    table_points_m: tuple[tuple[float, float], ...] | None = text(
-        "water.points", default=None, coordinates=2, left_out="no table",
-        doc="with `mode: table`: distance from the toe into the slope, ascending, and elevation; level beyond its ends",
-        forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
-        example="[[0, 0], [10, 4], [30, 9]]",
-    )  # fmt: skip
+    table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")
     table_plane: TablePlane | None = text(
         "water.plane", default=None, left_out="no table", example="5/180@2m",
         doc="with `mode: table`: a plane, and its elevation over the toe",
@@ -108,6 +113,33 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     value = None if below is None else reader.value(below)
     found["table_plane"] = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
     return found, Water("table")
+
+
+def read_table(reader: Reader, example: str) -> dict[str, Any]:
+    """The table of many blocks by attribute; nothing where water is said in another way.
+
+    Parameters
+    ----------
+    example : of pressures, which exclude it
+    """
+    node = reader.at("water")
+    mode = None if node is None or not node.is_mapping else node.get("mode")
+    said = [] if node is None or not node.is_mapping else [key for key in ("points", "plane") if node.get(key)]
+    if node is None or mode is None or mode.text != TABLE:
+        if said and node is not None:
+            reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), "Add mode: table.")
+        return {"table_points_m": None, "table_plane": None}
+    if node.get("pressures") is not None:
+        message = "water has a table and pressures: they exclude each other"
+        reader.fault("E198", message, node.get("pressures"), f"Keep one of them; pressures: {example}.")
+    if len(said) != 1:
+        message = "the water table has points and plane: they exclude each other" if said else (
+            "water is a table, and nothing says where it lies")  # fmt: skip
+        reader.fault("E198" if said else "E454", message, mode, "Give points: [[0, 0], [10, 4]] or plane: 5/180@2m.")
+    below = node.get("plane")
+    value = None if below is None else reader.value(below)
+    plane = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
+    return {"table_points_m": _points(reader, node.get("points")), "table_plane": plane}
 
 
 def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...] | None:

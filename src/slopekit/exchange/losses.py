@@ -34,6 +34,18 @@ def lost_of_laws(inputs: Mapping[str, Any]) -> list[str]:
     return [f"curved strength ({', '.join(named)}): c and φ of its line up to 100 kPa are written"] if named else []
 
 
+def lost_of_strength_and_water(source: Source) -> list[str]:
+    """Residual strength, and a water table over the contacts of many blocks."""
+    inputs = source.document["inputs"]
+    given = [inputs.get("strength"), *(strength for _, strength in inputs.get("strengths", ()))]
+    has_residual = any(isinstance(one, Mapping) and "residual" in one for one in given) or "residuals" in inputs
+    lost = ["residual strength: the peak alone is written"] if has_residual else []
+    has_table = "table_points_m" in inputs or "table_plane" in inputs
+    if has_table and source.has_many:
+        lost.append("the water table: the blocks are dry, write water: {mode: table, ...} again")
+    return lost
+
+
 def lost_of_criterion(source: Source) -> list[str]:
     """The all-pairs factor of one block is sought in another way than that of many."""
     if source.document["inputs"].get("criterion") != "all-pairs" or source.has_many:

@@ -19,6 +19,7 @@ from slopekit.exchange.losses import (
     lost_of_laws,
     lost_of_loads,
     lost_of_mixed,
+    lost_of_strength_and_water,
     pressures_of,
 )
 from slopekit.exchange.picking import Body, Picked
@@ -65,6 +66,7 @@ def design_text(
     lost, rows = lost_of_mixed(source, found.mixed, pressures), source.carried.apart(inputs, source.scene.shapes.names)
     lost += ["that rows do not touch: here smooth joints lie between them"] if rows else []
     lost += lost_of_laws(inputs)
+    lost += lost_of_strength_and_water(source)
     apart = [pair for pair in rows if all(name in files for name in pair)]
     if apart:
         smooth = CarriedJoint(_APART, 0.0, 0.0, 0.0, 0.0)

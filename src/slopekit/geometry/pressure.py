@@ -67,6 +67,12 @@ def in_strips(along: Floats, places: Sequence[float], levels: Sequence[float]) -
     return (*heights, Height(flat, levels[-1], ((-along, -places[-1], False),)))
 
 
+def plane_table(normal: Floats, level: float, in_section: bool) -> tuple[Height, ...]:
+    """A table that is a plane of this normal (3,), at a level (m) over the origin; of a section its trace there."""
+    x, y, z = normal
+    return (Height(np.array([-x / z, 0.0 if in_section else -y / z, 0.0]), level),)
+
+
 @dataclass(frozen=True, slots=True)
 class Pressure:
     """Hydrostatic pressure below a table, kPa.

@@ -7,16 +7,18 @@ from typing import Any
 import numpy as np
 
 from slopekit.core.errors import Notice
-from slopekit.core.orientation import Plane
+from slopekit.core.orientation import Line, Plane
 from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
+from slopekit.design.ground_water import read_table
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
-from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
+from slopekit.kinds.many_blocks_design import MOST_BLOCKS, TableDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.table_on_patches import with_table
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -70,7 +72,7 @@ class JointSetInput:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BenchDesign(AssemblyDesign):
+class BenchDesign(TableDesign):
     """A bench cut into blocks by joint sets.
 
     The toe runs through the origin along the strike of the face, `length_m` long, half to each side; the rock is
@@ -150,7 +152,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     own["sets"] = _sets(reader, by_name)
     toward = 0.0 if face is None else face.dip_direction_deg
     shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
-    return reader.made(BenchDesign, shared, own)
+    return reader.made(BenchDesign, shared, own, read_table(reader, "{S1: 5 kPa}"))
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...]:
@@ -209,6 +211,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
         tuple(notices), origin=np.array(design.origin_m),
     )  # fmt: skip
     advice = "Take closer joints or a longer and deeper bench."
+    scene = with_table(design, scene, -Line(design.face.dip_direction_deg, 0.0).vector())
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
 
 

@@ -14,7 +14,7 @@ from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import number
 from slopekit.design.ground_water import TABLE, SlopeDesign
 from slopekit.geometry.cutting import Block
-from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes
+from slopekit.geometry.pressure import Height, Pressure, in_strips, plane_table, under_planes
 from slopekit.kinds.closed_forms import Arguments
 from slopekit.loads import PointForce
 
@@ -67,9 +67,8 @@ def _table(design: SlopeDesign, ground: Ground) -> tuple[Height, ...]:
         places, levels = zip(*design.table_points_m, strict=True)
         return in_strips(ground.into, places, [level - ground.level for level in levels])
     if design.table_plane is not None:
-        x, y, z = ground.axes @ design.table_plane.plane.normal()
-        slope = np.array([-x / z, 0.0 if ground.in_section else -y / z, 0.0])
-        return (Height(slope, design.table_plane.level_m - ground.level),)
+        normal = ground.axes @ design.table_plane.plane.normal()
+        return plane_table(normal, design.table_plane.level_m - ground.level, ground.in_section)
     return ()
 
 

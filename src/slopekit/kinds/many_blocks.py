@@ -18,7 +18,7 @@ from slopekit.core.onlooker import say
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
-from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.kinds.many_blocks_design import AssemblyDesign, TableDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
@@ -141,7 +141,8 @@ def kind_of_many_blocks(
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
-        wet, in_section = _water(pressures(design)), geometry.thickness_m is not None
+        table = design.table_in_words() if isinstance(design, TableDesign) else []
+        wet, in_section = [*_water(pressures(design)), *table], geometry.thickness_m is not None
         return (
             slope(design, result),
             _size(result, with_areas(design)),

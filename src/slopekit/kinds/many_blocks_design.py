@@ -7,7 +7,8 @@ from typing import Any
 from slopekit.core.orientation import number
 from slopekit.design import words
 from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
-from slopekit.design.fields import Field, count, group
+from slopekit.design.fields import Field, count, fields_of, group, text
+from slopekit.design.ground_water import TABLE, TablePlane, table_points
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
@@ -67,6 +68,30 @@ class AssemblyDesign(Design):
         return dict(self.strengths)[name]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableDesign(AssemblyDesign):
+    """Many blocks that a water table may wet; `table_points_m` are places from the toe, or x, and elevations."""
+
+    table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
+    table_plane: TablePlane | None = text(
+        "water.plane", default=None, left_out="no table", example="5/180@2m",
+        doc="with `mode: table`: a plane, and its elevation over the origin",
+    )  # fmt: skip
+
+    @property
+    def has_table(self) -> bool:
+        """Whether it has one."""
+        return self.table_points_m is not None or self.table_plane is not None
+
+    def table_in_words(self) -> list[str]:
+        """The table as the sheet prints it."""
+        if self.table_points_m is not None:
+            (x0, z0), (x1, z1) = self.table_points_m[0], self.table_points_m[-1]
+            return [f"water table through {len(self.table_points_m)} points, from {number(z0)} m at {number(x0)} m to "
+                    f"{number(z1)} m at {number(x1)} m"]  # fmt: skip
+        return [] if self.table_plane is None else [f"water table {self.table_plane}, at the origin"]
+
+
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
     """Every strength by its name."""
     read = [(name, read_strength(reader, node, name)) for name, node in reader.names("strength")]
@@ -78,6 +103,9 @@ def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
     node = reader.at("water")
     if node is None or node.value is None:
         return []
+    mode = node.get("mode") if node.is_mapping else None
+    if mode is not None and mode.text == TABLE and "table_plane" in fields_of(reader.record):
+        return []  # which `read_table` reads
     said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
     other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
     if other is not None and (other.name == "fill" or other.text not in ("dry", None)):

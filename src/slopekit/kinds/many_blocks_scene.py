@@ -22,7 +22,8 @@ class AssemblyScene:
     Attributes
     ----------
     names : (n,); joints : names by joint index, strengths : their strengths
-    unit_weights : (n,) kN/m³; pressures : (k,) kPa on each patch
+    unit_weights : (n,) kN/m³; pressures : (k,) mean kPa on each patch, water_points : (k, 3) where they
+        act, None in the middle of each
     seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
     bolts : the passive ones, bolt_names : as the design numbers them
     outlines : x, z of the blocks of a section by name
@@ -45,6 +46,7 @@ class AssemblyScene:
     pushes: tuple[tuple[int, PointForce], ...] = ()
     bolts: PassiveBolts = NO_BOLTS
     bolt_names: tuple[str, ...] = ()
+    water_points: Floats | None = None
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
@@ -73,7 +75,15 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
 
 def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
     """All loads on the blocks of a scene."""
-    return assembly_loads(scene.assembly, scene.unit_weights, scene.seismic, scene.pressures, scene.pushes, scene.bolts)
+    return assembly_loads(
+        scene.assembly,
+        scene.unit_weights,
+        scene.seismic,
+        scene.pressures,
+        scene.pushes,
+        scene.bolts,
+        scene.water_points,
+    )
 
 
 def _pushes(

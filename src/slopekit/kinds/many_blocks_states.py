@@ -232,7 +232,7 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
     for side, sign in ((patches.plus, 1.0), (patches.minus, -1.0)):
         wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
         wet = wet[~assembly.fixed[side[wet]]]
-        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], patches.centroids[wet])
+        add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
     for k, (block, push) in enumerate(scene.pushes, 1):
         at = assembly.centroids[block] if push.at is None else push.at
         add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])

@@ -25,8 +25,8 @@ _SYMBOLS = {
 }  # fmt: skip
 _GROUPS = {
     "Rock and water": ("unit_weight_kn_m3", "density_kg_m3", "gravity_m_s2", "water", "water_unit_weight_kn_m3",
-                       "pressures_kpa"),
-    "Loads and support": ("seismic", "forces", "bolts", "load_kn", "load_at_m"),
+                       "table_depth_m", "table_points_m", "table_plane", "pond_m", "pressures_kpa"),
+    "Loads and support": ("seismic", "surcharge_kpa", "forces", "bolts", "load_kn", "load_at_m"),
     "Analysis": ("criterion", "rules", "agree_within", "stop_when", "factors", "mechanisms", "seed", "refine", "pairs",
                  "stiffness", "max_blocks", "min_volume_m3", "contact_tolerance_m"),
 }  # fmt: skip
@@ -223,9 +223,11 @@ def rows_of(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
         return [row for part, own in parts for row in rows_of(part, own, f"{name}: {words(part)}")]
     if key == "rules" and value:
         return [(name, ", ".join(f"{one['name']} {one['relation']} {_plain(one['value'])}" for one in value))]
-    if isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
+    if isinstance(value, list) and any(value) and all(one is None or isinstance(one, Mapping) for one in value):
         rows: list[tuple[str, ...]] = []
         for k, one in enumerate(value[:_MOST]):
+            if one is None:
+                continue
             said = "; ".join(f"{words(part)} {value_text(part, own)}" for part, own in one.items()
                              if own is not None and part != "name")  # fmt: skip
             rows.append((f"{name} {one.get('name', k + 1)}", said))
