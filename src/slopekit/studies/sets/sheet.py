@@ -108,7 +108,7 @@ def _spacing(found: JointSets) -> list[Entry]:
     rows = [one for one in found.sets if one.spacing is not None]
     if not rows:
         return []
-    columns = [_name(found), *_lengths("spacing"), Column("", attrgetter("spacing.how"), "how", width=-50,
+    columns = [_name(found), *_lengths("spacing"), Column("", attrgetter("spacing.how"), "how", width=1,
                                                           text=lambda one: "  " + one.spacing.how)]  # fmt: skip
     return [Table(columns, rows)]
 
@@ -130,7 +130,7 @@ def _lengths(of: str) -> list[Column[FoundSet]]:
     return [
         Column("number", attrgetter(f"{of}.count"), "number", width=8),
         Column("mean", attrgetter(f"{of}.mean_m"), "mean", "m", _metres, 9),
-        Column("limits", lambda one: [attrgetter(f"{of}.low_m")(one), attrgetter(f"{of}.high_m")(one)], width=15,
+        Column("limits", lambda one: [attrgetter(f"{of}.low_m")(one), attrgetter(f"{of}.high_m")(one)], width=19,
                text=lambda one: _between(attrgetter(f"{of}.low_m")(one), attrgetter(f"{of}.high_m")(one))),
         Column("sd", attrgetter(f"{of}.sd_m"), "sd", "m", _metres, 9),
     ]  # fmt: skip

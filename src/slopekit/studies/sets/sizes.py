@@ -11,6 +11,7 @@ from slopekit.core.orientation import number
 from slopekit.design.survey import Joint
 
 _FEW = 2
+_ALONG = 0.26  # cosine between line and normal below which a line meets a set hardly: 15° and less from the set
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,9 @@ def spacings_of(joints: Sequence[Joint], mean: Floats, line: Floats | None, conf
     if line is None or len(at) < _FEW:
         return None
     cosine = abs(float(mean @ line))
-    how = f"along the scanline, times {cosine:.3f}"
+    how = f"along the scanline, times {cosine:.3f}" + (
+        "; the line runs nearly along the set" if cosine < _ALONG else ""
+    )
     found: Lengths = lengths_of(np.diff(at) * cosine, how, confidence)
     return found if found.mean_m > 0.0 else None
 
