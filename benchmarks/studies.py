@@ -4,6 +4,7 @@ Every time is a ratio to something measured in the same run; `docs` writes docs/
 """
 
 import json
+import math
 import os
 import platform
 import signal
@@ -158,6 +159,46 @@ def prob_rows() -> list[str]:
     return rows
 
 
+def set_rows(surveys: int = 20) -> list[str]:
+    """How often the number of drawn joint sets is found, by BIC and by the index of Xie & Beni, and what it costs."""
+    from scipy.stats import vonmises_fisher
+
+    from slopekit.core.orientation import normals
+    from slopekit.studies.sets.clustering import best, clusters_of
+
+    rows = [
+        "| drawn sets (K) | joints | anywhere | by BIC | by Xie & Beni | s each, one core |",
+        "|---|---|---|---|---|---|",
+    ]
+    planes = ((45, 120), (80, 20), (60, 270), (85, 310), (10, 180))
+    rng = np.random.default_rng(5)
+    cases = [(), (30,), (40, 40), (40, 40, 40), (12, 12, 12), (60, 10, 25), (40,) * 4, (40,) * 5]
+    for concentrations, each, anywhere, times in [
+        *((some, 30, 10, surveys) for some in cases),
+        ((40, 30, 25), 3000, 1000, 1),
+    ]:
+        by_bic, by_index, began, sets = 0, 0, 0.0, len(concentrations)
+        anywhere = anywhere if sets else 60
+        for _ in range(times):
+            loose = rng.normal(size=(anywhere, 3))
+            parts = [loose / np.linalg.norm(loose, axis=1)[:, None]]
+            for (dip, way), k in zip(planes, concentrations, strict=False):
+                parts.append(vonmises_fisher(normals(np.array(dip), np.array(way)), k).rvs(each, random_state=rng))
+            poles = np.concatenate(parts)
+            start = time.process_time()
+            found = clusters_of(poles, np.ones(len(poles)), None, np.random.default_rng(1))
+            began += time.process_time() - start
+            by_bic += best(found) == sets
+            index = [math.inf if math.isnan(one.xie_beni) else one.xie_beni for one in found]
+            by_index += int(np.argmin(index)) == sets
+        said = f"{sets} ({', '.join(map(str, concentrations))})" if sets else "0"
+        rows.append(
+            f"| {said} | {sets * each + anywhere} | {anywhere} | {by_bic} of {times} | {by_index} of {times} | "
+            f"{began / times:.2g} |"
+        )
+    return rows
+
+
 def machine() -> str:
     """The machine in words."""
     return f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
@@ -168,6 +209,7 @@ def main(words: list[str]) -> None:
         ("Drawing samples beside evaluating them, one core", sampling_rows),
         ("PRE-IE samples a second, the same numbers from every crew", pre_ie_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
+        ("Joint sets: is the number that was drawn found?", set_rows),
     ]
     text = ["# Design studies: what they cost and whether they are right", "",
             f"Made by `python -m benchmarks.studies docs` on {machine()}."]  # fmt: skip

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from slopekit.studies.kinematic import kinematic
     from slopekit.studies.prob import Probability as Probability
     from slopekit.studies.prob import prob
+    from slopekit.studies.sets import JointSets as JointSets
+    from slopekit.studies.sets import sets
     from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
@@ -37,14 +39,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check",
-    "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "solve", "support", "sweep", "tornado",
-    "wedge",
+    "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "sets", "solve", "support", "sweep",
+    "tornado", "wedge",
 ]  # fmt: skip
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
+    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
     "Tornado": "studies.tornado",

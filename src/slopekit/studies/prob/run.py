@@ -32,6 +32,7 @@ from slopekit.studies.prob.bolts import (
     without_force,
 )
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
+from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed
 from slopekit.studies.prob.judged import (
     IMPOSSIBLE,
     Confirmation,
@@ -121,6 +122,7 @@ class Probability(Outcome):
         did not converge, where it was asked of all
     journals : of a run with a folder, kept until its results are written
     bolts : how often they give no force; None where no bolt has a head
+    survey : P(forms) and P(fails | forms) where the joints come from a survey, else None
     """
 
     name: ClassVar[str] = "prob"
@@ -146,6 +148,7 @@ class Probability(Outcome):
     disagree: int = 0
     journals: tuple[Journal, ...] = field(default=(), compare=False)
     bolts: WithoutForce | None = None
+    survey: FromSurvey | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -206,6 +209,7 @@ class Probability(Outcome):
                 "all_samples": record_of(self.all_samples), "samples_that_form_a_block": record_of(self.forming),
             },
             "leading": record_of(self.leading),
+            **({} if self.survey is None else {"survey": json_of(self.survey)}),
             "accept": asked.accept, "accepted": self.accepted, "outcomes": self.counts,
             "fos": None if summary is None else record_of(summary) | {"beta": summary.beta(asked.target)},
             "histogram": None if summary is None else {
@@ -275,6 +279,10 @@ def prob(
     near: Annotated[float | None, Option("It looks at all within this of the target [1%].", number_of)] = None,
     confidence: Annotated[float, Option("Of the confidence limits [95%].", number_of)] = 0.95,
     accept: Accept = None,
+    survey: Annotated[
+        Any, Option("A joint list that the two joints of a wedge are drawn from.", metavar="JOINTS")
+    ] = None,
+    draw: Annotated[Draw, Option("Draw its joints, pair by pair, or its sets by Fisher's K [joints].")] = "joints",
     seed: Seed = 1,
     jobs: Jobs = 1,
     scheduler: Scheduler = None,
@@ -295,10 +303,15 @@ def prob(
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
     crew = checked_crew(jobs, scheduler, executor)
+    given, source = design, None
+    if survey is not None:
+        design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
     asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):
-        samples = drawn(design.variables, design.correlation, asked.n, asked.seed, asked.method)
+        scatters = design.variables if source is None else design.variables[2:]
+        others = drawn(scatters, design.correlation, asked.n, asked.seed, asked.method)
+        samples = others if source is None else source.samples(others, design.variables, asked.n, asked.seed)
     at_work = _AtWork(design, asked, crew, desk)
     with clock("factors"):
         judged = _judge(samples, at_work)
@@ -309,15 +322,16 @@ def prob(
             confirmation = _confirmed(samples, judged, at_work)
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
-    means = point_of(design, {}) if design.source is not None else Point(None)
+    means = point_of(given, {}) if given.source is not None else Point(None)
     variables = tuple(drawn_of(*column) for column in zip(samples.names, samples.values.T, strict=True))
     found = Probability(
         design, asked, samples, variables, judged.names, judged.outcome, judged.factor, judged.fails, all_samples,
         forming, summary_of(judged.factor), means, sensitivities(samples, judged.factor), confirmation,
         judged.evaluator, crew_in_words(crew),
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
-         *_not_used(design)), clock.done(),
+         *_not_used(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
+        None if source is None else source.outcome(judged, asked.seed, confidence),
     )  # fmt: skip
     if desk.folder is None:
         found.done()

@@ -41,7 +41,8 @@ def sheet_of(study: Probability) -> Sheet:
         Section("SAMPLES", [samples]),
         Section("OUTCOMES", [_outcomes(study)]),
         Section(f"P(F < {asked.target:g})", [*_leading(study), _probabilities(study)]),
-        Section("AT MEANS", [_at_means(study)]),
+        Section("SURVEY", _survey(study)),
+        Section("AT MEANS", [_at_means(study)] if study.survey is None else []),
         *(() if summary is None else (
             Section("FoS", _factors(summary, asked.target)),
             Section("HISTOGRAM", [_histogram(summary, asked.target)]),
@@ -183,6 +184,34 @@ def _limits(share: Share) -> str:
         return "no sample to judge by"
     low, high = _percent(share.low), _percent(share.high)
     return f"{share.confidence * 100:g} % limits {low} to {high} ({share.limits_by})"
+
+
+def _survey(study: Probability) -> list[Entry]:
+    """P(forms) × P(fails | forms), where the joints come from a survey."""
+    found = study.survey
+    if found is None:
+        return []
+    what = "its joints, pair by pair" if found.draw == "joints" else "its sets by Fisher's K"
+    names = ("forms a wedge", "fails if it forms", "both")
+    shares = (found.occurrence, found.failure, found.both)
+    rows = list(zip(names, shares, found.resampled or (None,) * 3, strict=True))
+    columns: list[Column[Any]] = [
+        Column("", itemgetter(0), "what", width=-18),
+        Column("P", lambda row: row[1].share, "probability", show=_percent, width=11),
+        Column("from", lambda row: row[1].low, "low", show=_percent, width=11),
+        Column("to", lambda row: row[1].high, "high", show=_percent, width=11),
+    ]
+    if found.resampled is not None:
+        columns += [
+            Column("surveys from", lambda row: row[2].low, "resampled_low", show=_percent, width=16),
+            Column("to", lambda row: row[2].high, "resampled_high", show=_percent, width=11),
+        ]
+    said = f"; from {found.times} resampled surveys as well" if found.resampled is not None else ""
+    limits = f"limits to {number(100.0 * found.both.confidence)} % from the samples{said}"
+    return [
+        f"{found.survey}: {counted(found.joints, 'joint')}, {what}; no plane of the design; {limits}",
+        Table(columns, rows),
+    ]
 
 
 def _at_means(study: Probability) -> str:

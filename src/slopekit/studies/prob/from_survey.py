@@ -1,0 +1,202 @@
+"""The two joints of a wedge drawn from a survey: its own joints, pair by pair, or its sets with Fisher's distribution.
+
+P(failure) = P(two joints form a wedge that can leave the slope) × P(it fails | it forms). A survey is a sample itself:
+where its own joints are drawn, resampling them (Efron 1979, Ann. Stat. 7, 1-26) says how far the three would be off
+with as many other joints: a pair that was drawn counts as often as its two joints do in the resampled survey.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.orientation import Plane
+from slopekit.design.common import Design
+from slopekit.design.distributions import Fisher, Variable
+from slopekit.design.joint_lists import JointList, joint_list
+from slopekit.studies.prob.estimates import Share, share_of
+from slopekit.studies.prob.judged import Judged
+from slopekit.studies.prob.sampling import Samples
+from slopekit.studies.prob.sources import fisher
+from slopekit.studies.sets.run import FoundSet, sets
+from slopekit.studies.surveys import left_out
+
+Draw = Literal["joints", "sets"]
+_WAYS = ("joints", "sets")
+_RESAMPLED = 400
+_OWN_STREAM = 0x5E75  # apart from the stream that draws the other numbers
+_PLACEHOLDER_K = 1.0  # of a distribution that is not drawn from: the survey is
+
+
+@dataclass(frozen=True, slots=True)
+class Resampled:
+    """Limits of a probability over surveys resampled from this one."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class FromSurvey:
+    """What the joints of a survey come to.
+
+    Attributes
+    ----------
+    occurrence, failure, both : P(forms), P(fails | forms), their product, with the limits of the samples
+    resampled : of the three over resampled surveys, None where sets were drawn; times : how many
+    """
+
+    survey: str
+    joints: int
+    draw: Draw
+    occurrence: Share
+    failure: Share
+    both: Share
+    resampled: tuple[Resampled, Resampled, Resampled] | None
+    times: int
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A survey that joints are drawn from.
+
+    Attributes
+    ----------
+    paths : of the two planes in the design; found : the sets, where these are drawn
+    """
+
+    listed: JointList
+    draw: Draw
+    paths: tuple[str, str]
+    found: tuple[FoundSet, ...] = ()
+    notices: tuple[Notice, ...] = field(default=(), compare=False)
+
+    def pairs(self, n: int, seed: int) -> tuple[Ints, Ints, np.random.Generator]:
+        """Two joints each, never one twice, by quantity; of sets the joints whose sets are drawn."""
+        rng = np.random.default_rng([seed, _OWN_STREAM])
+        weights = self.listed.quantities.copy()
+        if self.draw == "sets":
+            inside = np.concatenate([one.members for one in self.found])
+            weights[np.setdiff1d(np.arange(len(weights)), inside)] = 0.0
+        part = weights / weights.sum()
+        first, second = rng.choice(len(part), n, p=part), rng.choice(len(part), n, p=part)
+        while (same := np.flatnonzero(first == second)).size:
+            first[same] = rng.choice(len(part), same.size, p=part)
+            second[same] = rng.choice(len(part), same.size, p=part)
+        return first, second, rng
+
+    def planes(self, index: Ints, rng: np.random.Generator) -> tuple[Floats, Floats]:
+        """Dips and dip directions of joints, or drawn about the means of their sets."""
+        dips, ways = self.listed.dips_deg[index], self.listed.dip_directions_deg[index]
+        if self.draw == "joints":
+            return dips, ways
+        normal = rng.standard_normal((2, len(index)))
+        for one in self.found:
+            own = np.isin(index, one.members)
+            if math.isfinite(one.axes.k):
+                dips[own], ways[own] = fisher(one.plane, max(one.axes.k, 0.1), *normal[:, own])
+            else:
+                dips[own], ways[own] = one.plane.dip_deg, one.plane.dip_direction_deg
+        return dips, ways
+
+    def samples(self, others: Samples | None, variables: tuple[Variable, ...], n: int, seed: int) -> Samples:
+        """The planes of the two joints beside what else scatters."""
+        first, second, rng = self.pairs(n, seed)
+        columns = [*self.planes(first, rng), *self.planes(second, rng)]
+        values = np.stack([*columns, *([] if others is None else others.values.T)])
+        values.setflags(write=False)
+        names = tuple(name for variable in variables for name in variable.columns)
+        replicate = np.zeros(n, dtype=np.int16)
+        return Samples(variables, names, values.T, replicate)
+
+    def outcome(self, judged: Judged, seed: int, confidence: float) -> FromSurvey:
+        """P(forms), P(fails | forms) and their product, with limits."""
+        possible = judged.counted
+        forms, fails = possible & judged.forms, possible & judged.fails
+        once = np.zeros(len(possible), dtype=np.int64)
+        shares = (
+            share_of(forms, possible, once, confidence),
+            share_of(fails, forms, once, confidence),
+            share_of(fails, possible, once, confidence),
+        )
+        resampled = None if self.draw == "sets" else self._resampled(possible, forms, fails, seed, confidence)
+        times = 0 if resampled is None else _RESAMPLED
+        return FromSurvey(
+            self.listed.name, len(self.listed), self.draw, shares[0], shares[1], shares[2], resampled, times
+        )
+
+    def _resampled(
+        self, possible: Bools, forms: Bools, fails: Bools, seed: int, confidence: float
+    ) -> tuple[Resampled, Resampled, Resampled] | None:
+        first, second, rng = self.pairs(len(possible), seed)
+        times = rng.multinomial(len(self.listed), np.full(len(self.listed), 1.0 / len(self.listed)), _RESAMPLED)
+        found = []
+        for one in times:
+            weights = (one[first] * one[second]).astype(float)
+            whole, formed, failed = (float(weights[some].sum()) for some in (possible, forms, fails))
+            if whole > 0.0:
+                found.append((formed / whole, failed / formed if formed else math.nan, failed / whole))
+        if not found:
+            return None
+        tail = (1.0 - confidence) / 2.0
+        columns = np.array(found).T
+        limits = [
+            np.quantile(known, [tail, 1.0 - tail]) if (known := column[~np.isnan(column)]).size else (0.0, 1.0)
+            for column in columns
+        ]
+        one, two, three = (Resampled(float(low), float(high)) for low, high in limits)
+        return one, two, three
+
+
+def surveyed(design: Design, survey: Any, draw: str, method: str, seed: int, option: str) -> tuple[Design, Source]:
+    """A wedge whose joints come from a survey, and the source of their planes.
+
+    Raises
+    ------
+    DesignError
+        E430 not a wedge with joints of its own, E431 a way to draw, or samples that are not Monte Carlo, E432 a rank
+        correlation with the orientation of a joint, E433 sets where there are none; those of the list.
+    """
+    faults = []
+    names = getattr(design, "joint_names", ())
+    plain = design.source.root.plain() if design.source is not None else None
+    given = plain.get("joints") if isinstance(plain, dict) else None
+    if design.kind != "wedge" or not isinstance(given, dict) or "csv" in given:
+        message = f"a survey gives a wedge its two joints, this is a {design.kind}"
+        message += " whose joints are of a list" if design.kind == "wedge" else ""
+        faults.append(
+            Fault("E430", message, option, "Write joints: {J1: {plane: 45/115}, ...}: their planes are drawn.")
+        )
+    if draw not in _WAYS:
+        faults.append(Fault("E431", f"{draw} is not a way to draw from a survey", "--draw", "Known: joints, sets."))
+    if method != "monte-carlo":
+        faults.append(Fault("E431", f"joints of a survey are drawn by monte-carlo, not by {method}", "--method"))
+    paths = tuple(f"joints.{name}.plane" for name in names)
+    for one, other, _ in design.correlation:
+        if _is_of(one, paths) or _is_of(other, paths):
+            message = f"{one} and {other} are correlated, the planes come from a survey"
+            faults.append(Fault("E432", message, "correlation", "Leave this correlation out."))
+    if faults:
+        raise DesignError(faults)
+    listed = joint_list(survey, None, False, 2)
+    found: tuple[FoundSet, ...] = ()
+    if draw == "sets":
+        found = sets(survey, seed=seed).sets
+        if not found or sum(len(one.members) for one in found) < 2:
+            message = f"{listed.name} has no sets to draw from"
+            raise DesignError([Fault("E433", message, option, "Draw its joints: --draw joints.")])
+    centre = Fisher(Plane(45.0, 180.0), _PLACEHOLDER_K)
+    where = f"{listed.name} {draw} {listed.rows()!r} {listed.quantities.tolist()!r}"
+    own = tuple(Variable(path, centre, where) for path in paths)
+    kept = tuple(one for one in design.variables if not _is_of(one.path, paths))
+    way: Draw = "sets" if draw == "sets" else "joints"
+    source = Source(listed, way, (paths[0], paths[1]), found, tuple(left_out(listed)))
+    return replace(design, variables=(*own, *kept)), source
+
+
+def _is_of(path: str, planes: tuple[str, ...]) -> bool:
+    """Whether a number is one of a plane."""
+    return any(f"{path}.".startswith(f"{plane}.") for plane in planes)
