@@ -16,6 +16,8 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, SlopekitErro
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.result import Result as Result
+    from slopekit.studies.bench_design import BenchDesigns as BenchDesigns
+    from slopekit.studies.bench_design import bench_design
     from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
@@ -35,14 +37,15 @@ if TYPE_CHECKING:
     from slopekit.studies.tornado import tornado
 
 __all__ = [
-    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check",
-    "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "solve", "support", "sweep", "tornado",
-    "wedge",
+    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
+    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "solve",
+    "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
+    "BenchDesigns": "studies.bench_design",
     "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
@@ -55,9 +58,10 @@ def __getattr__(name: str) -> Any:
         return getattr(import_module(f"slopekit.{_LATER[name]}"), name)
     from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
 
-    if name not in STUDIES and name not in VARIANTS:
+    command = name.replace("_", "-")
+    if command not in STUDIES and command not in VARIANTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return function_of(name)
+    return function_of(command)
 
 
 def __dir__() -> list[str]:

@@ -28,8 +28,8 @@ for a value (at most four forms of it), then what `slopekit explain CODE` prints
 """
 _PARTS = (
     ("E1", "Input: values, files, keys"), ("E2", "Planes, blocks, loads, and check"),
-    ("E3", "Studies, pictures, reports, files for other programs"), ("E5", "Faults of the program"),
-    ("W3", "Notices"),
+    ("E3", "Studies, pictures, reports, files for other programs"), ("E4", "Surveys and further studies"),
+    ("E5", "Faults of the program"), ("W", "Notices"),
 )  # fmt: skip
 
 
