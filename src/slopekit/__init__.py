@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from slopekit.studies.kinematic import kinematic
     from slopekit.studies.prob import Probability as Probability
     from slopekit.studies.prob import prob
+    from slopekit.studies.sets import JointSets as JointSets
+    from slopekit.studies.sets import sets
     from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "solve",
+    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "sets", "solve",
     "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
@@ -46,7 +48,7 @@ __all__ = [
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
     "BenchDesigns": "studies.bench_design",
-    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
+    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
     "Tornado": "studies.tornado",

@@ -397,3 +397,22 @@ def test_what_has_to_be_said(found: Any) -> None:
     sure, unsure = (accepted(found.given, bench, one).berms for one in (found.checked, doubted))
     assert any(berm.accepted for berm in sure)
     assert not any(berm.accepted for berm in unsure)
+
+
+def test_sizes_of_the_survey_count_first(tmp_path: Path) -> None:
+    """Columns of trace and spacing; how far it is from joint to joint along the bench follows from the spacings."""
+    survey = tmp_path / "sizes.csv"
+    survey.write_text(
+        "set,dip,dip_direction,spacing (m),trace (m)\nA,60,140,2,8\nA,60,140,4,\nB,50,090,5,12\nB,50,090,,3\n"
+    )
+    found = sk.bench_design(
+        str(survey), height=10, face=70, dip_direction=180, c=0, phi=30, trace=20, n=100, confirm=0, near=0
+    )  # fmt: skip
+    assert found.given.trace_m.tolist() == [8.0, 20.0, 12.0, 3.0]
+    assert found.given.spacing_m[:3].tolist() == [2.0, 4.0, 5.0]
+    assert math.isnan(found.given.spacing_m[3])
+    # the bench runs east: a set is met sin(dip) |sin(dip direction)| / spacing times a metre
+    often = math.sin(math.radians(60.0)) * math.sin(math.radians(140.0)) / 3.0 + math.sin(math.radians(50.0)) / 5.0
+    assert found.given.every_m == pytest.approx(1.0 / often, rel=1e-12)
+    assert {"W391"} & {notice.code for notice in found.warnings} == set()
+    assert "W392" in {notice.code for notice in found.warnings}

@@ -270,7 +270,10 @@ def test_counts_by_set_add_up(tmp_path) -> None:
     assert sum(counts["lines"] for counts in found.by_set_pair().values()) == 435
     assert "A x single" in str(found)
     rows = {name: len(table.rows) for name, table in found.tables().items()}
-    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair())}
+    assert rows == {"joints": 30, "intersections": 435, "sets": 3, "sets_2": len(found.by_set_pair()), "sets_3": 2}
+    for of in found.to_dict()["set_statistics"]:  # the same numbers as those of sets
+        one = next(one for one in sk.sets(tmp_path / "joints.csv").sets if one.name == of["set"])
+        assert (of["k"], of["cone_of_mean_deg"]) == (one.axes.k, one.axes.cone_deg)
     assert sk.kinematic(survey(6), face="70/180").by_set() == {}
 
 

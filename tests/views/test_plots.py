@@ -383,7 +383,7 @@ def test_whole_documents_have_what_pictures_need(scattered) -> None:
     ]
     for document in (scattered, *map(plain, studies)):
         for what in offers(document):
-            assert misfit(document, need_of(what, document.get("kind") == "kinematic")) == "", what
+            assert misfit(document, need_of(what, document.get("kind", ""))) == "", what
 
 
 def test_plot_from_python(tmp_path, scattered) -> None:

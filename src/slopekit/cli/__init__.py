@@ -14,8 +14,8 @@ from slopekit.core.errors import DesignError, Fault, SlopekitError
 
 #: In the order of the help; wedge, run and those of studies are made of their functions, when they are asked for.
 COMMANDS = (
-    "wedge", "run", "check", "lint", "prob", "sweep", "combos", "kinematic", "bench-design", "solve", "support", "plot",
-    "export", "report", "templates", "doctor", "explain",
+    "wedge", "run", "check", "lint", "prob", "sweep", "combos", "kinematic", "sets", "bench-design", "solve", "support",
+    "plot", "export", "report", "templates", "doctor", "explain",
 )  # fmt: skip
 
 

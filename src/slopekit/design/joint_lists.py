@@ -76,7 +76,7 @@ class JointList:
 
 def joint_list(
     source: Any, convention: str | None = None, skip_bad: bool = False, at_least: int = 1,
-    option: str = "convention =",
+    option: str = "convention =", sizes: bool = False, most: int = MOST_JOINTS,
 ) -> JointList:  # fmt: skip
     """The joints of a survey.
 
@@ -86,7 +86,7 @@ def joint_list(
         (45, 115), `Plane`, `Joint`), an (n, 2) array, or {name: plane}
     convention : of a strike column, see `read_joints`; skip_bad : leave bad rows of a file out, listed
     option : how `convention` is called where the user can give it
-    at_least : how many joints the study needs
+    at_least, most : how many joints the study needs, and takes; sizes : see `read_joints`
 
     Raises
     ------
@@ -97,21 +97,19 @@ def joint_list(
     Plane(dip_deg=45.0, dip_direction_deg=245.0)
     """
     if isinstance(source, str | os.PathLike):
-        survey: Survey = read_joints(source, convention, skip_bad, option)
+        survey: Survey = read_joints(source, convention, skip_bad, option, sizes)
         found = JointList(Path(source).name, survey.joints, survey.left_out, survey.read_as)
     elif is_frame(source):
-        survey = read_frame(source, convention, skip_bad, option)
+        survey = read_frame(source, convention, skip_bad, option, sizes)
         found = JointList("joints", survey.joints, survey.left_out, survey.read_as)
     else:
         found = JointList("joints", _from_python(source))
     if len(found) < at_least:
         advice = "Every pair is looked at: two joints make the first."
         raise DesignError([Fault("E331", f"{found.name} holds {len(found)} joint, two are needed", found.name, advice)])
-    if len(found) > MOST_JOINTS:
-        pairs = len(found) * (len(found) - 1) // 2
-        message = (
-            f"{found.name} holds {len(found)} joints, {pairs:,} pairs: more than {MOST_JOINTS} joints are not taken"
-        )
+    if len(found) > most:
+        pairs = f", {len(found) * (len(found) - 1) // 2:,} pairs" if most == MOST_JOINTS else ""
+        message = f"{found.name} holds {len(found)} joints{pairs}: more than {most} joints are not taken"
         raise DesignError([Fault("E330", message, found.name, "Take a domain of the slope, or a sample of each set.")])
     return found
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STUDIES: Mapping[str, str] = {
     "check": "slopekit.studies.check", "prob": "slopekit.studies.prob", "sweep": "slopekit.studies.sweep",
     "combos": "slopekit.studies.combos", "kinematic": "slopekit.studies.kinematic",
-    "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
+    "sets": "slopekit.studies.sets", "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
     "bench-design": "slopekit.studies.bench_design",
 }  # fmt: skip
 #: Studies that are a flag of another command: its name, the flag's, where the function stands.

@@ -68,6 +68,10 @@ def _is_kinematic(document: Document) -> bool:
     return document.get("kind") == "kinematic"
 
 
+def _is_survey(document: Document) -> bool:
+    return document.get("kind") in _OF_SURVEYS
+
+
 def _sweeps(document: Document, keys: int) -> bool:
     swept = document.get("keys")
     return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
@@ -124,8 +128,8 @@ _FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_
 CHARTS: Mapping[str, Chart] = {
     "stereonet": Chart(
         "planes, poles, lines, cones on the lower hemisphere",
-        "a file with joints: slopekit kinematic, run, wedge, combos or prob with -o DIR",
-        "orientation_charts.draw_orientations", lambda of: _is_kinematic(of) or _oriented(of),
+        "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
+        "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
         {
             "inputs": {
                 "joints": (Mapping, list, None), "joint": _TEXT, "friction_angle_deg": ([float], float, None),
@@ -229,12 +233,23 @@ CHARTS: Mapping[str, Chart] = {
         },
     ),
 }  # fmt: skip
-#: The stereonet of a kinematic study, which has no result behind it.
-_KINEMATIC = replace(CHARTS["stereonet"], drawn_by="kinematic_charts.draw_kinematic", need={
-    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
-    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
-    "survey": {"name": _TEXT}, "input_sha256": str,
-})  # fmt: skip
+#: The stereonets of studies of surveys, which have no result behind them, by kind.
+_OF_SURVEYS: Mapping[str, Chart] = {
+    "kinematic": replace(CHARTS["stereonet"], drawn_by="kinematic_charts.draw_kinematic", need={
+        "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
+        "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
+        "survey": {"name": _TEXT}, "input_sha256": str,
+    }),
+    "sets": replace(CHARTS["stereonet"], drawn_by="set_charts.draw_sets", need={
+        "orientations": [{"dip_deg": float, "dip_direction_deg": float, "weight": float, "set": _TEXT}],
+        "sets": [{
+            "set": str, "dip_deg": float, "dip_direction_deg": float, "joints": float, "k": _NUMBER,
+            "cone_of_mean_deg": _NUMBER, "variability_deg": dict,
+        }],
+        "inputs": {"contours": str, "confidence": float, "scanline": (dict, None)},
+        "survey": {"name": _TEXT}, "input_sha256": str,
+    }),
+}  # fmt: skip
 _SCENE: Mapping[str, Any] = {
     "inputs": dict, "fos": _FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
 }  # fmt: skip
@@ -242,7 +257,7 @@ EVERY = (*SCENES, *CHARTS)
 
 
 def _chart(what: str, document: Document) -> Chart:
-    return _KINEMATIC if what == "stereonet" and _is_kinematic(document) else CHARTS[what]
+    return _OF_SURVEYS[document["kind"]] if what == "stereonet" and _is_survey(document) else CHARTS[what]
 
 
 def offers(document: Document) -> dict[str, str]:
@@ -310,7 +325,7 @@ def _damage(document: Document, what: str, error: Exception) -> str:
 
     if isinstance(error, Damaged):
         return str(error)
-    said = misfit(document, need_of(what, _is_kinematic(document)))
+    said = misfit(document, need_of(what, str(document.get("kind"))))
     if not said and what in SCENES:
         from slopekit.views.stage import Stage
 
@@ -478,8 +493,8 @@ def checked_document(document: Any, name: str) -> Document:
     return document
 
 
-def need_of(what: str, kinematic: bool = False) -> Mapping[str, Any]:
+def need_of(what: str, kind: str = "") -> Mapping[str, Any]:
     """The form of a document that can give a picture; of scenes what stands beside the scene."""
     if what in SCENES:
         return _SCENE
-    return (_KINEMATIC if what == "stereonet" and kinematic else CHARTS[what]).need
+    return (_OF_SURVEYS[kind] if what == "stereonet" and kind in _OF_SURVEYS else CHARTS[what]).need

@@ -45,6 +45,16 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "phi": ("phi", "φ", "friction", "friction_angle", "phi_deg", "reibungswinkel"),
     "quantity": ("quantity", "qty", "count", "anzahl", "häufigkeit", "weight", "terzaghi_weight"),
 }  # fmt: skip
+#: Columns of the sizes of joints, which only a study that asks for them reads.
+SIZES: Mapping[str, tuple[str, ...]] = {
+    "spacing": ("spacing", "spacing_m", "joint_spacing", "true_spacing", "abstand", "kluftabstand"),
+    "position": (
+        "position", "position_m", "distance", "distance_m", "chainage", "station", "scanline_position", "depth",
+        "depth_m", "meter", "stationierung",
+    ),
+    "trace": ("trace", "trace_m", "trace_length", "trace_length_m", "length", "length_m", "spurlänge", "länge"),
+    "ends": ("ends", "ends_seen", "visible_ends", "ends_visible", "sichtbare_enden"),
+}  # fmt: skip
 #: Of these two columns may stand in a list: the name that is given first above is taken.
 RANKED = ("name", "quantity")
 #: Numbers that are names only where each stands once.
@@ -125,6 +135,16 @@ def key_of(heading: str) -> str | None:
     """What a column holds, None where its name is not known."""
     name = spelled(heading)
     return next((key for key, names in COLUMNS.items() if name in names), None)
+
+
+def size_of(heading: str) -> str | None:
+    """Which size of a joint a column holds, None where its name is not known.
+
+    >>> size_of("Trace length (m)"), size_of("remark")
+    ('trace', None)
+    """
+    name = spelled(heading)
+    return next((key for key, names in SIZES.items() if name in names), None)
 
 
 def column_of(index: int, heading: str) -> Column:

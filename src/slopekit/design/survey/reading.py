@@ -32,6 +32,7 @@ from slopekit.design.survey.columns import (
     convention_of,
     key_of,
     program_of,
+    size_of,
     spelled,
     way_of,
 )
@@ -52,6 +53,8 @@ class Joint:
     """One measured joint: its name, its plane, the line of the file it stands in, strength and set where given.
 
     quantity : how many like it were measured, or its weight against the bias of a scanline
+    spacing_m, position_m, trace_m : to the next of its set, along the scanline, of its trace, where they were asked for
+    ends : of its trace that were seen, 0 to 2
     """
 
     name: str
@@ -61,6 +64,10 @@ class Joint:
     friction_angle_deg: float | None = None
     set_name: str = ""
     quantity: float = 1.0
+    spacing_m: float | None = None
+    position_m: float | None = None
+    trace_m: float | None = None
+    ends: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +80,9 @@ class Survey:
 
 
 def read_joints(
-    path: str | os.PathLike[str], convention: str | None = None, skip_bad: bool = False, option: str = "convention:"
-) -> Survey:
+    path: str | os.PathLike[str], convention: str | None = None, skip_bad: bool = False, option: str = "convention:",
+    sizes: bool = False,
+) -> Survey:  # fmt: skip
     """Read a joint list.
 
     Comma, semicolon, tab or blanks between the columns; decimal commas with all but the comma, or in quotes; lines that
@@ -89,29 +97,33 @@ def read_joints(
         (- 90)
     skip_bad : leave bad rows out, and say so, where they would stop the run
     option : how `convention` is called where the user can give it
+    sizes : read columns of spacing, position, trace and its ends too
 
     Raises
     ------
     DesignError
         E101 to E108 and E113 to E115 for the values, E140 a workbook without openpyxl, E147 to E149 and E159 for the
         file, E173 quantities, E190 no joints, E191 columns missing, unknown or twice, E192 a strike without its
-        convention, or two formats, E193 a row that does not fit, E194 a name twice: every bad row of the file.
+        convention, or two formats, E193 a row that does not fit, E194 a name twice, E428 a size: every bad row of the
+        file.
     """
     table = table_of(Path(path).name, read_bytes(path))
-    return _Reader(table, convention, skip_bad, option).survey()
+    return _Reader(table, convention, skip_bad, option, sizes).survey()
 
 
 def read_frame(
-    frame: Any, convention: str | None = None, skip_bad: bool = False, option: str = "convention ="
-) -> Survey:
+    frame: Any, convention: str | None = None, skip_bad: bool = False, option: str = "convention =",
+    sizes: bool = False,
+) -> Survey:  # fmt: skip
     """Read a frame of pandas or polars as `read_joints` reads a file; its columns are named likewise."""
-    return _Reader(frame_table(frame), convention, skip_bad, option).survey()
+    return _Reader(frame_table(frame), convention, skip_bad, option, sizes).survey()
 
 
 class _Reader:
     """Reads the rows one after the other and collects their faults."""
 
-    def __init__(self, table: Table, convention: str | None, skip_bad: bool, option: str) -> None:
+    def __init__(self, table: Table, convention: str | None, skip_bad: bool, option: str, sizes: bool) -> None:
+        self.sizes = sizes
         self.table, self.name, self.skip_bad, self.option = table, table.name, skip_bad, option
         self.given = self.convention = convention
         self.width = 2
@@ -276,8 +288,11 @@ class _Reader:
         self.may_repeat = program is not None and program.repeats
         ignored: list[str] = []
         for index, cell in enumerate(cells):
+            size = size_of(cell) if self.sizes else None
             if key_of(cell) is not None:
                 self.column(index, cell, cells, line)
+            elif size is not None and size not in self.columns:
+                self.columns[size] = column_of(index, cell)
             elif any(len(row) > index and row[index] for row in map(self.table.cells, below)):
                 ignored.append(cell or str(index + 1))
         if len(ignored) > _FEW:
@@ -387,10 +402,13 @@ class _Reader:
         plane = self.plane(name, cells, line)
         cohesion = self.strength("c", name, cells, line)
         friction = self.strength("phi", name, cells, line)
+        spacing, position, trace = (self.size(key, name, cells, line) for key in ("spacing", "position", "trace"))
+        ends = self.ends(name, cells, line)
         if plane is None or weight is None or len(self.faults) > found:
             return None
         column = self.columns.get("set")
-        return Joint(name, plane, line, cohesion, friction, cells[column.index] if column else "", weight)
+        of = cells[column.index] if column else ""
+        return Joint(name, plane, line, cohesion, friction, of, weight, spacing, position, trace, ends)
 
     def cell(self, key: str, cells: Sequence[str]) -> str:
         """The text of a column in a row, with a decimal point and the unit of the header."""
@@ -437,6 +455,33 @@ class _Reader:
         except DesignError as error:
             self.faults += error.faults
             return None
+
+    # -- sizes -------------------------------------------------------------------------------------------------
+
+    def size(self, key: str, name: str, cells: Sequence[str], line: int) -> float | None:
+        """A length, None where the cell is empty."""
+        text = self.cell(key, cells)
+        if not text:
+            return None
+        what = f"{key} of {name}"
+        try:
+            value = quantity(text, "length", what, self.where(line))
+        except DesignError as error:
+            self.faults += error.faults
+            return None
+        if key != "position" and value <= 0.0:
+            self.fault("E428", f"{what} is {number(value)} m, it must be more than 0", line, "Leave the cell empty.")
+            return None
+        return value
+
+    def ends(self, name: str, cells: Sequence[str], line: int) -> int | None:
+        """How many ends of the trace were seen."""
+        text = self.cell("ends", cells)
+        if text and text not in ("0", "1", "2"):
+            message = f"ends of {name} is {text!r}, of a trace 0, 1 or 2 ends are seen"
+            self.fault("E428", message, line, "Leave the cell empty where it is not known.")
+            return None
+        return int(text) if text else None
 
     # -- strength ----------------------------------------------------------------------------------------------
 

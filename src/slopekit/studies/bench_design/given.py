@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     """Read and check what `bench_design` is given, by the names of its parameters; every fault at once."""
     faults = Faults()
     listed: JointList | None = faults.of(
-        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"))
+        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"), True)
     )
     read = {
         name: faults.of(partial(_values, name, given[name], option))
@@ -272,9 +272,11 @@ def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]
     return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))
 
 
-def _sizes(joints: JointList, name: str, given: float | None, unknown: float) -> tuple[Floats, int]:
+def _sizes(
+    joints: JointList, name: Literal["trace_m", "spacing_m"], given: float | None, unknown: float
+) -> tuple[Floats, int]:
     """A size of every joint: its own, else what is given for all; and how many have their own."""
-    own = [getattr(joint, name, None) for joint in joints.joints]
+    own = [joint.trace_m if name == "trace_m" else joint.spacing_m for joint in joints.joints]
     other = unknown if given is None else given
     return np.array([other if value is None else value for value in own]), sum(value is not None for value in own)
 

@@ -26,8 +26,9 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Strength
 from slopekit.design.fields import fields_of
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
-from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of
+from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles
 from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
@@ -111,6 +112,14 @@ class Kinematic(Outcome):
             for name in names
         }
 
+    def statistics(self) -> dict[str, Axes]:
+        """Mean and scatter of the poles of each set that is named, by quantity."""
+        poles, own = -self.joints.normals(), np.array([joint.set_name for joint in self.joints.joints])
+        return {
+            name: axes_of(poles[own == name], np.ones((own == name).sum()), self.joints.quantities[own == name])
+            for name in self.joints.sets()
+        }
+
     def by_set_pair(self) -> dict[tuple[str, str], dict[str, int]]:
         """Lines of intersection of each two sets, and those of them that could move."""
         if not self.joints.sets():
@@ -170,6 +179,13 @@ class Kinematic(Outcome):
                 for kind in ("wedge", "direct", "oblique")
             },
             "sets": [{"set": name} | found for name, found in self.by_set().items()],
+            "set_statistics": [
+                {
+                    "set": name, "plane": str(mean_plane(axes)), "k": json_of(axes.k), "k_low": json_of(axes.k_low),
+                    "k_high": json_of(axes.k_high), "cone_of_mean_deg": json_of(axes.cone_deg),
+                }
+                for name, axes in self.statistics().items()
+            ],
             "set_pairs": [{"sets": list(names)} | found for names, found in self.by_set_pair().items()],
             "faces": [
                 {"dip_deg": dip, "counts": dict(found), "percent": dict(part)}
@@ -242,6 +258,12 @@ def kinematic(
         tuple(found.shares(*weights) for found in over), tuple(defaults),
         tuple(_notices(listed, plane, friction, measured, modes)), time.perf_counter() - began,
     )  # fmt: skip
+
+
+def mean_plane(axes: Axes) -> Plane:
+    """The mean plane of a set, to a tenth of a degree."""
+    found = planes_of_poles(axes.mean[None])
+    return Plane(round(float(found.dips_deg[0]), 1), round(float(found.dip_directions_deg[0]), 1) % 360.0)
 
 
 def _friction(value: object, where: str) -> float:

@@ -1,5 +1,6 @@
 """The sheet of the kinematic tests: which joints and pairs could move, by set and by face."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, TypeAlias
@@ -17,7 +18,7 @@ from slopekit.studies.kinematic.criteria import (
     SECONDARY,
     SLIDING_BASE,
 )
-from slopekit.studies.kinematic.run import Kinematic
+from slopekit.studies.kinematic.run import Kinematic, mean_plane
 from slopekit.studies.surveys import head, partners_entry, survey_entry
 
 _MOST_NAMES = 24
@@ -188,7 +189,21 @@ def _sets(found: Kinematic) -> list[Entry]:
         Table([named("sets"), _count("lines", "lines", 7), _count("primary", "wedge_primary", 9),
                _count("secondary", "wedge_secondary", 11), _count("by friction", "wedge_by_friction", 13),
                _count("direct", "direct", 8), _count("oblique", "oblique", 9)], by_pair),
+        Table([named("set"), Column("mean", lambda row: str(mean_plane(row[1])), "plane", width=13),
+               Column("K", lambda row: row[1].k, "k", show=_number, width=9),
+               Column("from", lambda row: row[1].k_low, "k_low", show=_number, width=8),
+               Column("to", lambda row: row[1].k_high, "k_high", show=_number, width=8),
+               Column("mean ±", lambda row: row[1].cone_deg, "cone_of_mean", "°", _degrees, 9)],
+              list(found.statistics().items())),
     ]  # fmt: skip
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "-"
+
+
+def _degrees(value: float) -> str:
+    return f"{value:.1f}°" if math.isfinite(value) else "-"
 
 
 def _faces(found: Kinematic, n: int, m: int) -> list[Entry]:

@@ -1,0 +1,252 @@
+"""Joint sets among poles: fuzzy K-means on the sphere, the number of sets by likelihood, joints of no set left alone.
+
+Fuzzy K-means as of Hammah & Curran (1998, Rock Mech. Rock Eng. 31, 1-19): the distance of a pole x from the mean v of
+a set is its sine, d² = 1 - (x · v)²; x belongs to set i with the share u_i = d_i⁻² / Σ d_k⁻² (fuzziness 2),
+and the mean of a set is the first eigenvector of Σ w u² x xᵀ. Several starts, of which the least Σ w u² d² is kept.
+
+A joint is of the set it has the greatest share in, unless it is likelier one of those that lie anywhere: where the
+density π K exp(-K (1 - cos θ)) / 2π of its set (Fisher) is below π₀ / 2π of joints without any order, K and the parts π
+being the likeliest ones. The sets are then found again without those, until none changes. The likelihood of this
+mixture gives the number of sets: the least
+
+    BIC = -2 ln L + p ln N,    p = 4 m (mean, K and part of each of m sets)
+
+(Schwarz 1978, Ann. Stat. 6, 461-464); 0 sets are joints without any order. Beside it stands the index of Xie & Beni
+(1991), which Hammah & Curran (2000, IEEE PAMI 22, 1467-1472) compare with others: it knows neither no set nor one
+alone, and of ten surveys of four drawn sets that it was tried on it found three in every one, BIC four in nine.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.orientation import downward
+
+MOST_SETS = 8
+LEAST_JOINTS = 4  # of a set that is found
+_STARTS = 8
+_SAMPLE = 500  # joints that the starts are tried on
+_ROUNDS, _STEPS, _FIRST_STEPS = 20, 100, 30
+_SETTLED = 1e-9
+_SMALLEST = 1e-12  # squared sine of a pole on the mean of a set
+_LARGEST_K = 1e4  # a scatter below 0.8° is rounding of compass readings
+_NO_SET = -1
+_FITTED = 1e-4  # of ln K, and of the part of joints of no set
+_PART_AT_FIRST = 0.1  # of joints of no set, before they are counted
+
+
+@dataclass(frozen=True, slots=True)
+class Clusters:
+    """Poles divided among sets.
+
+    Attributes
+    ----------
+    means : (m, 3) downward unit vectors, the largest set first
+    of : (n,) the set of each pole, -1 of none
+    share : (n, m) of fuzzy K-means, rows add up to 1
+    bic : see above; xie_beni : Σ w u² d² / (Σ w · least d² between two means), nan of fewer than two sets
+    """
+
+    means: Floats
+    of: Ints
+    share: Floats
+    bic: float
+    xie_beni: float
+
+    def __len__(self) -> int:
+        return len(self.means)
+
+
+def clusters_of(poles: Floats, weights: Floats, sets: int | None, rng: np.random.Generator) -> list[Clusters]:
+    """Poles divided among so many sets, or among 0, 1, 2, ... of them.
+
+    Parameters
+    ----------
+    poles : (n, 3) unit vectors of either sign; weights : (n,) above 0, mean 1
+    sets : how many; None: from 0 to 8, as far as there are joints for them
+
+    Returns
+    -------
+    the one asked for, or all of them by their number
+
+    >>> rng = np.random.default_rng(1)
+    >>> about = np.repeat([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], 30, axis=0) + 0.1 * rng.normal(size=(60, 3))
+    >>> poles = about / np.sqrt((about * about).sum(axis=1))[:, None]
+    >>> found = clusters_of(poles, np.ones(60), None, rng)
+    >>> best(found), sorted(np.bincount(found[2].of).tolist())
+    (2, [30, 30])
+    """
+    if sets is not None:
+        return [_divided(poles, weights, sets, rng)]
+    most = min(MOST_SETS, len(poles) // LEAST_JOINTS)
+    return [_divided(poles, weights, count, rng) for count in range(most + 1)]
+
+
+def best(found: list[Clusters]) -> int:
+    """Which of several has the least BIC."""
+    return int(np.argmin([one.bic for one in found]))
+
+
+def girdle_of(poles: Floats, weights: Floats) -> tuple[Floats, float]:
+    """The axis (3,), downward, of the great circle nearest to poles, and the BIC of poles scattered about it.
+
+    Their density times 2π is exp(-κ t²) / ∫ exp(-κ t²) dt from 0 to 1, t the cosine to the axis (Watson 1965,
+    Biometrika 52, 193-201), κ = 1 / (2 mean t²) where they are near it; three parameters.
+
+    >>> turn = np.linspace(0.0, 3.0, 50)[:, None]
+    >>> poles = np.cos(turn) * [1.0, 0.0, 0.0] + np.sin(turn) * [0.0, 0.0, -1.0] + [0.0, 0.01, 0.0]
+    >>> axis, bic = girdle_of(poles, np.ones(50))
+    >>> np.abs(axis).round(1).tolist(), bic < -300.0
+    ([0.0, 1.0, 0.0], True)
+    """
+    tensor = (poles.T * weights) @ poles / weights.sum()
+    values, vectors = np.linalg.eigh(tensor)
+    kappa = 1.0 / (2.0 * max(float(values[0]), _SMALLEST))
+    whole = 0.5 * math.sqrt(math.pi / kappa) * math.erf(math.sqrt(kappa))
+    likelihood = float(weights.sum()) * (-kappa * float(values[0]) - math.log(whole))
+    return downward(vectors[:, 0]), -2.0 * likelihood + 3.0 * math.log(max(float(weights.sum()), 2.0))
+
+
+def _divided(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Clusters:
+    n = len(poles)
+    none = np.full(n, _NO_SET)
+    if sets == 0:
+        return Clusters(np.zeros((0, 3)), none, np.zeros((n, 0)), 0.0, math.nan)
+    means = _started(poles, weights, sets, rng)
+    of, seen = none, set[bytes]()
+    for _ in range(_ROUNDS):
+        inside = of != _NO_SET if seen else np.ones(n, dtype=np.bool_)
+        if not inside.any():
+            break
+        means = _settled(poles[inside], weights[inside], means)
+        share = _shares(poles, means)
+        nearest = share.argmax(axis=1)
+        mixture = _fitted(poles, weights, nearest, means)
+        of = np.where(mixture.densities(poles, nearest) > mixture.none, nearest, _NO_SET)
+        if of.tobytes() in seen:
+            break
+        seen.add(of.tobytes())
+    size = np.bincount(of[of >= 0], weights[of >= 0], minlength=sets)
+    order = np.lexsort((np.arange(sets), -size))
+    rank = np.argsort(order)
+    of = np.where(of == _NO_SET, _NO_SET, rank[of])
+    means, share = means[order], share[:, order]
+    means = np.where(means[:, 2:] > 0.0, -means, means)
+    return Clusters(means, of, share, _bic(poles, weights, mixture), _xie_beni(poles, weights, means, share))
+
+
+# -- fuzzy K-means ----------------------------------------------------------------------------------------------------
+
+
+def _squares(poles: Floats, means: Floats) -> Floats:
+    """Squared sines (n, m) between poles and means."""
+    found: Floats = np.maximum(1.0 - (poles @ means.T) ** 2, _SMALLEST)
+    return found
+
+
+def _shares(poles: Floats, means: Floats) -> Floats:
+    near = 1.0 / _squares(poles, means)
+    return np.asarray(near / near.sum(axis=1, keepdims=True))
+
+
+def _settled(poles: Floats, weights: Floats, means: Floats, steps: int = _STEPS) -> Floats:
+    """The means that fuzzy K-means comes to from some others."""
+    products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
+    for _ in range(steps):
+        squared = _shares(poles, means) ** 2 * weights[:, None]
+        tensors = (squared.T @ products).reshape(-1, 3, 3)
+        new = np.linalg.eigh(tensors)[1][:, :, -1]
+        moved = 1.0 - np.abs(np.einsum("mi,mi->m", new, means)).min()
+        means = new
+        if moved < _SETTLED:
+            break
+    return means
+
+
+def _objective(poles: Floats, weights: Floats, means: Floats) -> float:
+    """Σ w u² d² = Σ w / Σ d⁻²."""
+    return float((weights / (1.0 / _squares(poles, means)).sum(axis=1)).sum())
+
+
+def _started(poles: Floats, weights: Floats, sets: int, rng: np.random.Generator) -> Floats:
+    """The best of several starts far from each other (Arthur & Vassilvitskii 2007), on a sample of many joints."""
+    if len(poles) > _SAMPLE:
+        some = rng.choice(len(poles), _SAMPLE, replace=False)
+        poles, weights = poles[some], weights[some]
+    tries = []
+    for _ in range(_STARTS if sets > 1 else 1):
+        means = poles[rng.choice(len(poles), p=weights / weights.sum())][None]
+        while len(means) < sets:
+            far = _squares(poles, means).min(axis=1) * weights
+            means = np.concatenate([means, poles[rng.choice(len(poles), p=far / far.sum())][None]])
+        tries.append(_settled(poles, weights, means, _FIRST_STEPS))
+    return min(tries, key=lambda means: _objective(poles, weights, means))
+
+
+def _xie_beni(poles: Floats, weights: Floats, means: Floats, share: Floats) -> float:
+    if len(means) < 2:
+        return math.nan
+    apart = 1.0 - (means @ means.T) ** 2
+    least = float(apart[np.triu_indices(len(means), 1)].min())
+    spread = float((weights[:, None] * share**2 * _squares(poles, means)).sum() / weights.sum())
+    return spread / least if least > _SMALLEST else math.inf
+
+
+# -- joints of no set -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Mixture:
+    """Sets of Fisher's distribution among joints without any order: means (m, 3), K (m,), parts (m,), that of none."""
+
+    means: Floats
+    k: Floats
+    parts: Floats
+    none: float
+
+    def densities(self, poles: Floats, of: Ints) -> Floats:
+        """The density (n,) of each pole's own set on the hemisphere, times 2π and its part."""
+        k, gap = self.k[of], 1.0 - np.abs(np.einsum("ni,ni->n", poles, self.means[of]))
+        return np.asarray(self.parts[of] * k * np.exp(-k * gap) / -np.expm1(-k))
+
+
+def _fitted(poles: Floats, weights: Floats, of: Ints, means: Floats) -> _Mixture:
+    """The likeliest mixture, each pole of its set or of none (expectation and maximisation, Dempster et al. 1977).
+
+    It starts with the K of the half that lies nearest to each mean, K (1 - cos θ) = ln 2: joints of no set would hide
+    in a K that they have lowered. The part of joints of no set is half a joint at least.
+    """
+    whole, sets = float(weights.sum()), len(means)
+    gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[of]))
+    half = np.array([float(np.median(gaps[of == k])) if (of == k).any() else 1.0 for k in range(sets)])
+    parts = np.asarray(np.bincount(of, weights, minlength=sets) * (1.0 - _PART_AT_FIRST) / whole, dtype=np.float64)
+    mixture = _Mixture(
+        means, np.minimum(math.log(2.0) / np.maximum(half, _SMALLEST), _LARGEST_K), parts, _PART_AT_FIRST
+    )
+    products = (poles[:, :, None] * poles[:, None, :]).reshape(-1, 9)
+    for _ in range(_STEPS):
+        own = mixture.densities(poles, of)
+        sure = weights * own / (own + mixture.none)
+        size = np.bincount(of, sure, minlength=sets)
+        tensors = np.stack([np.bincount(of, sure * column, minlength=sets) for column in products.T], axis=-1)
+        means = np.linalg.eigh(tensors.reshape(-1, 3, 3))[1][:, :, -1]
+        gaps = 1.0 - np.abs(np.einsum("ni,ni->n", poles, means[of]))
+        gap = np.bincount(of, sure * gaps, minlength=sets)
+        k = np.clip((size - 1.0) / np.maximum(gap, _SMALLEST), 1.0, _LARGEST_K)
+        new = _Mixture(means, k, size / whole, max(1.0 - float(size.sum()) / whole, 0.5 / whole))
+        settled = np.abs(np.log(new.k / mixture.k)).max() < _FITTED and abs(new.none - mixture.none) < _FITTED
+        mixture = new
+        if settled:
+            break
+    return mixture
+
+
+def _bic(poles: Floats, weights: Floats, mixture: _Mixture) -> float:
+    """See above; densities are times 2π, as that of joints without any order is 1."""
+    total = np.full(len(poles), mixture.none)
+    for k in range(len(mixture.k)):
+        total += mixture.densities(poles, np.full(len(poles), k))
+    likelihood = float((weights * np.log(total)).sum())
+    return -2.0 * likelihood + 4.0 * len(mixture.k) * math.log(max(float(weights.sum()), 2.0))

@@ -1,0 +1,416 @@
+"""The joint sets of a survey: those of its column `set`, or found; orientation, scatter, spacing and traces of each.
+
+>>> import slopekit as sk
+>>> found = sk.sets("examples/joints.csv")
+>>> [(one.name, len(one.members), str(one.rounded)) for one in found.sets]
+[('S1', 22, '54/236'), ('S2', 19, '81/190'), ('S3', 17, '72/315')]
+"""
+
+import hashlib
+import json
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.orientation import Line, Plane, line_of, number
+from slopekit.core.sheet import counted
+from slopekit.core.units import quantity
+from slopekit.design.joint_lists import JointList, joint_list
+from slopekit.design.words import line_of_words
+from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
+from slopekit.studies.kinematic.criteria import planes_of_poles
+from slopekit.studies.protocol import DESK, Desk, Option, Outcome, Seed, number_of, study, whole_number
+from slopekit.studies.sets.clustering import LEAST_JOINTS, MOST_SETS, Clusters, best, clusters_of, girdle_of
+from slopekit.studies.sets.density import CONTOURS, Contours, densest
+from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
+from slopekit.studies.surveys import AJointList, Convention, SkipBad, left_out, survey_head
+
+MOST_JOINTS = 50_000
+BIAS_ANGLE_DEG = 15.0
+_FEW = 10  # joints of a set below which its K says little
+_CLOSE = 6.0  # difference of BIC up to which two numbers of sets are hard to tell apart (Kass & Raftery 1995: strong)
+SHARES = (0.68, 0.95)  # of joints within the cones of variability
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """Dip and dip direction of the joints of a set, each by itself; turned over at the vertical, not folded back.
+
+    Attributes
+    ----------
+    dip_sd_deg, dip_direction_sd_deg : standard deviations, nan of one joint; the second also of a flat set, whose dip
+        directions go all round
+    """
+
+    dip_mean_deg: float
+    dip_sd_deg: float
+    dip_direction_mean_deg: float
+    dip_direction_sd_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class FoundSet:
+    """A joint set.
+
+    Attributes
+    ----------
+    members : its joints, by their number in the list
+    axes : mean, scatter and shape of its poles
+    plane : the mean; angles : dip and dip direction by themselves
+    spacing, trace : where the list has such columns
+    """
+
+    name: str
+    members: Ints
+    axes: Axes
+    plane: Plane
+    angles: Angles
+    spacing: Lengths | None
+    trace: Traces | None
+
+    @property
+    def rounded(self) -> Plane:
+        """The mean to a degree."""
+        return Plane(float(round(self.plane.dip_deg)), float(round(self.plane.dip_direction_deg)) % 360.0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The set as JSON values."""
+        axes, (shape, strength) = self.axes, self.axes.woodcock
+        found: dict[str, Any] = json_of({
+            "set": self.name, "joints": len(self.members), "counts_as": axes.joints, "plane": str(_tenths(self.plane)),
+            "dip_deg": self.plane.dip_deg, "dip_direction_deg": self.plane.dip_direction_deg,
+            "eigenvalues": axes.eigenvalues, "resultant": axes.resultant,
+            "k": axes.k, "k_low": axes.k_low, "k_high": axes.k_high, "confidence": axes.confidence,
+            "cone_of_mean_deg": axes.cone_deg,
+            "variability_deg": {f"{share:.0%}": axes.cone_of(share) for share in SHARES},
+            "scatter_deg": axes.scatter_deg, "woodcock": {"shape": shape, "strength": strength},
+            "elongated": axes.is_elongated, "angles": self.angles, "spacing": self.spacing, "trace": self.trace,
+        })  # fmt: skip
+        return found
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class JointSets(Outcome):
+    """A survey divided into sets.
+
+    Attributes
+    ----------
+    sets : as the list names them, or S1, S2, ... the largest first
+    of : (n,) index of each joint's set, -1 of none
+    tried : where they were found: what each number of sets comes to; () where the list names them
+    weights : (n,) against the bias of the scanline, 1 without one; capped : joints whose weight is cut off
+    share : (n,) what of each joint belongs to its set, nan where the list names it; angle_deg : (n,) to its mean
+    peak, peak_density : where poles lie densest, and how dense
+    girdle : the axis of the great circle that tells more of the poles than sets do, and its BIC; None without one
+    """
+
+    name: ClassVar[str] = "sets"
+    joints: JointList
+    sets: tuple[FoundSet, ...]
+    of: Ints
+    tried: tuple[Clusters, ...]
+    asked: int | None
+    scanline: Line | None
+    bias_angle_deg: float
+    weights: Floats
+    capped: int
+    share: Floats
+    angle_deg: Floats
+    contours: Contours
+    peak: Plane
+    peak_density: float
+    girdle: tuple[Line, float] | None
+    confidence: float
+    seed: int
+    defaults: tuple[str, ...]
+    warnings: tuple[Notice, ...]
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Its stereonet."""
+        return ("stereonet",)
+
+    @property
+    def exit_code(self) -> int:
+        """0, whatever was found."""
+        return 0
+
+    @property
+    def are_given(self) -> bool:
+        """Whether the list names the sets."""
+        return not self.tried
+
+    @property
+    def without_set(self) -> tuple[str, ...]:
+        """The joints of no set, in the order of the list."""
+        return tuple(joint.name for joint, k in zip(self.joints.joints, self.of, strict=True) if k < 0)
+
+    @property
+    def block(self) -> str:
+        """The sets for a design of kind bench, as YAML."""
+        from slopekit.studies.sets.block import bench_block
+
+        return bench_block(self)
+
+    @property
+    def scatter_block(self) -> str:
+        """The sets as joints that scatter, for `slopekit prob`, as YAML."""
+        from slopekit.studies.sets.block import scatter_block
+
+        return scatter_block(self)
+
+    def files(self) -> dict[str, str]:
+        """The block to paste, as a file."""
+        return {"sets.yaml": self.block + self.scatter_block} if self.sets else {}
+
+    def input_hash(self) -> str:
+        """SHA-256 of the joints and of what was asked for."""
+        line = None if self.scanline is None else (self.scanline.trend_deg, self.scanline.plunge_deg)
+        sizes = [(one.spacing_m, one.position_m, one.trace_m, one.ends) for one in self.joints.joints]
+        asked = (self.asked, line, self.bias_angle_deg, self.confidence, self.contours, self.seed, self.are_given)
+        exact = [asked, self.joints.rows(), sizes, self.joints.quantities.tolist()]
+        return hashlib.sha256(json.dumps(exact).encode()).hexdigest()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as JSON values."""
+        line = self.scanline
+        return {
+            **survey_head("sets", self.joints, self.input_hash()),
+            "inputs": {
+                "sets": self.asked, "sets_from": "survey" if self.are_given else "clustering", "seed": self.seed,
+                "scanline": None if line is None else {"trend_deg": line.trend_deg, "plunge_deg": line.plunge_deg},
+                "bias_angle_deg": self.bias_angle_deg, "confidence": self.confidence, "contours": self.contours,
+            },
+            "defaults": list(self.defaults),
+            "joints": len(self.joints),
+            "sets": json_of(self.sets),
+            "without_set": list(self.without_set),
+            "tried": [
+                {"sets": len(one), "bic": json_of(one.bic), "xie_beni": json_of(one.xie_beni)} for one in self.tried
+            ],
+            "girdle": None if self.girdle is None else {
+                "trend_deg": self.girdle[0].trend_deg, "plunge_deg": self.girdle[0].plunge_deg, "bic": self.girdle[1],
+            },
+            "densest": {"plane": str(_tenths(self.peak)), "density": self.peak_density},
+            "orientations": [
+                {"joint": name, "set": "" if k < 0 else self.sets[k].name, "dip_deg": dip,
+                 "dip_direction_deg": direction, "weight": weight}
+                for (name, _, dip, direction), k, weight in zip(
+                    self.joints.rows(), self.of.tolist(), (self.weights * self.joints.quantities).tolist(), strict=True
+                )
+            ],
+            "block": self.block, "scatter_block": self.scatter_block,
+            "warnings": json_of(self.warnings),
+            "timing_s": {"total": self.seconds},
+            **self.words(),
+        }  # fmt: skip
+
+
+@study
+def sets(
+    joints: AJointList,
+    *,
+    n: Annotated[int | None, Option(
+        "How many sets to find [as many as the joints say].", whole_number, "--sets", "N"
+    )] = None,
+    ignore_sets: Annotated[bool, Option("Find sets anew, whatever the column set says.")] = False,
+    scanline: Annotated[Any, Option("The line that was measured along: joints are weighted by it.",
+                                    metavar="TREND/PLUNGE")] = None,
+    bias_angle: Annotated[Any, Option("Joints nearer to the scanline weigh no more than at this angle [15].")] = None,
+    confidence: Annotated[float, Option("Of the limits and cones of means [95%].", number_of)] = 0.95,
+    contours: Annotated[Contours, Option("Density by kamb or schmidt [kamb].")] = "kamb",
+    convention: Convention = None,
+    skip_bad: SkipBad = False,
+    seed: Seed = 1,
+    desk: Desk = DESK,
+) -> JointSets:  # fmt: skip
+    """Joint sets of a survey: found, or those of its column set; mean, Fisher K, cones, spacing, a block to paste.
+
+    Raises
+    ------
+    DesignError
+        With every fault: of the list (E428 its spacings and traces), E425 the number of sets, E426 the scanline, E427
+        the bias angle, E429 confidence or contours, E307 the seed.
+
+    Notes
+    -----
+    In Python `joints` are the path of a CSV file, a frame, planes ("45/115", (45, 115)), an (n, 2) array of dip and
+    dip direction, or {name: plane}.
+
+    >>> import slopekit as sk
+    >>> found = sk.sets(["40/175", "42/178", "38/170", "41/181", "75/010", "78/012", "74/008", "76/005"], n=2)
+    >>> [str(one.rounded) for one in found.sets], found.without_set
+    (['40/176', '76/009'], ())
+    """
+    began = time.perf_counter()
+    faults, defaults = Faults(), list[str]()
+    listed: JointList | None = faults.of(
+        lambda: joint_list(joints, convention, skip_bad, 1, desk.named("convention"), True, MOST_JOINTS)
+    )
+    where = desk.named("scanline")
+    line = None if scanline is None else faults.of(
+        lambda: line_of_words(scanline, "the scanline", "E426", f"{where} {scanline}")
+    )  # fmt: skip
+    angle = BIAS_ANGLE_DEG if bias_angle is None else faults.of(partial(_angle, bias_angle, desk.named("bias_angle")))
+    if bias_angle is None and scanline is not None:
+        defaults.append("bias_angle")
+    _check(faults, confidence, contours, seed, desk)
+    if listed is not None:
+        _check_number(faults, listed, n, desk)
+    faults.refuse()
+    assert listed is not None and angle is not None  # noqa: PT018  # no fault: nothing is missing
+    poles = -listed.normals()
+    weights = np.ones(len(listed)) if line is None else terzaghi_weights(poles, line.vector(), angle)
+    capped = 0 if line is None else int((np.abs(poles @ line.vector()) < math.sin(math.radians(angle))).sum())
+    each = weights * listed.quantities
+    each *= listed.quantities.sum() / each.sum()
+
+    tried: tuple[Clusters, ...] = ()
+    share = np.full(len(listed), math.nan)
+    if listed.sets() and not ignore_sets:
+        names = listed.sets()
+        index = {name: k for k, name in enumerate(names)}
+        of = np.array([index.get(joint.set_name, -1) for joint in listed.joints])
+    else:
+        tried = tuple(clusters_of(poles, each, n, np.random.default_rng(seed)))
+        chosen = tried[best(list(tried))]
+        names, of = _named(chosen)
+        share[of >= 0] = chosen.share[np.flatnonzero(of >= 0), of[of >= 0]]
+    found = tuple(
+        _found(name, np.flatnonzero(of == k), listed, poles, weights, line, confidence) for k, name in enumerate(names)
+    )
+    angles = np.full(len(listed), math.nan)
+    for k, one in enumerate(found):
+        angles[of == k] = np.degrees(np.arccos(np.clip(np.abs(poles[of == k] @ one.axes.mean), 0.0, 1.0)))
+    at, dense = densest(poles, each, float(each.sum()), contours)
+    outcome = JointSets(
+        listed, found, of, tried, n, line, angle, weights, capped, share, angles, contours, _plane(at), dense,
+        _girdle(poles, each, tried), confidence, seed, tuple(defaults), (), time.perf_counter() - began,
+    )  # fmt: skip
+    return _with_notices(outcome, ignore_sets)
+
+
+def _with_notices(found: JointSets, ignored: bool) -> JointSets:
+    from slopekit.studies.sets.said import notices_of
+
+    return replace(found, warnings=(*left_out(found.joints), *notices_of(found, ignored)))
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+def _angle(value: object, option: str) -> float:
+    found = quantity(value, "angle", "bias angle", f"{option} {value}")
+    if not 1.0 <= found <= 90.0:
+        message = f"the bias angle is {number(found)}°, it lies between 1 and 90"
+        advice = "15 is usual: no joint weighs more than 1 / sin 15° = 3.9. 90 leaves the weights out."
+        raise DesignError([Fault("E427", message, f"{option} {value}", advice)])
+    return found
+
+
+def _check(faults: Faults, confidence: float, contours: str, seed: int, desk: Desk) -> None:
+    if not 0.5 <= confidence < 1.0:
+        option = desk.named("confidence")
+        message = f"the confidence is {number(confidence)}, it lies from 0.5 to below 1"
+        faults.append(Fault("E429", message, option, "Write 95% or 0.95."))
+    if contours not in CONTOURS:
+        message = f"{contours} is not a way to count poles"
+        faults.append(Fault("E429", message, desk.named("contours"), f"Known: {', '.join(CONTOURS)}."))
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
+        faults.append(Fault("E307", f"the seed is {seed}, it is a whole number from 0 to {2**63 - 1}"))
+
+
+def _check_number(faults: Faults, joints: JointList, n: int | None, desk: Desk) -> None:
+    if n is None:
+        return
+    option, most = desk.named("n"), min(MOST_SETS, len(joints))
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 1 <= n <= most:
+        message = f"{counted(len(joints), 'joint')} cannot be divided into {n} sets, 1 to {most} are possible"
+        faults.append(Fault("E425", message, f"{option} {n}", "Leave it out: the joints say how many."))
+
+
+# -- sets -------------------------------------------------------------------------------------------------------------
+
+
+def _named(found: Clusters) -> tuple[tuple[str, ...], Ints]:
+    """S1, S2, ... of the sets that have joints left, and the sets of the joints by these."""
+    there = [k for k in range(len(found)) if (found.of == k).any()]
+    new = np.full(len(found) + 1, -1)
+    new[there] = np.arange(len(there))
+    return tuple(f"S{k}" for k in range(1, len(there) + 1)), new[found.of]
+
+
+def _found(
+    name: str, members: Ints, joints: JointList, poles: Floats, weights: Floats, line: Line | None, confidence: float
+) -> FoundSet:
+    axes = axes_of(poles[members], weights[members], joints.quantities[members], confidence)
+    plane = _plane(axes.mean)
+    own = [joints.joints[k] for k in members]
+    return FoundSet(
+        name, members, axes, plane, _angles(poles[members], weights[members] * joints.quantities[members], axes, plane),
+        spacings_of(own, axes.mean, None if line is None else line.vector(), confidence), traces_of(own, confidence),
+    )  # fmt: skip
+
+
+def _girdle(poles: Floats, weights: Floats, tried: tuple[Clusters, ...]) -> tuple[Line, float] | None:
+    if len(tried) < 2:
+        return None
+    axis, bic = girdle_of(poles, weights)
+    found = line_of(axis)
+    return (
+        (Line(round(found.trend_deg, 1) % 360.0, round(found.plunge_deg, 1) + 0.0), bic)
+        if bic < min(one.bic for one in tried)
+        else None
+    )
+
+
+def _angles(poles: Floats, weights: Floats, axes: Axes, plane: Plane) -> Angles:
+    """Dips and dip directions about the mean, each pole on the side of the mean."""
+    up = np.where((poles @ axes.mean)[:, None] < 0.0, poles, -poles)
+    dips = np.degrees(np.arctan2(np.hypot(up[:, 0], up[:, 1]), up[:, 2]))
+    ways = np.degrees(np.arctan2(up[:, 0], up[:, 1]))
+    off = (ways - plane.dip_direction_deg + 180.0) % 360.0 - 180.0
+    part = weights / weights.sum()
+    dip, way = float(part @ dips), float(part @ off)
+    if axes.joints <= 1.0:
+        return Angles(dip, math.nan, plane.dip_direction_deg, math.nan)
+    bessel = axes.joints / (axes.joints - 1.0)
+    dip_sd = math.sqrt(bessel * float(part @ (dips - dip) ** 2))
+    flat = not plane.dip_deg > 2.0 * axes.scatter_deg
+    way_sd = math.nan if flat else math.sqrt(bessel * float(part @ (off - way) ** 2))
+    return Angles(dip, dip_sd, (plane.dip_direction_deg + (0.0 if flat else way)) % 360.0, way_sd)
+
+
+def _plane(pole: Floats) -> Plane:
+    found = planes_of_poles(pole[None])
+    return Plane(float(found.dips_deg[0]), float(found.dip_directions_deg[0]))
+
+
+def _tenths(plane: Plane) -> Plane:
+    return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
+
+
+def is_close(tried: Mapping[int, float], chosen: int) -> list[int]:
+    """The numbers of sets whose BIC is about as good as that of the chosen one.
+
+    >>> is_close({1: 20.0, 2: -100.0, 3: -97.0}, 2)
+    [3]
+    """
+    return [count for count, bic in tried.items() if count != chosen and bic - tried[chosen] < _CLOSE]
+
+
+def too_few(found: FoundSet) -> bool:
+    """Whether a set has so few joints that its K says little."""
+    return len(found.members) < _FEW
+
+
+__all__ = ["LEAST_JOINTS", "FoundSet", "JointSets", "is_close", "sets", "too_few"]

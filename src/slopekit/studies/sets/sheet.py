@@ -1,0 +1,240 @@
+"""The sheet of joint sets: how many, what each is, spacing and traces, blocks to paste."""
+
+import math
+from operator import attrgetter
+from typing import Any
+
+from slopekit.core.orientation import Plane, number
+from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, counted
+from slopekit.studies.sets.clustering import Clusters
+from slopekit.studies.sets.run import FoundSet, JointSets
+from slopekit.studies.sets.sizes import metres
+from slopekit.studies.surveys import head
+
+_MOST_NAMES = 24
+_UNITS = {
+    "kamb": "standard deviations above joints that lie anywhere (Kamb)",
+    "schmidt": "% of poles in 1 % of the area (Schmidt)",
+}
+
+
+def sheet_of(found: JointSets) -> Sheet:
+    """The sheet of joint sets."""
+    return Sheet(head("sets", found.joints, found.input_hash()), (
+        Section("SURVEY", _survey(found)),
+        Section("NUMBER", _number(found)),
+        Section("SETS", [_table(found), _WORDS.format(share=100.0 * found.confidence)] if found.sets else []),
+        Section("ANGLES", [_angles(found)] if found.sets else []),
+        Section("SPACING", _spacing(found)),
+        Section("TRACE", _trace(found)),
+        Section("DENSEST", [f"pole of {_tenths(found.peak)}: {found.peak_density:.1f} {_UNITS[found.contours]}"]),
+        Section("GIRDLE", _girdle(found)),
+        Section("NO SET", _alone(found)),
+        Section("BENCH", ["for a design of kind bench:", Verbatim(found.block)] if found.sets else []),
+        Section("PROB", ["for slopekit prob, a wedge takes two of them:", Verbatim(found.scatter_block)]
+                if found.sets else []),
+        Section("READS AS", [_MEANING]),
+        Section("DEFAULTS", ["bias angle 15°"] if "bias_angle" in found.defaults else []),
+        Section("TIME", [f"{found.seconds * 1e3:.0f} ms"]),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+    ), {"joints.csv": _joints(found), "sets.csv": _sets(found)})  # fmt: skip
+
+
+def line_of(found: JointSets) -> str:
+    """The sets on one line."""
+    each = [f"{one.name} {one.rounded} ({len(one.members)}, K {_k(one.axes.k)})" for one in found.sets]
+    alone = [f"{len(found.without_set)} of no set"] if found.without_set else []
+    return "  ".join([*(each or ["no sets"]), *alone])
+
+
+def _survey(found: JointSets) -> list[Entry]:
+    joints = found.joints
+    entries: list[Entry] = [counted(len(joints), "joint")]
+    if joints.has_quantities:
+        entries[0] = f"{counted(len(joints), 'joint')}, {joints.quantities.sum():.6g} by quantity"
+    if found.scanline is not None:
+        entries.append(
+            f"scanline {found.scanline}: Terzaghi weights 1 / sin of the angle between joint and line, from "
+            f"{found.weights.min():.2f} to {found.weights.max():.2f}, {found.capped} cut off at "
+            f"{number(found.bias_angle_deg)}°"
+        )
+    return entries
+
+
+def _number(found: JointSets) -> list[Entry]:
+    if found.are_given:
+        return [f"{counted(len(found.sets), 'set')}, those of the column set"]
+    if found.asked is not None:
+        return [f"{counted(found.asked, 'set')}, as asked; fuzzy K-means (Hammah & Curran 1998)"]
+    columns: list[Column[Clusters]] = [
+        Column("sets", len, "sets", width=5),
+        Column("BIC", attrgetter("bic"), "bic", show=".1f", width=11),
+        Column("Xie-Beni", attrgetter("xie_beni"), "xie_beni", show=_index, width=11),
+        Column("of no set", lambda one: int((one.of < 0).sum()), "without_set", width=11),
+    ]
+    return [
+        f"{counted(len(found.sets), 'set')} by the least BIC; fuzzy K-means (Hammah & Curran 1998)",
+        Table(columns, list(found.tried)),
+    ]
+
+
+def _table(found: JointSets) -> Table[FoundSet]:
+    return Table([
+        _name(found),
+        Column("joints", lambda one: len(one.members), "joints", width=7),
+        Column("mean", lambda one: str(_tenths(one.plane)), "plane", width=12),
+        Column("K", lambda one: one.axes.k, "k", show=_k, width=10),
+        Column("limits", lambda one: [one.axes.k_low, one.axes.k_high], "", width=16, text=_limits),
+        Column("mean ±", lambda one: one.axes.cone_deg, "cone_of_mean", "°", _degrees, 9),
+        Column("68 % in", lambda one: one.axes.cone_of(0.68), "variability_68", "°", _degrees, 9),
+        Column("95 % in", lambda one: one.axes.cone_of(0.95), "variability_95", "°", _degrees, 9),
+        Column("shape", lambda one: one.axes.woodcock[0], "woodcock_shape", show=_index, width=8),
+    ], list(found.sets))  # fmt: skip
+
+
+def _angles(found: JointSets) -> Table[FoundSet]:
+    return Table([
+        _name(found),
+        Column("dip", lambda one: one.angles.dip_mean_deg, "dip_mean", "°", _degrees, 9),
+        Column("sd", lambda one: one.angles.dip_sd_deg, "dip_sd", "°", _degrees, 8),
+        Column("dip direction", lambda one: one.angles.dip_direction_mean_deg, "dip_direction_mean", "°", _degrees, 16),
+        Column("sd", lambda one: one.angles.dip_direction_sd_deg, "dip_direction_sd", "°", _degrees, 8),
+        Column("scatter", lambda one: one.axes.scatter_deg, "scatter", "°", _degrees, 10),
+        Column("strength", lambda one: one.axes.woodcock[1], "woodcock_strength", show=".2f", width=11),
+    ], list(found.sets))  # fmt: skip
+
+
+def _spacing(found: JointSets) -> list[Entry]:
+    rows = [one for one in found.sets if one.spacing is not None]
+    if not rows:
+        return []
+    columns = [_name(found), *_lengths("spacing"), Column("", attrgetter("spacing.how"), "how", width=-50,
+                                                          text=lambda one: "  " + one.spacing.how)]  # fmt: skip
+    return [Table(columns, rows)]
+
+
+def _trace(found: JointSets) -> list[Entry]:
+    rows = [one for one in found.sets if one.trace is not None]
+    if not rows:
+        return []
+    columns = [_name(found), *_lengths("trace.lengths")]
+    if any(one.trace is not None and one.trace.ended is not None for one in rows):
+        columns += [
+            Column("both ends", attrgetter("trace.ended"), "both_ends_seen", width=11),
+            Column("mean if whole", attrgetter("trace.whole_mean_m"), "whole_mean", "m", _metres, 15),
+        ]
+    return [Table(columns, rows)]
+
+
+def _lengths(of: str) -> list[Column[FoundSet]]:
+    return [
+        Column("number", attrgetter(f"{of}.count"), "number", width=8),
+        Column("mean", attrgetter(f"{of}.mean_m"), "mean", "m", _metres, 9),
+        Column("limits", lambda one: [attrgetter(f"{of}.low_m")(one), attrgetter(f"{of}.high_m")(one)], width=15,
+               text=lambda one: _between(attrgetter(f"{of}.low_m")(one), attrgetter(f"{of}.high_m")(one))),
+        Column("sd", attrgetter(f"{of}.sd_m"), "sd", "m", _metres, 9),
+    ]  # fmt: skip
+
+
+def _alone(found: JointSets) -> list[Entry]:
+    names = found.without_set
+    if not names or not found.sets:
+        return []
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    why = "the list gives them none" if found.are_given else "likelier joints that lie anywhere than of a set"
+    return [f"{counted(len(names), 'joint')}, {why}: " + ", ".join(names[:_MOST_NAMES]) + more]
+
+
+def _girdle(found: JointSets) -> list[Entry]:
+    if found.girdle is None:
+        return []
+    axis, bic = found.girdle
+    return [f"all poles lie along one great circle, about the axis {axis} (BIC {bic:.1f}): see W409"]
+
+
+def _joints(found: JointSets) -> Table[int]:
+    """Every joint with its set: a list that other studies read."""
+    joints = found.joints.joints
+    return Table([
+        Column("joint", lambda k: joints[k].name, "name"),
+        Column("set", lambda k: found.sets[found.of[k]].name if found.of[k] >= 0 else "", "set"),
+        Column("dip", lambda k: joints[k].plane.dip_deg, "dip", "°", exact=".10g"),
+        Column("dip direction", lambda k: joints[k].plane.dip_direction_deg, "dip_direction", "°", exact=".10g"),
+        Column("weight", lambda k: float(found.weights[k] * joints[k].quantity), "weight", exact=".6g"),
+        Column("angle to the mean", lambda k: float(found.angle_deg[k]), "angle_to_mean", "°", exact=".4f"),
+        Column("membership", lambda k: float(found.share[k]), "membership", exact=".4f"),
+    ], range(len(joints)))  # fmt: skip
+
+
+def _sets(found: JointSets) -> Table[FoundSet]:
+    """Every set with every digit."""
+    return Table([
+        Column("set", attrgetter("name"), "set"),
+        Column("joints", lambda one: len(one.members), "joints"),
+        Column("dip", attrgetter("plane.dip_deg"), "dip", "°", exact=".4f"),
+        Column("dip direction", attrgetter("plane.dip_direction_deg"), "dip_direction", "°", exact=".4f"),
+        Column("K", attrgetter("axes.k"), "k"), Column("K low", attrgetter("axes.k_low"), "k_low"),
+        Column("K high", attrgetter("axes.k_high"), "k_high"),
+        Column("cone", attrgetter("axes.cone_deg"), "cone_of_mean", "°"),
+        Column("scatter", attrgetter("axes.scatter_deg"), "scatter", "°"),
+        Column("dip sd", attrgetter("angles.dip_sd_deg"), "dip_sd", "°"),
+        Column("dip direction sd", attrgetter("angles.dip_direction_sd_deg"), "dip_direction_sd", "°"),
+        Column("spacing", lambda one: one.spacing and one.spacing.mean_m, "spacing", "m"),
+        Column("spacing sd", lambda one: one.spacing and one.spacing.sd_m, "spacing_sd", "m"),
+        Column("trace", lambda one: one.trace and one.trace.lengths.mean_m, "trace", "m"),
+        Column("trace if whole", lambda one: one.trace and one.trace.whole_mean_m, "trace_if_whole", "m"),
+    ], list(found.sets))  # fmt: skip
+
+
+# -- small things -----------------------------------------------------------------------------------------------------
+
+
+def _name(found: JointSets) -> Column[FoundSet]:
+    width = min(max([len(one.name) for one in found.sets] + [3]), 12)
+    return Column("set", attrgetter("name"), "set", width=-width - 1, text=lambda one: one.name[:width])
+
+
+def _tenths(plane: Plane) -> Plane:
+    return Plane(round(plane.dip_deg, 1), round(plane.dip_direction_deg, 1) % 360.0)
+
+
+def _k(value: float) -> str:
+    return (
+        "-"
+        if math.isnan(value)
+        else "all alike"
+        if math.isinf(value)
+        else f"{value:.3g}"
+        if value < 1000
+        else f"{value:.0f}"
+    )
+
+
+def _limits(one: FoundSet) -> str:
+    return f"{_k(one.axes.k_low)} to {_k(one.axes.k_high)}" if math.isfinite(one.axes.k_low) else "-"
+
+
+def _between(low: float, high: float) -> str:
+    return "-" if math.isnan(low) else f"{metres(low)} to {metres(high)}"
+
+
+def _degrees(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.1f}°"
+
+
+def _metres(value: Any) -> str:
+    return "-" if value is None or math.isnan(value) else f"{metres(value)} m"
+
+
+def _index(value: float) -> str:
+    return f"{value:.2f}" if math.isfinite(value) else "-"
+
+
+_WORDS = (
+    "mean ±: the cone that holds the true mean ({share:.0f} %); 68 %, 95 % in: the cone about the mean that holds so "
+    "many of the joints; shape (Woodcock): above 1 a cluster, below 1 a girdle"
+)
+_MEANING = (
+    "statistics of the joints that were measured, not of those that were not: a scanline or a face misses joints along "
+    "it. scatter is the root mean square angle to the mean, as a bench's joint set takes it"
+)

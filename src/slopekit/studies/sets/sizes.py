@@ -1,0 +1,113 @@
+"""Spacings and trace lengths of a set: mean, scatter, limits of the mean, what orientation and hidden ends change."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.orientation import number
+from slopekit.design.survey import Joint
+
+_FEW = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Lengths:
+    """The statistics of some lengths.
+
+    Attributes
+    ----------
+    count : how many; mean_m, sd_m, least_m, most_m : of them; sd_m nan of one
+    low_m, high_m : limits of the mean (Student), nan of one; confidence : of them
+    how : what they are, in words
+    """
+
+    count: int
+    mean_m: float
+    sd_m: float
+    least_m: float
+    most_m: float
+    low_m: float
+    high_m: float
+    confidence: float
+    how: str
+
+
+@dataclass(frozen=True, slots=True)
+class Traces:
+    """Trace lengths.
+
+    Attributes
+    ----------
+    lengths : as they were measured
+    ended : of those whose ends are said, how many show both; None where nothing is said
+    whole_mean_m : the mean of exponential lengths of which some are cut off, None where it does not apply
+    """
+
+    lengths: Lengths = field(metadata={"json": "measured"})
+    ended: int | None
+    whole_mean_m: float | None
+
+
+def lengths_of(values: Floats, how: str, confidence: float) -> Lengths:
+    """The statistics of lengths (n,), at least one.
+
+    >>> found = lengths_of(np.array([1.0, 2.0, 3.0]), "as measured", 0.95)
+    >>> found.mean_m, found.sd_m, round(found.low_m, 2), round(found.high_m, 2)
+    (2.0, 1.0, 0.0, 4.48)
+    """
+    from scipy.special import stdtrit
+
+    count, mean = len(values), float(values.mean())
+    sd = float(values.std(ddof=1)) if count >= _FEW else math.nan
+    reach = float(stdtrit(count - 1, 0.5 + confidence / 2.0)) * sd / math.sqrt(count) if count >= _FEW else math.nan
+    low = max(0.0, mean - reach) if count >= _FEW else math.nan
+    return Lengths(count, mean, sd, float(values.min()), float(values.max()), low, mean + reach, confidence, how)
+
+
+def spacings_of(joints: Sequence[Joint], mean: Floats, line: Floats | None, confidence: float) -> Lengths | None:
+    """The spacings of a set, square to its mean plane; None where the list has none.
+
+    A column `spacing` is taken as it is: square to the joints. Else the distances between the positions along a
+    scanline times the cosine between it and the normal of the mean plane (Terzaghi 1965; Priest & Hudson 1976).
+    """
+    own = [joint.spacing_m for joint in joints if joint.spacing_m is not None]
+    if own:
+        return lengths_of(np.array(own), "column spacing, square to the joints", confidence)
+    at = np.sort([joint.position_m for joint in joints if joint.position_m is not None])
+    if line is None or len(at) < _FEW:
+        return None
+    cosine = abs(float(mean @ line))
+    how = f"along the scanline, times {cosine:.3f}"
+    found: Lengths = lengths_of(np.diff(at) * cosine, how, confidence)
+    return found if found.mean_m > 0.0 else None
+
+
+def traces_of(joints: Sequence[Joint], confidence: float) -> Traces | None:
+    """The traces of a set; None where the list has none.
+
+    Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean
+    is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502). Long traces meet a scanline more often than
+    short ones: that is not corrected.
+    """
+    with_trace = [joint for joint in joints if joint.trace_m is not None]
+    if not with_trace:
+        return None
+    lengths = lengths_of(np.array([joint.trace_m for joint in with_trace]), "as measured", confidence)
+    said = [joint for joint in with_trace if joint.ends is not None]
+    if not said:
+        return Traces(lengths, None, None)
+    whole = sum(joint.ends == 2 for joint in said)
+    total = sum(joint.trace_m or 0.0 for joint in said)
+    return Traces(lengths, whole, total / whole if whole else None)
+
+
+def metres(value: float) -> str:
+    """A length to three digits.
+
+    >>> metres(2.3456), metres(12.0)
+    ('2.35', '12')
+    """
+    return number(float(f"{value:.3g}"))
