@@ -39,11 +39,11 @@ _NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
     "n": ("ratio", 100, MOST_TRIALS, "a number of trials", TRIALS),
     "confirm": ("ratio", 0, 100_000, "a number of blocks", 200),
     "seed": ("ratio", 0, 2**63 - 1, "a seed", 1),
-    "reliability": ("ratio", 0.5, 0.999, "a part of the length: 0.8 or 80%", RELIABILITY),
-    "accept": ("ratio", 0.0, 1.0, "a part of the length: 0.8 or 80%", None),
-    "confidence": ("ratio", 0.5, 0.9999, "a part: 0.95 or 95%", CONFIDENCE),
+    "reliability": ("ratio", 0.5, 0.999, "a part of the length (0.8, 80%)", RELIABILITY),
+    "accept": ("ratio", 0.0, 1.0, "a part of the length (0.8, 80%)", None),
+    "confidence": ("ratio", 0.5, 0.9999, "a part (0.95, 95%)", CONFIDENCE),
     "fos": ("ratio", 1e-6, 1e6, "a factor of safety", 1.0),
-    "near": ("ratio", 0.0, 10.0, "a part of the factor: 0.01 or 1%", None),
+    "near": ("ratio", 0.0, 10.0, "a part of the factor (0.01, 1%)", None),
     "catch": ("length", 0.0, 1e4, "a width", None),
     "trace": ("length", 1e-3, 1e6, "a length", None),
     "spacing": ("length", 1e-3, 1e5, "a length", None),
@@ -235,7 +235,7 @@ def _number(name: str, given: object, where: str) -> float | None:
         raise DesignError([Fault("E106", f"{where} is {number(found)}, a whole number is needed", f"{where} {given}")])
     if not low <= found <= high:
         code = "E414" if kind == "length" else "E415" if kind == "angle" or name == "swell" else "E413"
-        message = f"{where} is {number(found)}, it is {what} between {number(low)} and {number(high)}"
+        message = f"{where} is {number(found)}, {what} lies between {number(low)} and {number(high)}"
         raise DesignError([Fault(code, message, f"{where} {given}")])
     return found
 
