@@ -179,6 +179,20 @@ def test_short_joints() -> None:
     assert bench_of(ground(trace_m=np.full(n, 1e3)), at_toe, HEIGHT, FACE).block_height_m[0, 0] == HEIGHT
 
 
+@pytest.mark.parametrize(
+    ("steep", "base", "forms"),
+    [
+        ("47.1/000", "20/180", True), ("46.9/000", "20/180", False),  # (90 - 75) + 32 = 47
+        ("80/029.9", "20/180", True), ("80/030.1", "20/180", False), ("80/000", "20/150.1", True),
+        ("80/000", "20/149.9", False), ("80/000", "20/000", False), ("80/000", "76/180", False),
+    ],
+)  # fmt: skip
+def test_where_columns_form(steep: str, base: str, forms: bool) -> None:
+    """At the limits of slip and of direction, either joint first."""
+    both = Trials(np.array([0, 1]), np.array([1, 0]), np.zeros(2))
+    assert bench_of(ground((steep, base)), both, HEIGHT, FACE).forms[2].tolist() == [forms, forms]
+
+
 def test_water_and_earthquake_do_not_help() -> None:
     """More fails under water and in an earthquake; what formed still forms."""
     joints = joint_list(list(JOINTS))
