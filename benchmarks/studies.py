@@ -199,6 +199,37 @@ def set_rows(surveys: int = 20) -> list[str]:
     return rows
 
 
+def bench_rows(count: int = 300) -> list[str]:
+    """Bench design of 300 joints x 7 faces x 3 heights: processor time of the parts of one process, wall of two."""
+    from slopekit.studies.bench_design import bench_design
+
+    rng = np.random.default_rng(4)
+    mean = np.array([(54, 142), (60, 226), (78, 4), (24, 176)], dtype=float)[rng.integers(0, 4, count)]
+    planes = [
+        (float(np.clip(dip + 7.0 * one, 1.0, 90.0)), float((direction + 9.0 * two) % 360.0))
+        for (dip, direction), one, two in zip(mean, rng.standard_normal(count), rng.standard_normal(count), strict=True)
+    ]
+    given: dict[str, Any] = {
+        "height": [10, 15, 20], "face": "60:90:7", "dip_direction": 180, "berm": [7, 9], "c": 10, "phi": 30,
+        "spacing": 2, "trace": 15,
+    }  # fmt: skip
+    rows = [
+        "| what | trials in 21 benches | PRE-IE of blocks | seconds of processor | seconds |",
+        "|---|---|---|---|---|",
+    ]
+    for words, more in (
+        ("closed forms alone, one process", {"confirm": 0, "near": 0}), ("with PRE-IE, one process", {}),
+        ("with PRE-IE, two processes (their start included)", {"jobs": 2}),
+    ):  # fmt: skip
+        began, processor = time.perf_counter(), time.process_time()
+        found = bench_design(planes, **given, **more)
+        seconds, processor = time.perf_counter() - began, time.process_time() - processor
+        asked = 0 if found.checked is None else found.checked.said.samples
+        used = f"{processor:.1f}" if "jobs" not in more else "-"
+        rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {used} | {seconds:.1f} |")
+    return rows
+
+
 def machine() -> str:
     """The machine in words."""
     return f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
@@ -210,6 +241,7 @@ def main(words: list[str]) -> None:
         ("PRE-IE samples a second, the same numbers from every crew", pre_ie_rows),
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),
+        ("Bench design: 300 joints x 7 faces x 3 heights", bench_rows),
     ]
     text = ["# Design studies: what they cost and whether they are right", "",
             f"Made by `python -m benchmarks.studies docs` on {machine()}."]  # fmt: skip

@@ -17,6 +17,8 @@ from slopekit.core.taken import checked
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.result import Result as Result
+    from slopekit.studies.bench_design import BenchDesigns as BenchDesigns
+    from slopekit.studies.bench_design import bench_design
     from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
@@ -38,14 +40,15 @@ if TYPE_CHECKING:
     from slopekit.studies.tornado import tornado
 
 __all__ = [
-    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse", "check",
-    "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "sets", "solve", "support", "sweep",
-    "tornado", "wedge",
+    "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
+    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "sets", "solve",
+    "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
+    "BenchDesigns": "studies.bench_design",
     "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
@@ -62,12 +65,13 @@ def __getattr__(name: str) -> Any:
         return found if isinstance(found, type) else checked(found)
     from slopekit.studies.protocol import STUDIES, VARIANTS, function_of
 
-    if name not in STUDIES and name not in VARIANTS:
+    command = name.replace("_", "-")
+    if command not in STUDIES and command not in VARIANTS:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return checked(function_of(name))
+    return checked(function_of(command))
 
 
 def __dir__() -> list[str]:
     from slopekit.studies.protocol import STUDIES
 
-    return sorted({*__all__, *STUDIES})
+    return sorted({*__all__, *(name.replace("-", "_") for name in STUDIES)})

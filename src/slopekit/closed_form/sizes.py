@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from slopekit.closed_form.given import Bools, Floats, Value, columns_of
-from slopekit.closed_form.tolerances import PARALLEL_DEG, SAME_DIRECTION
+from slopekit.closed_form.tolerances import PARALLEL_DEG, REACHES, SAME_DIRECTION
 from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, times
 
 _RADIAN: Final = math.pi / 180.0
@@ -227,8 +227,9 @@ class ColumnSizes:
 
 
 def column_sizes(
-    joint_dip_deg: ArrayLike, base_dip_deg: ArrayLike, face_dip_deg: ArrayLike, height_m: ArrayLike, width_m: ArrayLike
-) -> ColumnSizes:
+    joint_dip_deg: ArrayLike, base_dip_deg: ArrayLike, face_dip_deg: ArrayLike, height_m: ArrayLike, width_m: ArrayLike,
+    reach_m: ArrayLike = math.inf,
+) -> ColumnSizes:  # fmt: skip
     """Columns between joints that dip into the slope, on a base that dips out of it and daylights at the toe.
 
     Each stands alone: the push of those behind it is left out, as the first test of Goodman & Bray leaves it out.
@@ -237,6 +238,7 @@ def column_sizes(
     ----------
     joint_dip_deg : of the joints, into the slope; base_dip_deg : of the base, out of it; both in the section
     height_m : vertical, from where the base daylights to the level crest; width_m : of a column, square to its sides
+    reach_m : columns farther behind the crest than this stay
 
     Formula: a column of height y and base b on ψ_b between sides that dip ψ_d turns over where y cos ψ_d > b cos ψ_b,
     b = Δx / sin(ψ_d + ψ_b); where the base is square to the sides that is Δx / y < tan ψ_b (Goodman & Bray 1976; Wyllie
@@ -248,6 +250,7 @@ def column_sizes(
     """
     columns, count = columns_of({
         "joint": joint_dip_deg, "base": base_dip_deg, "face": face_dip_deg, "height_m": height_m, "width_m": width_m,
+        "reach_m": reach_m,
     })  # fmt: skip
     none = np.zeros(count)
     joint, base, face = ((columns[name] + none) * _RADIAN for name in ("joint", "base", "face"))
@@ -261,6 +264,7 @@ def column_sizes(
         apart = width / np.sin(joint)
         lost = apart * climb / share  # of height from one column to the next
         many = np.where(first > needed, np.ceil((first - needed) / lost), 0.0)
+        many = np.minimum(many, np.floor(columns["reach_m"] / apart * (1.0 + REACHES)))
         last = np.maximum(0.0, first - lost * many)
         area = many * width * (first + last) / 2.0  # between sides that are that high
         setback, slender = many * apart, first / needed

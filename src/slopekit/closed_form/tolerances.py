@@ -25,6 +25,9 @@ DAYLIGHTS = 1e-12
 #: Cosine of the angle to the face below which the last bit says on which side of it a line runs.
 ALONG = 1e-9
 
+#: Length of a joint, in parts of what a block needs, that is missing and still enough: rounding.
+REACHES = 1e-9
+
 #: Distance, of the radius, of a corner of the ground that lies on the slip circle.
 ON_CIRCLE = 1e-9
 

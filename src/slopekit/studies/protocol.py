@@ -23,6 +23,7 @@ STUDIES: Mapping[str, str] = {
     "check": "slopekit.studies.check", "prob": "slopekit.studies.prob", "sweep": "slopekit.studies.sweep",
     "combos": "slopekit.studies.combos", "kinematic": "slopekit.studies.kinematic",
     "sets": "slopekit.studies.sets", "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
+    "bench-design": "slopekit.studies.bench_design",
 }  # fmt: skip
 #: Studies that are a flag of another command: its name, the flag's, where the function stands.
 VARIANTS: Mapping[str, tuple[str, str]] = {
@@ -101,7 +102,7 @@ Seed = Annotated[int, Option("Seed of the random numbers: the same seed gives th
 def function_of(name: str) -> Callable[..., Outcome]:
     """The function of a study, loaded when it is asked for."""
     place = STUDIES[name] if name in STUDIES else VARIANTS[name][1]
-    found: Callable[..., Outcome] = getattr(import_module(place), name)
+    found: Callable[..., Outcome] = getattr(import_module(place), name.replace("-", "_"))
     return found
 
 

@@ -77,6 +77,10 @@ def _sweeps(document: Document, keys: int) -> bool:
     return document.get("study") == "sweep" and isinstance(swept, list) and len(swept) == keys
 
 
+def _of_benches(document: Document) -> bool:
+    return document.get("study") == "bench-design"
+
+
 def _has_bolts(document: Document) -> bool:
     scene = document.get("scene")
     return isinstance(scene, Mapping) and scene.get("bolts") is not None
@@ -111,6 +115,15 @@ _SWEEP = {
     "critical": [{"method": str, "at": _NUMBER, "fos": float}],
     "changes": [{"between": [float], "statuses": [str]}],
 }
+_BENCHES = {
+    "benches": [{
+        "height_m": float, "face_dip_deg": float, "backbreak_curve_m": [float], "effective_face_curve_deg": [float],
+        "berm_needed_m": float,
+        "reliability": [{"berm_m": float, "inter_ramp_deg": float, "reliability": {"probability": _NUMBER}}],
+    }],
+    "inputs": {"reliability": float, "berms_m": ([float], None), "dip_direction_deg": float},
+    "survey": {"name": _TEXT, "joints": float}, "input_sha256": str,
+}  # fmt: skip
 _SHARE = {"probability": _NUMBER, "low": _NUMBER, "high": _NUMBER, "of": float, "confidence": float, "limits_by": str}
 _FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_pairs_failed": _NUMBER}
 #: Drawn by matplotlib, by their word.
@@ -164,6 +177,21 @@ CHARTS: Mapping[str, Chart] = {
     "contour": Chart(
         "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
         "sweep_charts.draw_contour", lambda of: _sweeps(of, 2), _SWEEP,
+    ),
+    "backbreak": Chart(
+        "how much of the crest is lost along the bench, by height and face angle",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
+        _BENCHES,
+    ),
+    "face-angle": Chart(
+        "the face angle that is left along the bench, by height and face angle",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_face_angle", _of_benches,
+        _BENCHES,
+    ),
+    "reliability": Chart(
+        "which heights and face angles keep their berm",
+        "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability", _of_benches,
+        _BENCHES,
     ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",

@@ -53,6 +53,7 @@ PROJECT = {
 _TITLES = {
     "sweep": "Sweep", "tornado": "What each number does", "prob": "Probability of failure", "solve": "Back-calculation",
     "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints", "kinematic": "Kinematic tests",
+    "bench-design": "Bench design",
     "sets": "Joint sets",
 }  # fmt: skip
 

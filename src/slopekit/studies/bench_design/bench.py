@@ -1,0 +1,277 @@
+"""One bench against all trials: what forms at each place, what of it fails, how much of crest and rock goes with it.
+
+wedge
+    Two joints whose line of intersection daylights; free where both joints run as far as its edges do. The factor of
+    safety is that of `closed_form.wedge`.
+plane
+    The first joint of a place, flatter than the face and within the lateral limit of its dip direction (Hoek & Bray
+    1981, ch. 7); its sides are taken as free. The factor is that of `closed_form.plane`.
+toppling
+    One joint steep into the slope, the other a base that dips out of it and daylights, both within the lateral limit
+    of toppling: ψ_d >= (90 - ψ_f) + φ_d lets columns slip on each other (Goodman & Bray 1976; Wyllie & Mah 2004,
+    §9.2-9.3). A column fails that turns over under its own weight; its width is the spacing of the steep joint. Columns
+    behind the first count as far as the base runs, and no farther behind the crest than the block is high.
+
+All three end at the level crest. Toe anywhere: where the toe lies is drawn, and a joint too short for the block forms
+none. Largest: the toe is that of the bench, and a joint too short makes the block smaller, its toe moves up.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from slopekit.closed_form.berms import cone_spill_width, prism_spill_width
+from slopekit.closed_form.plane import OUTCOMES as PLANE_OUTCOMES
+from slopekit.closed_form.plane import PlaneArrays, plane_failures
+from slopekit.closed_form.sizes import column_sizes, largest_scale, plane_sizes, wedge_sizes
+from slopekit.closed_form.tolerances import REACHES
+from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
+from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
+from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.studies.bench_design.trials import Trials
+
+MODES: Final = ("wedge", "plane", "toppling")
+WEDGE, PLANE, TOPPLING = range(3)
+_ANGLE: Final = 1e-9  # degrees, as in studies.kinematic.criteria
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """What all benches of a study share.
+
+    Attributes
+    ----------
+    dips_deg, dip_directions_deg, cohesion_kpa, friction_deg : (n,) of the joints of the survey
+    trace_m : (n,) how far each runs, inf where nothing is known; spacing_m : (n,) of its set, nan likewise
+    toward_deg : dip direction of the faces
+    unit_weight_kn_m3, water_unit_weight_kn_m3, fill, pressure_kpa, seismic : of what slides; a mean pressure in place
+        of a fill, or None
+    lateral_deg, lateral_toppling_deg : limits of planar sliding and of toppling
+    target : what fails has a factor of safety below it
+    largest : whether the largest block is taken in place of one whose toe is drawn
+    every_m : along the bench, from place to place
+    swell, repose_deg : of what has come down
+    """
+
+    dips_deg: Floats
+    dip_directions_deg: Floats
+    cohesion_kpa: Floats
+    friction_deg: Floats
+    trace_m: Floats
+    spacing_m: Floats
+    toward_deg: float
+    unit_weight_kn_m3: float
+    water_unit_weight_kn_m3: float
+    fill: float
+    pressure_kpa: float | None
+    seismic: float
+    lateral_deg: float
+    lateral_toppling_deg: float
+    target: float
+    largest: bool
+    every_m: float
+    swell: float
+    repose_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """What becomes of the trials in one bench; (3, n) by mode, in the order of `MODES`.
+
+    Attributes
+    ----------
+    forms, fails, factor : (3, n); a factor is nan where nothing slides or topples, or nothing is known
+    block_height_m : (3, n) from the toe of the block to the crest
+    governs : (n,) the failing mode that takes most of the crest, -1 where none fails
+    setback_m, volume_m3, spill_m : (n,) of what fails, 0 where nothing does; width_m : (n,) along the crest
+    """
+
+    height_m: float
+    face_dip_deg: float
+    forms: Bools
+    fails: Bools
+    factor: Floats
+    block_height_m: Floats
+    governs: Ints
+    setback_m: Floats
+    volume_m3: Floats
+    spill_m: Floats
+    width_m: Floats
+
+
+def bench_of(ground: Ground, trials: Trials, height_m: float, face_dip_deg: float) -> Bench:
+    """Every trial in a bench of one height and face."""
+    n = len(trials)
+    parts = [
+        part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
+    ]  # fmt: skip
+    forms, fails, factor, block, setback, volume, spill, width = (
+        np.stack([getattr(part, name) for part in parts]) for name in _Part.__slots__
+    )
+    lost = np.where(fails, setback, -1.0)
+    governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
+    at = np.maximum(governs, 0), np.arange(n)
+    own = [np.where(governs < 0, 0.0, values[at]) for values in (setback, volume, spill, width)]
+    return Bench(height_m, face_dip_deg, forms, fails, factor, block, governs.astype(np.int64), *own)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One mode, (n,) each; sizes are 0 where nothing forms."""
+
+    forms: Bools
+    fails: Bools
+    factor: Floats
+    block_height_m: Floats
+    setback_m: Floats
+    volume_m3: Floats
+    spill_m: Floats
+    width_m: Floats
+
+    @classmethod
+    def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
+        """Values of some trials; all others form nothing."""
+        found: dict[str, np.ndarray] = {}
+        for name in cls.__slots__:
+            is_said = name in ("forms", "fails")
+            found[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
+            found[name][those] = True if name == "forms" else values[name]
+        return cls(**found)
+
+
+def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+    a, b = trials.first, trials.second
+    planes = (
+        ground.dips_deg[a], ground.dip_directions_deg[a], ground.dips_deg[b], ground.dip_directions_deg[b], face,
+        ground.toward_deg, 0.0, ground.toward_deg,
+    )  # fmt: skip
+    whole = wedge_sizes(*planes, height)
+    free = largest_scale(whole, ground.trace_m[a], ground.trace_m[b])
+    up = 1.0 - trials.toe
+    scale = free if ground.largest else up
+    heights = height * scale
+    long_enough = np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
+    those = np.flatnonzero(long_enough)
+    if not those.size:
+        return _Part.of(len(trials), those, **_nothing())
+    one, two = a[those], b[those]
+    pressures = () if ground.pressure_kpa is None else (ground.pressure_kpa, ground.pressure_kpa)
+    found = hoek_bray_wedges(
+        WedgeArrays(
+            joint1_dip_deg=ground.dips_deg[one], joint1_dip_direction_deg=ground.dip_directions_deg[one],
+            joint2_dip_deg=ground.dips_deg[two], joint2_dip_direction_deg=ground.dip_directions_deg[two],
+            face_dip_deg=face, face_dip_direction_deg=ground.toward_deg, upper_dip_deg=0.0,
+            upper_dip_direction_deg=ground.toward_deg, height_m=heights[those],
+            cohesion1_kpa=ground.cohesion_kpa[one], cohesion2_kpa=ground.cohesion_kpa[two],
+            friction1_deg=ground.friction_deg[one], friction2_deg=ground.friction_deg[two],
+            unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressures_kpa=pressures,
+            water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
+            seismic_trend_deg=ground.toward_deg if ground.seismic else None,
+        ), forces=False,
+    )  # fmt: skip
+    kept = found.outcome < WEDGE_OUTCOMES.index("E201")
+    those, scales = those[kept], scale[those][kept]
+    factor, fails = _judged(WEDGE_OUTCOMES, found.outcome[kept], found.factor[kept], ground.target)
+    volume = whole.volume_m3[those] * scales**3
+    return _Part.of(
+        len(trials), those, fails=fails, factor=factor, block_height_m=heights[those],
+        setback_m=whole.setback_m[those] * scales, volume_m3=volume,
+        spill_m=cone_spill_width(volume, face, ground.repose_deg, ground.swell),
+        width_m=whole.face_width_m[those] * scales,
+    )  # fmt: skip
+
+
+def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+    a = trials.first
+    dips = ground.dips_deg[a]
+    whole = plane_sizes(dips, face, 0.0, height)
+    beside = _beside(ground.dip_directions_deg[a], ground.toward_deg)
+    with np.errstate(invalid="ignore"):
+        free = np.minimum(1.0, ground.trace_m[a] / whole.length_m)
+    scale = free if ground.largest else 1.0 - trials.toe
+    those = np.flatnonzero(
+        (beside <= ground.lateral_deg + _ANGLE) & np.isfinite(free) & (scale > 0.0) & (scale <= free * (1.0 + REACHES))
+    )
+    if not those.size:
+        return _Part.of(len(trials), those, **_nothing())
+    one, heights = a[those], (height * scale)[those]
+    found = plane_failures(
+        PlaneArrays(
+            face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
+            cohesion_kpa=ground.cohesion_kpa[one], friction_deg=ground.friction_deg[one],
+            unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressure_kpa=ground.pressure_kpa,
+            water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
+        )
+    )  # fmt: skip
+    kept = found.outcome < PLANE_OUTCOMES.index("E203")
+    those, scales = those[kept], scale[those][kept]
+    factor, fails = _judged(PLANE_OUTCOMES, found.outcome[kept], found.factor[kept], ground.target)
+    area = whole.area_m2[those] * scales**2
+    return _Part.of(
+        len(trials), those, fails=fails, factor=factor, block_height_m=heights[kept],
+        setback_m=whole.setback_m[those] * scales, volume_m3=area * ground.every_m,
+        spill_m=prism_spill_width(area, face, ground.repose_deg, ground.swell),
+        width_m=np.full(those.size, ground.every_m),
+    )  # fmt: skip
+
+
+def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
+    """Either joint of a place may be the steep one."""
+    heights = height * (1.0 - trials.toe)
+    found = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
+    for steep, base in ((trials.first, trials.second), (trials.second, trials.first)):
+        dip, out = ground.dips_deg[steep], ground.dips_deg[base]
+        into = _beside(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
+        toward = _beside(ground.dip_directions_deg[base], ground.toward_deg)
+        can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
+        can &= (dip >= 90.0 - face + ground.friction_deg[steep] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
+        those = np.flatnonzero(can & ~found.forms)
+        if not those.size:
+            continue
+        widths = ground.spacing_m[steep[those]]
+        known = np.isfinite(widths)
+        sides, bases = np.radians(dip[those]), np.radians(out[those])
+        first = column_sizes(dip[those], out[those], face, heights[those], 1.0).height_m
+        # from where the base daylights to the foot of the first column, and what is left of it behind
+        foot = heights[those] / math.tan(math.radians(face)) + first * np.cos(sides)
+        left = ground.trace_m[base[those]] * np.cos(bases) - foot
+        reach = np.minimum(left, heights[those])
+        rows = column_sizes(dip[those], out[those], face, heights[those], np.where(known, widths, 1.0),
+                            np.maximum(0.0, reach))  # fmt: skip
+        held = (first > 0.0) & (first <= ground.trace_m[steep[those]] * (1.0 + REACHES)) & (left > 0.0)
+        with np.errstate(divide="ignore"):
+            factor = np.where(known, 1.0 / rows.slenderness, np.nan)
+        turns = known & (factor < ground.target) & (rows.columns > 0.0)
+        some = those[held]
+        values = {
+            "fails": turns[held], "factor": factor[held], "block_height_m": heights[some],
+            "setback_m": rows.setback_m[held], "volume_m3": rows.area_m2[held] * ground.every_m,
+            "spill_m": prism_spill_width(rows.area_m2[held], face, ground.repose_deg, ground.swell),
+            "width_m": np.full(some.size, ground.every_m),
+        }  # fmt: skip
+        found.forms[some] = True
+        for name, own in values.items():
+            getattr(found, name)[some] = own
+    return found
+
+
+def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:
+    """The factor where something slides, and what fails: below the target, or without any contact."""
+    words = [name.startswith("slides") for name in names]
+    free = [name in ("lifted", "falls") for name in names]
+    slides = np.array(words)[outcome]
+    with np.errstate(invalid="ignore"):
+        fails: Bools = (slides & (factor < target)) | np.array(free)[outcome]
+    return np.where(slides, factor, np.nan), fails
+
+
+def _nothing() -> dict[str, Floats]:
+    return {name: np.empty(0) for name in _Part.__slots__}
+
+
+def _beside(directions_deg: Floats, toward_deg: float) -> Floats:
+    """Degrees between dip directions and another direction, 0 to 180."""
+    found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
+    return found

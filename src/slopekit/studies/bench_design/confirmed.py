@@ -1,0 +1,119 @@
+"""PRE-IE beside the closed forms: wedges and planes of all benches, a random part and all near the target.
+
+Columns that topple have their criterion alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from slopekit.core.errors import SlopekitError
+from slopekit.core.orientation import Plane
+from slopekit.design.common import Design, Strength, Water
+from slopekit.kinds.plane import PlaneDesign
+from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench
+from slopekit.studies.bench_design.given import BenchInputs
+from slopekit.studies.bench_design.trials import Trials
+from slopekit.studies.points import GIVEN_UP, Point, falls_short
+from slopekit.studies.prob.judged import Confirmation, chosen, confirmation_of
+from slopekit.studies.protocol import Desk
+from slopekit.studies.running import Crew, Journal, Record, run_all
+
+_MODES = (WEDGE, PLANE)
+
+
+@dataclass(frozen=True, slots=True)
+class Confirmed:
+    """What PRE-IE says.
+
+    Attributes
+    ----------
+    said : over the blocks of all benches; by_mode : blocks looked at of each mode, by its word
+    blocks : different ones among those, which were solved
+    doubted : heights and faces of benches in which a block fails by PRE-IE alone, or has no answer of it
+    """
+
+    said: Confirmation
+    by_mode: dict[str, int]
+    blocks: int
+    doubted: frozenset[tuple[float, float]]
+
+
+def confirmed(
+    asked: BenchInputs, trials: Trials, benches: Sequence[Bench], crew: Crew, desk: Desk
+) -> tuple[Confirmed | None, Journal | None]:
+    """PRE-IE's judgement of the blocks that are chosen; None where none forms, or none is asked for."""
+    forms, factor, fails = (
+        np.concatenate([getattr(bench, name)[mode] for bench in benches for mode in _MODES])
+        for name in ("forms", "factor", "fails")
+    )
+    target, within, seed = asked.number("fos"), asked.near, int(asked.number("seed"))
+    index = chosen(forms, factor, target, int(asked.number("confirm")), within, seed)
+    if not len(index.all):
+        return None, None
+    rows = [divmod(int(one), len(trials)) for one in index.all]
+    keys = []
+    for part, trial in rows:
+        bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
+        first, second = int(trials.first[trial]), int(trials.second[trial])
+        other = second if mode == WEDGE else -1
+        keys.append((mode, first, other, float(bench.block_height_m[mode, trial]), bench.face_dip_deg))
+    different = list(dict.fromkeys(keys))
+    designs = [_design(asked, *key) for key in different]
+    folder = desk.folder
+    journal = Journal.of(folder or Path.cwd(), "bench-design", asked.input_hash(), streamed=folder is not None)
+    with desk.bar("PRE-IE", len(designs)) as advance:
+        records = run_all(both_methods, designs, crew, journal=journal, advance=advance, given_up=GIVEN_UP)
+    points = dict(zip(different, map(Point.from_record, records), strict=True))
+    said = confirmation_of(
+        index, tuple(points[key] for key in keys), forms, np.ones(len(forms), dtype=bool), fails, target, within,
+        asked.number("confidence"),
+    )  # fmt: skip
+    modes = [key[0] for key in keys]
+    stands = ~fails[index.all]
+    doubted = frozenset(
+        (benches[part // len(_MODES)].height_m, benches[part // len(_MODES)].face_dip_deg)
+        for (part, _), key, stood in zip(rows, keys, stands, strict=True) if stood and _is_doubted(points[key], target)
+    )  # fmt: skip
+    return Confirmed(said, {MODES[mode]: modes.count(mode) for mode in _MODES}, len(different), doubted), journal
+
+
+def _is_doubted(point: Point, target: float) -> bool:
+    """Whether PRE-IE does not say that a block stands."""
+    found = point.factors
+    return found is None or found.status == "not_converged" or falls_short(found.status, found.limit, target)
+
+
+def both_methods(design: Design) -> Record:
+    """Both factors of safety of a block as JSON values: what a worker does."""
+    from slopekit.kinds import factors_of
+
+    try:
+        return Point(factors_of(design)).to_record()
+    except SlopekitError as error:
+        fault = error.faults[0]
+        return Point(None, fault.code, fault.message).to_record()
+
+
+def _design(asked: BenchInputs, mode: int, first: int, second: int, height: float, face_dip: float) -> Design:
+    """The block of a trial as a design of its own, per metre where it is a plane."""
+    joints, slope, face = asked.joints.joints, asked.slope, Plane(face_dip, asked.toward_deg)
+    if mode == WEDGE:
+        pair = (first, second)
+        return replace(
+            slope, joints=(joints[first].plane, joints[second].plane), face=face, height_m=height,
+            joint_names=(joints[first].name, joints[second].name),
+            cohesion_kpa=(float(asked.cohesion_kpa[pair[0]]), float(asked.cohesion_kpa[pair[1]])),
+            friction_angle_deg=(float(asked.friction_deg[pair[0]]), float(asked.friction_deg[pair[1]])),
+        )  # fmt: skip
+    common = {own.name: getattr(slope, own.name) for own in fields(Design)}
+    if slope.water.mode == "pressures":
+        common["water"] = Water("pressures", 0.0, slope.water.pressures_kpa[:1])
+    # its dip in the section, as the closed form has it
+    return PlaneDesign(
+        **common, joint=Plane(joints[first].plane.dip_deg, asked.toward_deg), joint_name=joints[first].name, face=face,
+        upper=Plane(0.0, asked.toward_deg), height_m=height,
+        strength=Strength(float(asked.cohesion_kpa[first]), float(asked.friction_deg[first])),
+    )  # fmt: skip

@@ -1,0 +1,299 @@
+"""What a study of benches is given: the survey with its strengths and sizes, the benches to look at, what counts."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from slopekit.closed_form.berms import catch_width
+from slopekit.core.arrays import Floats
+from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.orientation import Plane, normals, number
+from slopekit.core.units import quantity
+from slopekit.design import words
+from slopekit.design.common import Seismic
+from slopekit.design.joint_lists import JointList, joint_list, own_or_given
+from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.studies.bench_design.bench import Ground
+from slopekit.studies.keys import Key
+from slopekit.studies.ranges import parse_values
+from slopekit.studies.surveys import range_of
+
+#: Trials where none are asked for; the most of them, and of benches times trials.
+TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
+MOST_VALUES = 200
+RELIABILITY, CONFIDENCE = 0.8, 0.95
+LATERAL_DEG, LATERAL_TOPPLING_DEG = 20.0, 30.0
+SWELL, REPOSE_DEG = 1.4, 37.0
+TOES = ("anywhere", "bench")
+_OF_WEDGE = (
+    "c", "phi", "density", "unit_weight", "water", "seismic", "gravity", "water_unit_weight", "agree_within",
+)  # fmt: skip
+#: Numbers by their parameter: what they measure, between which they lie, what they are, what is taken without them.
+_NUMBERS: Mapping[str, tuple[str, float, float, str, float | None]] = {
+    "n": ("ratio", 100, MOST_TRIALS, "a number of trials", TRIALS),
+    "confirm": ("ratio", 0, 100_000, "a number of blocks", 200),
+    "seed": ("ratio", 0, 2**63 - 1, "a seed", 1),
+    "reliability": ("ratio", 0.5, 0.999, "a part of the length (0.8, 80%)", RELIABILITY),
+    "accept": ("ratio", 0.0, 1.0, "a part of the length (0.8, 80%)", None),
+    "confidence": ("ratio", 0.5, 0.9999, "a part (0.95, 95%)", CONFIDENCE),
+    "fos": ("ratio", 1e-6, 1e6, "a factor of safety", 1.0),
+    "near": ("ratio", 0.0, 10.0, "a part of the factor (0.01, 1%)", None),
+    "catch": ("length", 0.0, 1e4, "a width", None),
+    "trace": ("length", 1e-3, 1e6, "a length", None),
+    "spacing": ("length", 1e-3, 1e5, "a length", None),
+    "every": ("length", 1e-2, 1e5, "a length", None),
+    "lateral": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_DEG),
+    "lateral_toppling": ("angle", 0.0, 90.0, "an angle beside the dip direction of the face", LATERAL_TOPPLING_DEG),
+    "swell": ("ratio", 1.0, 3.0, "the volume of broken rock by that of solid rock", SWELL),
+    "repose": ("angle", 10.0, 60.0, "an angle of repose", REPOSE_DEG),
+}  # fmt: skip
+_WHOLE = ("n", "confirm", "seed")
+
+
+@dataclass(frozen=True, slots=True)
+class BenchInputs:
+    """Everything that a study of benches depends on.
+
+    Attributes
+    ----------
+    joints : the survey; slope : its loads as a wedge design whose joints and face mean nothing
+    heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
+    toward_deg : dip direction of the faces; toe : one of `TOES`
+    cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.Ground`
+    own : how many joints have c, φ, a trace and a spacing of their own
+    numbers : by name, those of `_NUMBERS`; None where nothing was said
+    every_m : along the bench, by the height of a bench where None
+    defaults : names of the inputs that were left out
+    """
+
+    joints: JointList
+    slope: WedgeDesign
+    heights_m: tuple[float, ...]
+    face_dips_deg: tuple[float, ...]
+    berms_m: tuple[float, ...] | None
+    toward_deg: float
+    toe: str
+    cohesion_kpa: Floats
+    friction_deg: Floats
+    trace_m: Floats
+    spacing_m: Floats
+    own: tuple[int, int, int, int]
+    numbers: Mapping[str, float | None]
+    every_m: float | None
+    defaults: tuple[str, ...]
+
+    def number(self, name: str) -> float:
+        """A number that is there, given or its default."""
+        found = self.numbers[name]
+        assert found is not None
+        return found
+
+    @property
+    def near(self) -> float:
+        """The part of the target that counts as near it."""
+        found = self.numbers["near"]
+        return self.slope.agree_within if found is None else found
+
+    def catch_m(self, height_m: float) -> float:
+        """The berm width wanted: what was given, else the modified Ritchie criterion."""
+        found = self.numbers["catch"]
+        return float(catch_width(height_m)) if found is None else found
+
+    def ground(self, height_m: float) -> Ground:
+        """What the trials are judged with in benches of a height."""
+        water, slope = self.slope.water, self.slope
+        return Ground(
+            self.joints.dips_deg, self.joints.dip_directions_deg, self.cohesion_kpa, self.friction_deg, self.trace_m,
+            self.spacing_m, self.toward_deg, slope.unit_weight_kn_m3, slope.water_unit_weight_kn_m3, water.fill,
+            water.pressures_kpa[0] if water.pressures_kpa else None, slope.seismic.coefficient, self.number("lateral"),
+            self.number("lateral_toppling"), self.number("fos"), self.toe == "bench",
+            height_m if self.every_m is None else self.every_m, self.number("swell"), self.number("repose"),
+        )  # fmt: skip
+
+    def to_dict(self) -> dict[str, Any]:
+        """All but the joints, as JSON values."""
+        slope, water = self.slope, self.slope.water
+        return {
+            "heights_m": list(self.heights_m), "face_dips_deg": list(self.face_dips_deg),
+            "berms_m": None if self.berms_m is None else list(self.berms_m), "dip_direction_deg": self.toward_deg,
+            "cohesion_kpa": range_of(self.cohesion_kpa, self.own[0]),
+            "friction_deg": range_of(self.friction_deg, self.own[1]),
+            "traces_known": int(np.isfinite(self.trace_m).sum()), "traces_own": self.own[2],
+            "spacings_known": int(np.isfinite(self.spacing_m).sum()), "spacings_own": self.own[3],
+            "unit_weight_kn_m3": slope.unit_weight_kn_m3, "density_kg_m3": slope.density_kg_m3,
+            "water": {"mode": water.mode, "fill": water.fill, "pressures_kpa": list(water.pressures_kpa[:1])},
+            "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
+            "toe": self.toe, "every_m": self.every_m, "agree_within": slope.agree_within,
+            **json_of(self.numbers),
+        }  # fmt: skip
+
+    def input_hash(self) -> str:
+        """SHA-256 of the inputs and the joints with their strengths and sizes."""
+        values = [self.cohesion_kpa, self.friction_deg, self.trace_m, self.spacing_m, self.joints.quantities]
+        exact = [self.to_dict(), self.joints.rows(), [json_of(part.tolist()) for part in values]]
+        return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+
+
+def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> BenchInputs:
+    """Read and check what `bench_design` is given, by the names of its parameters; every fault at once."""
+    faults = Faults()
+    listed: JointList | None = faults.of(
+        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"), True)
+    )
+    read = {
+        name: faults.of(partial(_values, name, given[name], option))
+        for name in ("height", "face", "berm")
+    }  # fmt: skip
+    toward = faults.of(partial(_toward, given["dip_direction"], option("dip_direction")))
+    numbers = {name: faults.of(partial(_number, name, given[name], option(name))) for name in _NUMBERS}
+    toe = given["toe"] or TOES[0]
+    if toe not in TOES:
+        faults.append(
+            Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
+        )
+    slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
+    strengths = []
+    if listed is not None:
+        for key in ("c", "phi"):
+            common = None if given.get(key) is None else 0.0
+            if slope is not None and common is not None:
+                common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
+            values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
+            strengths.append((values, own))
+            faults += [] if fault is None else [fault]
+    heights, dips, trials = read["height"], read["face"], numbers["n"]
+    if heights and dips and trials and len(heights) * len(dips) * trials > MOST_IN_ALL:
+        message = f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}"
+        faults.append(Fault("E416", message, option("n"), "Ask for fewer benches at once, or for fewer trials."))
+    faults.refuse()
+    # no fault, so nothing is missing: what follows only tells the type checker
+    assert listed is not None and slope is not None and heights and dips and toward is not None  # noqa: PT018
+    traces, own_traces = _sizes(listed, "trace_m", numbers["trace"], np.inf)
+    spacings, own_spacings = _sizes(listed, "spacing_m", numbers["spacing"], np.nan)
+    every = numbers["every"]
+    if every is None:
+        every = _apart(listed, spacings, toward)
+    (cohesion, own_c), (friction, own_phi) = strengths
+    may_be_left = (
+        "berm", "catch", "every", "density", "n", "reliability", "fos", "lateral", "lateral_toppling", "swell",
+        "repose", "toe",
+    )  # fmt: skip
+    defaults = [name for name in may_be_left if given[name] is None]
+    if given["unit_weight"] is not None:
+        defaults.remove("density")
+    return BenchInputs(
+        listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
+        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
+    )  # fmt: skip
+
+
+def _values(name: str, given: object, option: Callable[[str], str]) -> tuple[float, ...]:
+    """Heights, dips of faces, widths of berms; none of the last where nothing is given."""
+    where = option(name)
+    if given is None:
+        if name == "berm":
+            return ()
+        example = {"height": "10,15", "face": "60:80:+5"}[name]
+        raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} {example}.")])
+    kind, low, high, code, said = {
+        "height": ("length", 1e-3, 1e4, "E410", "a bench is more than 0 m high"),
+        "face": ("angle", 1.0, 90.0, "E411", "the face of a bench dips from 1 to 90°"),
+        "berm": ("length", 0.0, 1e4, "E412", "a berm is 0 m wide or more"),
+    }[name]
+    found = parse_values(Key(name, kind, None, low, high), given, MOST_VALUES)
+    bad = [value for value in found if not low <= value <= high]
+    if bad:
+        raise DesignError([Fault(code, f"{name} is {number(bad[0])}: {said}", f"{where} {given}")])
+    return found
+
+
+def _toward(given: object, where: str) -> float:
+    if given is None:
+        raise DesignError(
+            [Fault("E143", f"{where} is missing", where, f"Give the dip direction of the faces: {where} 180.")]
+        )
+    found = quantity(given, "angle", "dip direction", f"{where} {given}")
+    if not 0.0 <= found <= 360.0:
+        raise DesignError(
+            [Fault("E102", f"the dip direction is {number(found)}, it lies between 0 and 360", f"{where} {given}")]
+        )
+    return found % 360.0
+
+
+def _number(name: str, given: object, where: str) -> float | None:
+    kind, low, high, what, default = _NUMBERS[name]
+    if given is None:
+        return default
+    found = quantity(given, kind, name.replace("_", " "), f"{where} {given}")
+    if name in _WHOLE and found != int(found):
+        raise DesignError([Fault("E106", f"{where} is {number(found)}, a whole number is needed", f"{where} {given}")])
+    if not low <= found <= high:
+        code = "E414" if kind == "length" else "E415" if kind == "angle" or name == "swell" else "E413"
+        message = f"{where} is {number(found)}, {what} lies between {number(low)} and {number(high)}"
+        raise DesignError([Fault(code, message, f"{where} {given}")])
+    return found
+
+
+def _slope(given: Mapping[str, Any], toward: float, option: Callable[[str], str]) -> WedgeDesign:
+    """The loads, read as a wedge whose joints and face mean nothing."""
+    from slopekit.kinds.wedge.design import wedge_design
+
+    own = {key: given[key] for key in _OF_WEDGE}
+    joints = Plane(45.0, (toward + 315.0) % 360.0), Plane(45.0, (toward + 45.0) % 360.0)
+    faults: list[Fault] = []
+    for key in ("c", "phi", "water"):
+        value = own[key]
+        parts = value.split(",") if isinstance(value, str) else value if isinstance(value, list | tuple) else ()
+        if len(parts) > 1:
+            message = f"{key} has two values: the joints of a list are no J1 and J2"
+            advice = "Give one value for all; columns c and phi of the list give each joint its own."
+            faults.append(Fault("E339", message, f"{option(key)} {words.shown(value)}", advice))
+            own[key] = None
+    try:
+        slope = wedge_design(
+            {"dips": joints, "face": Plane(65.0, toward), "upper": Plane(0.0, toward), "height": 10.0, **own}, option
+        )  # fmt: skip
+    except DesignError as error:
+        told = [replace(fault, message=fault.message.replace(" of J1", "")) for fault in error.faults]
+        raise DesignError([*faults, *told]) from None
+    trend = slope.seismic.trend_deg
+    if trend is not None and trend % 360.0 != toward:
+        message = f"the earthquake acts toward {number(trend)}, here it acts out of the face"
+        faults.append(Fault("E417", message, f"{option('seismic')} {given['seismic']}", "Give the coefficient alone."))
+    if faults:
+        raise DesignError(faults)
+    coefficient = slope.seismic.coefficient
+    return replace(slope, seismic=Seismic(coefficient, toward if coefficient else None))
+
+
+def _sizes(
+    joints: JointList, name: Literal["trace_m", "spacing_m"], given: float | None, unknown: float
+) -> tuple[Floats, int]:
+    """A size of every joint: its own, else what is given for all; and how many have their own."""
+    own = [joint.trace_m if name == "trace_m" else joint.spacing_m for joint in joints.joints]
+    other = unknown if given is None else given
+    return np.array([other if value is None else value for value in own]), sum(value is not None for value in own)
+
+
+def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:
+    """How far it is along the bench from joint to joint, from the spacings of the sets; None where they are unknown.
+
+    A set with the spacing s is met |n · t| / s times a metre along the direction t.
+    """
+    if not np.isfinite(spacings).any():
+        return None
+    along = np.array([np.cos(np.radians(toward)), -np.sin(np.radians(toward)), 0.0])
+    meets = np.abs(normals(joints.dips_deg, joints.dip_directions_deg) @ along)
+    names = np.array([joint.set_name for joint in joints.joints])
+    often = 0.0
+    for name in dict.fromkeys(names.tolist()):
+        some = (names == name) & np.isfinite(spacings)
+        if some.any():
+            often += float(meets[some].mean() / spacings[some].mean())
+    return 1.0 / often if often > 0.0 else None

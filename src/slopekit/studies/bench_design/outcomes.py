@@ -1,0 +1,195 @@
+"""What the trials of one bench come to: probabilities with limits, distributions, berms and inter-ramp angles."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
+from slopekit.core.arrays import Floats
+from slopekit.studies.bench_design.bench import MODES, Bench
+from slopekit.studies.bench_design.given import BenchInputs
+from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of
+from slopekit.studies.prob.estimates import Share
+
+STRETCH_M = 100.0
+PERCENTILES = (0.5, 0.8, 0.9, 0.95, 0.99)
+#: Of the curves in JSON.
+_CURVE = tuple(k / 100.0 for k in range(101))
+_CALLED = (*MODES, "any")
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """A distribution over the length of the bench, over places or stretches.
+
+    Attributes
+    ----------
+    quantiles : by the share that lies at or below
+    """
+
+    mean: float
+    most: float = field(metadata={"json": "max"})
+    quantiles: Mapping[float, float]
+
+    @classmethod
+    def of(cls, values: Floats, weights: Floats | None = None) -> "Spread":
+        """Of values (n,), n above 0, each as often as its weight."""
+        return cls(float(np.average(values, weights=weights)), float(values.max()),
+                   dict(zip(PERCENTILES, quantiles(values, PERCENTILES, weights), strict=True)))  # fmt: skip
+
+
+def quantiles(values: Floats, shares: Sequence[float], weights: Floats | None = None) -> list[float]:
+    """The least values that so large a share lies at or below: values that were drawn, none between them.
+
+    `weights` (n,), one for all where None.
+
+    >>> quantiles(np.array([0.0, 0.0, 0.0, 0.0, 3.0]), [0.8, 0.81])
+    [0.0, 3.0]
+    """
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(np.ones(len(values)) if weights is None else weights[order])
+    at = np.searchsorted(below, np.array(shares) * below[-1] * (1.0 - 1e-12), side="left")
+    found: list[float] = values[order][np.minimum(at, len(values) - 1)].tolist()
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class OfMode:
+    """One way to fail: how often a block forms, how often a block that forms fails, how often both."""
+
+    forms: Share
+    fails_if_formed: Share
+    fails: Share
+
+
+@dataclass(frozen=True, slots=True)
+class OfBerm:
+    """A berm of a bench.
+
+    Attributes
+    ----------
+    reliability : the share of the length whose berm stays as wide as the catch width; inter_ramp_deg : of the design
+    left_m : what is left of the berm, by the share of the length where it is at least that
+    spill_kept : the share of places whose broken rock stays on such a berm
+    accepted : None where no reliability has to be reached
+    """
+
+    height_m: float
+    face_dip_deg: float
+    berm_m: float
+    catch_width_m: float
+    inter_ramp_deg: float
+    reliability: Share
+    left_m: Mapping[float, float] = field(metadata={"json": "berm_left_m"})
+    spill_kept: float
+    accepted: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class OfBench:
+    """A height and a face.
+
+    Attributes
+    ----------
+    modes : by the words of `MODES`, and `any`
+    backbreak : along the bench, m; if_failed : of places where something fails, None where nothing does
+    curve_m : backbreak at 0, 1 ... 100 % of the length; face_curve_deg : the effective face angle likewise, falling
+    effective_face_deg : at the reliability wanted
+    volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
+    spill : where something fails, m
+    berm_needed_m : so that the share wanted of the length keeps the catch width; inter_ramp_deg : with that berm
+    """
+
+    height_m: float
+    face_dip_deg: float
+    catch_width_m: float
+    modes: Mapping[str, OfMode] = field(metadata={"json": "probability"})
+    backbreak: Spread = field(metadata={"json": "backbreak_m"})
+    if_failed: Spread | None = field(metadata={"json": "backbreak_where_something_fails_m"})
+    curve_m: tuple[float, ...] = field(metadata={"json": "backbreak_curve_m"})
+    face_curve_deg: tuple[float, ...] = field(metadata={"json": "effective_face_curve_deg"})
+    effective_face_deg: float
+    volume_m3: Spread | None = field(metadata={"json": "volume_per_100_m_m3"})
+    crest_lost: float = field(metadata={"json": "share_of_crest_lost"})
+    spill: Spread | None = field(metadata={"json": "spill_width_m"})
+    berm_needed_m: float
+    inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
+    berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
+
+
+def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:
+    """Everything that is said of one bench."""
+    height, face, confidence = bench.height_m, bench.face_dip_deg, asked.number("confidence")
+    wanted, catch = asked.number("reliability"), asked.catch_m(height)
+    lost, steps = bench.setback_m, steps_of(bench, asked.ground(height).every_m)
+    loss_at = quantiles(lost, [wanted], steps)[0]
+    needed = catch + loss_at
+    berms = (needed,) if asked.berms_m is None else asked.berms_m
+    forms = [*bench.forms, bench.forms.any(axis=0)]
+    fails = [*bench.fails, bench.fails.any(axis=0)]
+    # a width lost to rounding is not lost
+    keeps = [berm - lost >= catch * (1.0 - 1e-12) - 1e-12 for berm in berms]
+    seed = int(asked.number("seed"))
+    places, length = (np.array(part, dtype=np.float64).T for part in ([*forms, *fails], keeps))
+    surveys = bootstrapped(asked.joints, trials, places, seed)
+    of_forms, of_fails = surveys[:, :4], surveys[:, 4:]
+    of_keeps = bootstrapped(asked.joints, trials, length, seed, steps)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        of_both = of_fails / of_forms
+    modes = {
+        name: OfMode(
+            share_of(forms[k], None, of_forms[:, k], confidence),
+            share_of(fails[k], forms[k], of_both[:, k], confidence),
+            share_of(fails[k], None, of_fails[:, k], confidence),
+        )
+        for k, name in enumerate(_CALLED)
+    }  # fmt: skip
+    failed = bench.governs >= 0
+    volumes, crest_lost = along(bench, steps)
+    curve = quantiles(lost, _CURVE, steps)
+    return OfBench(
+        height, face, catch, modes, Spread.of(lost, steps), Spread.of(lost[failed]) if failed.any() else None,
+        tuple(curve),
+        tuple(effective_face_angle(height, face, curve).tolist()), float(effective_face_angle(height, face, loss_at)),
+        Spread.of(volumes) if len(volumes) else None, crest_lost,
+        Spread.of(bench.spill_m[failed]) if failed.any() else None, needed,
+        float(inter_ramp_angle(height, face, needed)),
+        tuple(
+            OfBerm(
+                height, face, berm, catch, float(inter_ramp_angle(height, face, berm)),
+                share_of(keep, None, of_keeps[:, k], confidence, steps),
+                {share: max(0.0, berm - value) for share, value in
+                 zip(PERCENTILES, quantiles(lost, PERCENTILES, steps), strict=True)},
+                float((bench.spill_m <= berm).mean()),
+            )
+            for k, (berm, keep) in enumerate(zip(berms, keeps, strict=True))
+        ),
+    )  # fmt: skip
+
+
+def steps_of(bench: Bench, every_m: float) -> Floats:
+    """How much of the bench each place stands for, (n,): `every_m`, or what has failed there where that is wider."""
+    found: Floats = np.maximum(every_m, bench.width_m)
+    return found
+
+
+def along(bench: Bench, steps: Floats) -> tuple[Floats, float]:
+    """Volumes (k,) that fail on each 100 m of a bench on which the places follow each other; the part of crest lost."""
+    ends = np.cumsum(steps)
+    stretch = ((ends - steps) // STRETCH_M).astype(np.int64)
+    whole = math.floor(ends[-1] / STRETCH_M)
+    volumes: Floats = np.bincount(stretch, bench.volume_m3, minlength=whole)[:whole].astype(np.float64)
+    return volumes, float(bench.width_m.sum() / ends[-1])
+
+
+def words_of_share(share: Share) -> str:
+    """A share in per cent with its limits."""
+    if share.share is None:
+        return "-"
+    return f"{_percent(share.share)} % ({_percent(share.low)} to {_percent(share.high)})"
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.3g}"

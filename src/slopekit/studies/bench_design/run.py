@@ -1,0 +1,201 @@
+"""Benches from a joint survey: heights x face angles x berms, what fails in them, what berm keeps the catch width.
+
+trials -> what forms and fails in each bench -> shares, backbreak, volume, berms -> PRE-IE where it matters.
+
+>>> import slopekit as sk
+>>> found = sk.bench_design(["50/150", "55/215", "48/165", "60/200", "80/005"], height=15, face=[65, 80],
+...                         dip_direction=180, c=0, phi=30, n=400, confirm=0)
+>>> [round(bench.modes["any"].fails.share, 2) for bench in found.benches]
+[0.45, 0.52]
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any, ClassVar
+
+from slopekit.core.codec import json_of, record_of
+from slopekit.core.errors import Notice
+from slopekit.design.joint_lists import JointList
+from slopekit.studies.bench_design.bench import bench_of
+from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
+from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of
+from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.trials import drawn_trials
+from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
+from slopekit.studies.running import Journal, checked_crew, crew_in_words
+from slopekit.studies.surveys import AJointList, Convention, SkipBad, survey_head
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class BenchDesigns(Outcome):
+    """Benches against a survey.
+
+    Attributes
+    ----------
+    given : the survey, the benches, what counts
+    benches : what came of each height and face
+    checked : what PRE-IE says of their wedges and planes, None where it was not asked
+    """
+
+    name: ClassVar[str] = "bench-design"
+    given: BenchInputs
+    benches: tuple[OfBench, ...]
+    checked: Confirmed | None
+    crew: str
+    warnings: tuple[Notice, ...]
+    timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
+    journal: Journal | None = field(default=None, compare=False)
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Cumulative curves of backbreak and of the face that is left, and the table of reliability."""
+        return ("reliability", "backbreak", "face-angle")
+
+    def done(self) -> None:
+        """Remove what was kept for an interruption: the results are written."""
+        if self.journal is not None:
+            self.journal.remove()
+
+    @property
+    def joints(self) -> JointList:
+        """The joints of the survey."""
+        return self.given.joints
+
+    @property
+    def berms(self) -> tuple[OfBerm, ...]:
+        """Every berm of every bench."""
+        return tuple(berm for bench in self.benches for berm in bench.berms)
+
+    @property
+    def best(self) -> OfBench:
+        """The bench with the steepest inter-ramp angle at the reliability wanted."""
+        return max(self.benches, key=lambda bench: bench.inter_ramp_deg)
+
+    @property
+    def accepted(self) -> bool | None:
+        """Whether a bench reaches the reliability that has to be reached, None where none has to be."""
+        found = [berm.accepted for berm in self.berms]
+        return None if found[0] is None else any(found)
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 1 no bench is accepted, 4 the methods disagree or PRE-IE did not converge."""
+        if self.checked is not None and self.checked.said.disagree:
+            return 4
+        return 1 if self.accepted is False else 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result as JSON values; times stand in a block of their own."""
+        best = self.best
+        return {
+            **survey_head("bench-design", self.joints, self.given.input_hash()),
+            "inputs": self.given.to_dict(), "defaults": list(self.given.defaults),
+            "benches": [record_of(bench) for bench in self.benches],
+            "best": {name: getattr(best, name) for name in ("height_m", "face_dip_deg", "berm_needed_m")}
+            | {"inter_ramp_deg": best.inter_ramp_deg, "reliability": self.given.number("reliability")},
+            "accept": self.given.numbers["accept"], "accepted": self.accepted,
+            "pre_ie": None if self.checked is None else record_of(self.checked.said)
+            | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
+            "warnings": json_of(self.warnings), "timing_s": dict(self.timing_s),
+            **self.words(),
+        }  # fmt: skip
+
+
+@study
+def bench_design(
+    joints: AJointList,
+    *,
+    height: Annotated[Any, Option("Bench heights, m: 10,15 or 10:20:3 (how many) or 10:20:+5 (in steps).")] = None,
+    face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
+    dip_direction: Annotated[Any, Option("Dip direction of the faces.")] = None,
+    berm: Annotated[Any, Option("Berm widths, m [the width needed for --reliability].")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
+    reliability: Annotated[Any, Option("Part of the length whose berm shall keep the catch width [80%].")] = None,
+    catch: Annotated[Any, Option("Catch width, m [modified Ritchie, 0.2 height + 4.5].")] = None,
+    toe: Annotated[
+        str | None, Option("anywhere on the face, or of the bench: the largest block [anywhere].", metavar="WHERE")
+    ] = None,
+    trace: Annotated[Any, Option("Trace length of joints without their own, m [they run on].")] = None,
+    spacing: Annotated[Any, Option("Spacing of joints without their own, m [not known: no toppling].")] = None,
+    every: Annotated[Any, Option("From place to place along the bench, m [by spacing, else the height].")] = None,
+    lateral: Annotated[Any, Option("Lateral limit of planar sliding [20].")] = None,
+    lateral_toppling: Annotated[Any, Option("Lateral limit of toppling [30].")] = None,
+    density: Annotated[Any, Option("Density [2600 kg/m3].")] = None,
+    unit_weight: Annotated[Any, Option("Unit weight, kN/m3, instead of a density.")] = None,
+    water: Annotated[Any, Option("dry, full, 50% or u=9.8kPa [dry].")] = None,
+    seismic: Annotated[Any, Option("Pseudo-static coefficient, out of the face.")] = None,
+    swell: Annotated[Any, Option("Broken by solid volume [1.4].")] = None,
+    repose: Annotated[Any, Option("Angle of repose of broken rock [37].")] = None,
+    fos: Annotated[Any, Option("What fails has a factor of safety below this [1].")] = None,
+    n: Annotated[Any, Option("Trials: places along the bench [10000].", flag="-n")] = None,
+    confirm: Annotated[Any, Option("Blocks at random that PRE-IE looks at too [200].")] = None,
+    near: Annotated[Any, Option("It looks at all within this of the target [1%].")] = None,
+    confidence: Annotated[Any, Option("Of the confidence limits [95%].")] = None,
+    accept: Annotated[
+        Any, Option("Least reliability; exit code 1 where no bench reaches it with its lower limit.")
+    ] = None,
+    agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
+    gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
+    water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
+    convention: Convention = None,
+    skip_bad: SkipBad = False,
+    seed: Annotated[Any, Option("Seed of the random numbers: the same seed gives the same numbers [1].")] = None,
+    jobs: Jobs = 1,
+    scheduler: Scheduler = None,
+    desk: Desk = DESK,
+) -> BenchDesigns:
+    """Benches from a joint survey: what fails by height and face angle, the berm that is left, the inter-ramp angle.
+
+    A trial is a place along the bench where two joints of the survey meet: a wedge of both, a block on the first,
+    columns of one on the other. Closed forms judge them all, PRE-IE looks at some at random and at all near the target.
+    Exit codes: 0 done, 1 no bench reaches --accept, 2 bad input, 4 the methods disagree.
+
+    Raises
+    ------
+    DesignError
+        Every fault: of the list, of the loads as for a wedge, E332 a strength that a joint needs, E410 to E412 heights,
+        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere.
+
+    Notes
+    -----
+    Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
+    `slopekit.combos` takes.
+    """
+    given, began = dict(locals()), time.perf_counter()
+    crew = checked_crew(jobs, scheduler)
+    asked = bench_inputs(given, desk.named)
+    read = time.perf_counter()
+    trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
+    benches = [
+        bench_of(asked.ground(height), trials, height, dip) for height in asked.heights_m for dip in asked.face_dips_deg
+    ]
+    judged = time.perf_counter()
+    outcomes = [outcome_of(asked, trials, bench) for bench in benches]
+    shares = time.perf_counter()
+    checked, journal = confirmed(asked, trials, benches, crew, desk)
+    outcomes = [accepted(asked, one, checked) for one in outcomes]
+    end = time.perf_counter()
+    times = {
+        "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
+        "total": end - began,
+    }  # fmt: skip
+    notices = notices_of(asked, outcomes, checked)
+    found = BenchDesigns(
+        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal
+    )  # fmt: skip
+    if desk.folder is None:
+        found.done()
+    return found
+
+
+def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
+    """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
+    least = asked.numbers["accept"]
+    if least is None:
+        return bench
+    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
+    berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
+    return replace(bench, berms=tuple(berms))

@@ -1,0 +1,73 @@
+"""What a reader of a study of benches must know."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from slopekit.core.errors import Notice
+from slopekit.core.orientation import number
+from slopekit.studies.bench_design.confirmed import Confirmed
+from slopekit.studies.bench_design.given import BenchInputs
+from slopekit.studies.bench_design.outcomes import OfBench
+from slopekit.studies.surveys import left_out
+
+_FEW = 30  # joints: below it, a survey says little of its sets
+
+
+def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
+    """W366, W373, W351, W390 to W397."""
+    yield from left_out(asked.joints)
+    n = len(asked.joints)
+    if n < _FEW:
+        yield Notice("W390", f"{asked.joints.name} holds {n} joints: the same few meet again and again, see the limits")
+    known = int(np.isfinite(asked.trace_m).sum())
+    if known < n:
+        message = (
+            f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
+        )
+        yield Notice("W391", message)
+    if not np.isfinite(asked.spacing_m).all():
+        without = int((~np.isfinite(asked.spacing_m)).sum())
+        message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
+        yield Notice("W392", message)
+    if asked.every_m is None:
+        message = (
+            "how often joints meet along the bench is not known: one place is taken for each bench height; volumes per "
+            "100 m go with it"
+        )
+        yield Notice("W393", message)
+    narrow = sorted({
+        (berm.berm_m, berm.catch_width_m) for bench in benches for berm in bench.berms
+        if berm.berm_m < berm.catch_width_m * (1.0 - 1e-12)
+    })  # fmt: skip
+    if narrow:
+        first, catch = narrow[0]
+        message = (
+            f"a berm of {number(first)} m is narrower than the catch width of {number(round(catch, 3))} m before "
+            "anything fails: no place keeps it; a wider berm, or a catch width of your own (--catch)"
+        )
+        yield Notice("W397", message)
+    wider = [bench for bench in benches if any(bench.backbreak.most > berm.berm_m for berm in bench.berms)]
+    if wider:
+        worst = max(bench.backbreak.most for bench in wider)
+        message = (
+            f"in {len(wider)} of {len(benches)} benches some places lose more than the whole berm (up "
+            f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
+        )
+        yield Notice("W394", message)
+    slope = asked.slope
+    if any(bench.modes["toppling"].forms.count for bench in benches) and (
+        slope.water.mode != "dry" or slope.seismic.coefficient
+    ):
+        yield Notice(
+            "W395", "toppling columns are judged by their weight alone: water and earthquake do not act on them"
+        )
+    if checked is None:
+        return
+    said = checked.said
+    if said.unsafe:
+        yield Notice("W396", f"{said.unsafe} of the {said.samples} blocks that PRE-IE looked at fail by it and stand "
+                     "by the closed form: moments decide there")  # fmt: skip
+    if said.settled < said.samples:
+        yield Notice("W351", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
+                     "was asked of: they confirm nothing")  # fmt: skip

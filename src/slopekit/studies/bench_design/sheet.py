@@ -1,0 +1,329 @@
+"""The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, what PRE-IE says."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.orientation import number
+from slopekit.core.sheet import Column, Section, Sheet, Table, counted
+from slopekit.studies.bench_design.bench import MODES
+from slopekit.studies.bench_design.given import LATERAL_DEG, LATERAL_TOPPLING_DEG
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
+from slopekit.studies.bench_design.run import BenchDesigns
+from slopekit.studies.prob.estimates import Share
+from slopekit.studies.surveys import head, survey_entry
+
+
+def sheet_of(found: BenchDesigns) -> Sheet:
+    """The sheet of a study of benches."""
+    return Sheet(head("bench-design", found.joints, found.given.input_hash()), (
+        Section("SURVEY", [survey_entry(found.joints), _strength(found), _sizes(found)]),
+        Section("TRIALS", _trials(found)),
+        Section("FAILS", [_OF_PLACES, _fails(found)]),
+        Section("BACKBREAK", [_backbreak_said(found), _backbreak(found)]),
+        Section("BERMS", [_OF_BERMS, _berms(found)] if found.given.berms_m is not None else []),
+        Section("NEEDED", [_needed_said(found), _needed(found)]),
+        Section("BEST", _best(found)),
+        Section("PRE-IE", _pre_ie(found)),
+        Section("READS AS", [_MEANING]),
+        Section("DEFAULTS", _defaults(found)),
+        Section("TIME", [f"{found.timing_s['total']:.1f} s, {found.crew}"]),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+    ), {"benches.csv": _benches_table(found), "berms.csv": _berms_table(found)})  # fmt: skip
+
+
+def line_of(found: BenchDesigns) -> str:
+    """The best bench on one line."""
+    best, wanted = found.best, found.given.number("reliability")
+    said = "" if found.accepted is None else "  ACCEPTED" if found.accepted else "  NOT ACCEPTED"
+    checked = found.checked
+    agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
+    return (
+        f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
+        f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
+    )
+
+
+# -- what was given ---------------------------------------------------------------------------------------------------
+
+
+def _strength(found: BenchDesigns) -> str:
+    asked = found.given
+    low, high = float(asked.friction_deg.min()), float(asked.friction_deg.max())
+    friction = f"φ {number(low)}°" if low == high else f"φ {number(low)} to {number(high)}°"
+    low, high = float(asked.cohesion_kpa.min()), float(asked.cohesion_kpa.max())
+    cohesion = f"c {number(low)} kPa" if low == high else f"c {number(low)} to {number(high)} kPa"
+    water = asked.slope.water
+    wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
+        f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {number(100.0 * water.fill)} %"
+    )  # fmt: skip
+    quake = asked.slope.seismic.coefficient
+    return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (
+        f", seismic {number(quake)}" if quake else ""
+    )
+
+
+def _sizes(found: BenchDesigns) -> str:
+    asked = found.given
+    texts = []
+    for values, what, none in (
+        (asked.trace_m, "traces", "no trace lengths: joints run on"), (asked.spacing_m, "spacings", "no spacings"),
+    ):  # fmt: skip
+        known = values[np.isfinite(values)]
+        low, high = (f"{end:.3g}" for end in (known.min(), known.max())) if known.size else ("", "")
+        span = low if low == high else f"{low} to {high}"
+        texts.append(f"{what} {span} m of {counted(len(known), 'joint')}" if known.size else none)
+    return "; ".join(texts)
+
+
+def _trials(found: BenchDesigns) -> list[str]:
+    asked = found.given
+    every = "one each bench height" if asked.every_m is None else f"one each {asked.every_m:.3g} m"
+    toe = "anywhere on the face" if asked.toe == "anywhere" else "at the toe of the bench, as large as the joints allow"
+    return [
+        f"{int(asked.number('n'))} places along the bench ({every}), two joints drawn at each; faces toward "
+        f"{asked.toward_deg:03.0f}, toe of the block {toe}, upper slope level",
+        f"fails: FoS below {number(asked.number('fos'))}; limits at {number(100.0 * asked.number('confidence'))} %: "
+        "the wider of Wilson's and of the survey drawn again from itself",
+    ]
+
+
+# -- tables -----------------------------------------------------------------------------------------------------------
+
+
+def _size_columns(width: int = 7) -> list[Column[Any]]:
+    return [
+        Column("height", lambda row: row.height_m, "height_m", "m", ".4g", width,
+               text=lambda row: f"{row.height_m:.4g} m"),
+        Column("face", lambda row: row.face_dip_deg, "face_dip_deg", "°", ".4g", 6,
+               text=lambda row: f"{row.face_dip_deg:.4g}°"),
+    ]  # fmt: skip
+
+
+def _fails(found: BenchDesigns) -> Table[OfBench]:
+    """How often something forms and fails."""
+
+    def of(mode: str, what: str) -> Callable[[OfBench], Any]:
+        def value(row: OfBench) -> float | None:
+            share = getattr(row.modes[mode], what).share
+            return None if share is None else 100.0 * share
+
+        return value
+
+    columns = _size_columns()
+    for mode in MODES:
+        columns += [
+            Column("topple" if mode == "toppling" else mode, of(mode, "forms"), f"{mode}_forms", "%", ".1f", 9),
+            Column("fails", of(mode, "fails"), f"{mode}_fails", "%", ".1f", 7),
+        ]
+    columns += [
+        Column("any fails", of("any", "fails"), "any_fails", "%", ".1f", 11),
+        Column(
+            "limits", lambda row: row.modes["any"].fails.low, "any_fails_low", width=15,
+            text=lambda row: _between(row.modes["any"].fails),
+        ),
+    ]  # fmt: skip
+    return Table(columns, found.benches)
+
+
+def _backbreak(found: BenchDesigns) -> Table[OfBench]:
+    """Distributions: of the crest, of the face, of the volume."""
+
+    def at(share: float) -> Callable[[OfBench], Any]:
+        return lambda row: row.backbreak.quantiles[share]
+
+    return Table([
+        *_size_columns(),
+        Column("mean", lambda row: row.backbreak.mean, "backbreak_mean_m", "m", ".2f", 8),
+        *(Column(f"{100 * share:.0f} %", at(share), f"backbreak_{100 * share:.0f}_m", "m", ".2f", 7)
+          for share in (0.8, 0.9, 0.95)),
+        Column("most", lambda row: row.backbreak.most, "backbreak_max_m", "m", ".2f", 8),
+        Column("face left", lambda row: row.effective_face_deg, "effective_face_deg", "°", ".1f", 11),
+        Column("m³", lambda row: row.volume_m3.mean if row.volume_m3 else None, "volume_per_100_m_mean_m3", "m³", ".0f",
+               8),
+        Column("95 %", lambda row: row.volume_m3.quantiles[0.95] if row.volume_m3 else None,
+               "volume_per_100_m_95_m3", "m³", ".0f", 8),
+        Column("lost", lambda row: 100.0 * row.crest_lost, "crest_lost_percent", "%", ".1f", 7),
+    ], found.benches)  # fmt: skip
+
+
+def _berms(found: BenchDesigns) -> Table[OfBerm]:
+    """What each berm keeps."""
+    columns: list[Column[OfBerm]] = [
+        *_size_columns(),
+        Column("berm", lambda row: row.berm_m, "berm_m", "m", ".2f", 7),
+        Column("catch", lambda row: row.catch_width_m, "catch_width_m", "m", ".2f", 7),
+        Column("kept, %", lambda row: 100.0 * (row.reliability.share or 0.0), "reliability_percent", "%", ".1f", 9),
+        Column("limits", lambda row: row.reliability.low, "reliability_low", width=15,
+               text=lambda row: _between(row.reliability)),
+        Column("left 80 %", lambda row: row.left_m[0.8], "berm_left_80_m", "m", ".2f", 10),
+        Column("95 %", lambda row: row.left_m[0.95], "berm_left_95_m", "m", ".2f", 7),
+        Column("spill, %", lambda row: 100.0 * row.spill_kept, "spill_kept_percent", "%", ".1f", 9),
+        Column("ramp", lambda row: row.inter_ramp_deg, "inter_ramp_deg", "°", ".1f", 7),
+    ]  # fmt: skip
+    if found.accepted is not None:
+        columns.append(
+            Column("", lambda row: row.accepted, "accepted", width=4, show=lambda ok: " ok" if ok else " NO")
+        )
+    return Table(columns, found.berms)
+
+
+def _needed(found: BenchDesigns) -> Table[OfBench]:
+    """The berm for the reliability that is wanted."""
+    return Table([
+        *_size_columns(),
+        Column("catch", lambda row: row.catch_width_m, "catch_width_m", "m", ".2f", 8),
+        Column("backbreak", lambda row: row.berm_needed_m - row.catch_width_m, "backbreak_m", "m", ".2f", 11),
+        Column("berm needed", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 13),
+        Column("inter-ramp", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg", "°", ".1f", 12),
+    ], found.benches)  # fmt: skip
+
+
+def _between(share: Share) -> str:
+    return f"{100.0 * share.low:.1f} to {100.0 * share.high:.1f}"
+
+
+def _best(found: BenchDesigns) -> list[str]:
+    best, asked = found.best, found.given
+    wanted = number(100.0 * asked.number("reliability"))
+    entries = [
+        f"steepest inter-ramp angle at {wanted} %: {best.inter_ramp_deg:.1f}° with benches of {number(best.height_m)} "
+        f"m at {number(best.face_dip_deg)}° and berms of {best.berm_needed_m:.2f} m (catch {best.catch_width_m:.2f} m "
+        f"and {best.berm_needed_m - best.catch_width_m:.2f} m of backbreak)"
+    ]
+    least = asked.numbers["accept"]
+    if least is not None:
+        met = [berm for berm in found.berms if berm.accepted]
+        verdict = (
+            f"{len(met)} of {len(found.berms)} reach {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
+            if met else f"none reaches {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
+        )  # fmt: skip
+        entries.append(f"{'ACCEPTED' if met else 'NOT ACCEPTED'}: {verdict}")
+    return entries
+
+
+def _pre_ie(found: BenchDesigns) -> list[str]:
+    if found.checked is None:
+        return ["not asked, or no wedge and no plane forms"]
+    checked, said = found.checked, found.checked.said
+    modes = ", ".join(f"{counted(count, mode)}" for mode, count in checked.by_mode.items())
+    largest = "" if said.largest is None else f", largest difference {100.0 * said.largest:.2g} %"
+    rows = [
+        f"{said.samples} blocks ({modes}; {checked.blocks} different): {said.at_random} at random, {said.near} within "
+        f"{number(100.0 * said.within)} % of the target",
+        f"{said.agree} agree, {said.disagree} disagree, {said.not_compared} not compared{largest}",
+        f"judged otherwise: {said.unsafe} fail by PRE-IE alone, {said.safe} by the closed form alone; of those at "
+        f"random {said.other_at_random}, at most {100.0 * said.other_at_most:.2g} % of all",
+    ]  # fmt: skip
+    if said.governed:
+        rows.append(f"moments govern in {said.governed} of {said.at_random} at random")
+    return rows
+
+
+def _defaults(found: BenchDesigns) -> list[str]:
+    asked = found.given
+    words = {
+        "berm": "berm: the width needed", "catch": "catch width 0.2 H + 4.5 m (modified Ritchie)",
+        "every": "places by spacing" if asked.every_m is not None else "a place each bench height",
+        "density": "2600 kg/m³", "n": f"{int(asked.number('n'))} trials",
+        "reliability": f"reliability {number(100.0 * asked.number('reliability'))} %", "fos": "FoS 1",
+        "lateral": f"lateral limit {number(LATERAL_DEG)}°",
+        "lateral_toppling": f"lateral limit of toppling {number(LATERAL_TOPPLING_DEG)}°",
+        "swell": f"swell {number(asked.number('swell'))}",
+        "repose": f"angle of repose {number(asked.number('repose'))}°",
+        "toe": "toe anywhere",
+    }  # fmt: skip
+    return [", ".join(words[name] for name in asked.defaults)] if asked.defaults else []
+
+
+_OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"
+_OF_BERMS = (
+    "per cent of the length that keeps the catch width; m of the berm that are left on 80 and 95 % of it; per cent of "
+    "the places whose broken rock such a berm holds; inter-ramp angle of the design"
+)
+
+
+def _backbreak_said(found: BenchDesigns) -> str:
+    wanted = number(100.0 * found.given.number("reliability"))
+    return (
+        f"m behind the crest by share of the length; face left: angle at {wanted} %; m³ that fail on 100 m, mean and "
+        "95 % of such lengths; lost: per cent of the crest"
+    )
+
+
+def _needed_said(found: BenchDesigns) -> str:
+    wanted = number(100.0 * found.given.number("reliability"))
+    return f"so that {wanted} % of the length keeps the catch width"
+
+
+_MEANING = (
+    "a place is one where two joints of the survey meet; it stands for the length to the next one, or for the width of "
+    "what fails there. Backbreak is the deepest point of a block behind the crest: the berm is kept where what is left "
+    "there is as wide as the catch width. Blocks on one plane and columns have free sides; what comes after the first "
+    "block is not followed. Inter-ramp angle from toe to toe"
+)
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
+
+
+def _benches_table(found: BenchDesigns) -> Table[OfBench]:
+    """All that is said of each bench."""
+    columns: list[Column[OfBench]] = [*_size_columns()]
+
+    def share(mode: str, what: str, part: str) -> Callable[[OfBench], Any]:
+        return lambda row: getattr(getattr(row.modes[mode], what), part)
+
+    for mode in (*MODES, "any"):
+        for what in ("forms", "fails_if_formed", "fails"):
+            for part, ending in (("share", ""), ("low", "_low"), ("high", "_high")):
+                columns.append(Column("", share(mode, what, part), f"{mode}_{what}{ending}"))
+
+    def spread(of: str, part: str | float) -> Callable[[OfBench], Any]:
+        def value(row: OfBench) -> float | None:
+            found = getattr(row, of)
+            if found is None:
+                return None
+            return float(getattr(found, part) if isinstance(part, str) else found.quantiles[part])
+
+        return value
+
+    for of, name, unit in (
+        ("backbreak", "backbreak", "m"), ("if_failed", "backbreak_where_something_fails", "m"),
+        ("volume_m3", "volume_per_100_m", "m3"), ("spill", "spill_width", "m"),
+    ):  # fmt: skip
+        columns += [
+            Column("", spread(of, "mean"), f"{name}_mean_{unit}"),
+            Column("", spread(of, "most"), f"{name}_max_{unit}"),
+        ]
+        columns += [
+            Column("", spread(of, part), f"{name}_{100 * part:.0f}_{unit}") for part in (0.5, 0.8, 0.9, 0.95, 0.99)
+        ]
+    columns += [
+        Column("", lambda row: row.crest_lost, "share_of_crest_lost"),
+        Column("", lambda row: row.effective_face_deg, "effective_face_deg"),
+        Column("", lambda row: row.catch_width_m, "catch_width_m"),
+        Column("", lambda row: row.berm_needed_m, "berm_needed_m"),
+        Column("", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg"),
+    ]
+    return Table(columns, found.benches)
+
+
+def _berms_table(found: BenchDesigns) -> Table[OfBerm]:
+    """All that is said of each berm."""
+
+    def left(part: float) -> Callable[[OfBerm], Any]:
+        return lambda row: row.left_m[part]
+
+    return Table([
+        *_size_columns(),
+        Column("", lambda row: row.berm_m, "berm_m"), Column("", lambda row: row.catch_width_m, "catch_width_m"),
+        Column("", lambda row: row.inter_ramp_deg, "inter_ramp_deg"),
+        Column("", lambda row: row.reliability.share, "reliability"),
+        Column("", lambda row: row.reliability.low, "reliability_low"),
+        Column("", lambda row: row.reliability.high, "reliability_high"),
+        *(Column("", left(part), f"berm_left_{100 * part:.0f}_m") for part in (0.5, 0.8, 0.9, 0.95, 0.99)),
+        Column("", lambda row: row.spill_kept, "spill_kept"),
+        Column("", lambda row: row.accepted, "accepted"),
+    ], found.berms)  # fmt: skip

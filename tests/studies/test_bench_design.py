@@ -1,0 +1,432 @@
+"""Bench design: probabilities against every pair one by one, berms and angles against a few lines of their own.
+
+Independent sources: `scalar_wedge` and manifold's cut for wedges, the formula of Hoek & Bray for planes, columns
+weighed by hand; scipy for Wilson's limits; surveys really drawn again for the bootstrap.
+"""
+
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.core.errors import DesignError, GeometryError
+from slopekit.core.orientation import Plane
+from slopekit.design.joint_lists import joint_list
+from slopekit.geometry.cutting import cut_wedge
+from slopekit.geometry.rockmass import wedge_rock_mass
+from slopekit.studies.bench_design.bench import Ground, bench_of
+from slopekit.studies.bench_design.outcomes import along, quantiles, steps_of
+from slopekit.studies.bench_design.run import accepted
+from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.trials import Trials, bootstrapped, drawn_trials, wilson
+from slopekit.views.plots import draw
+from slopekit.views.report import report_of
+from tests.closed_form.scalar_wedge import hoek_bray_wedge
+from tests.commands import slopekit
+
+HEIGHT, FACE, TOWARD = 12.0, 75.0, 180.0
+COHESION, FRICTION, UNIT_WEIGHT = 4.0, 32.0, 26.0
+SPACING = 1.5
+JOINTS = (
+    "52/140", "58/150", "47/128", "61/222", "55/232", "66/215", "44/178", "52/186", "38/170", "78/004", "82/352",
+    "18/175", "25/182", "35/060",
+)  # fmt: skip
+WEIGHTS = np.array([1, 3, 1, 2, 1, 1, 2, 1, 1, 2, 1, 4, 1, 1], dtype=float)
+
+
+def ground(planes: Any = JOINTS, **other: Any) -> Ground:
+    """What all benches share, with the values above."""
+    joints = joint_list(list(planes))
+    n = len(joints)
+    values: dict[str, Any] = {
+        "dips_deg": joints.dips_deg, "dip_directions_deg": joints.dip_directions_deg,
+        "cohesion_kpa": np.full(n, COHESION), "friction_deg": np.full(n, FRICTION), "trace_m": np.full(n, np.inf),
+        "spacing_m": np.full(n, SPACING), "toward_deg": TOWARD, "unit_weight_kn_m3": UNIT_WEIGHT,
+        "water_unit_weight_kn_m3": 9.81, "fill": 0.0, "pressure_kpa": None, "seismic": 0.0, "lateral_deg": 20.0,
+        "lateral_toppling_deg": 30.0, "target": 1.0, "largest": True, "every_m": 5.0, "swell": 1.4, "repose_deg": 37.0,
+    }  # fmt: skip
+    return Ground(**(values | other))
+
+
+def every_pair(n: int) -> Iterator[tuple[int, int]]:
+    return ((a, b) for a in range(n) for b in range(n) if a != b)
+
+
+def wedge_by_hand(a: Plane, b: Plane, height: float) -> tuple[bool, bool, float, float]:
+    """Forms, fails, setback and volume of a wedge, by the scalar closed form and the cut body."""
+    face, upper = Plane(FACE, TOWARD), Plane(0.0, TOWARD)
+    try:
+        found = hoek_bray_wedge(
+            (a, b), face, upper, height, (COHESION, COHESION), (FRICTION, FRICTION), UNIT_WEIGHT
+        )  # fmt: skip
+        rock = wedge_rock_mass(np.array([a.normal(), b.normal()]), face.normal(), upper.normal(), height)
+        block = cut_wedge(rock)
+    except GeometryError:
+        return False, False, 0.0, 0.0
+    fails = found.factor < 1.0 if found.factor is not None else found.status in ("lifted", "falls")
+    crest = -height / math.tan(math.radians(FACE))  # the face dips to the south: into the rock is north
+    return True, fails, float(block.corners[:, 1].max()) + crest, block.volume
+
+
+def plane_by_hand(a: Plane, height: float) -> tuple[bool, bool, float, float]:
+    """Of a block on a plane, per metre: F = (c L + W cos ψ tan φ) / (W sin ψ)."""
+    if not (0.0 < a.dip_deg < FACE) or abs((a.dip_direction_deg - TOWARD + 180.0) % 360.0 - 180.0) > 20.0:
+        return False, False, 0.0, 0.0
+    dip, face = math.radians(a.dip_deg), math.radians(FACE)
+    setback = height * (1.0 / math.tan(dip) - 1.0 / math.tan(face))
+    weight, length = UNIT_WEIGHT * height * setback / 2.0, height / math.sin(dip)
+    factor = (COHESION * length + weight * math.cos(dip) * math.tan(math.radians(FRICTION))) / (weight * math.sin(dip))
+    return True, factor < 1.0, setback, height * setback / 2.0
+
+
+def columns_by_hand(steep: Plane, base: Plane, height: float) -> tuple[bool, bool]:
+    """Whether columns form, and whether the first of them leans beyond its toe: by the centroid of a parallelogram."""
+    into = abs((steep.dip_direction_deg - TOWARD) % 360.0 - 180.0)  # from the way into the slope
+    beside = 180.0 - abs((base.dip_direction_deg - TOWARD) % 360.0 - 180.0)
+    slips = steep.dip_deg >= 90.0 - FACE + FRICTION
+    if max(into, beside) > 30.0 or not slips or not 0.0 < base.dip_deg < FACE:
+        return False, False
+    side, climb = math.radians(steep.dip_deg), math.tan(math.radians(base.dip_deg))
+    crest = height / math.tan(math.radians(FACE))
+    deep = (height - crest * climb) / (1.0 + climb / math.tan(side))
+    lean = deep / math.tan(side)  # how far the top overhangs the foot
+    run = SPACING / math.sin(side + math.radians(base.dip_deg)) * math.cos(math.radians(base.dip_deg))
+    return deep > 0.0, deep > 0.0 and run < lean
+
+
+def test_probabilities_against_every_pair() -> None:
+    """20000 places in a bench against all pairs with their weights: shares within four standard deviations."""
+    planes = [joint.plane for joint in joint_list(list(JOINTS)).joints]
+    chance = {(a, b): WEIGHTS[a] * WEIGHTS[b] for a, b in every_pair(len(planes))}
+    whole = sum(chance.values())
+    expected = dict.fromkeys(("wedge", "wedge fails", "plane", "plane fails", "toppling", "toppling fails", "any"), 0.0)
+    lost = 0.0
+    for (a, b), often in chance.items():
+        wedge = wedge_by_hand(planes[a], planes[b], HEIGHT)
+        plane = plane_by_hand(planes[a], HEIGHT)
+        one, other = columns_by_hand(planes[a], planes[b], HEIGHT), columns_by_hand(planes[b], planes[a], HEIGHT)
+        column = one if one[0] else other
+        for name, is_so in zip(expected, (wedge[0], wedge[1], plane[0], plane[1], *column,
+                                          wedge[1] or plane[1] or column[1]), strict=True):  # fmt: skip
+            expected[name] += often / whole * is_so
+        if not column[1]:
+            lost += often / whole * max(wedge[2] * wedge[1], plane[2] * plane[1])
+    joints = joint_list(list(JOINTS))
+    weighed = replace(
+        joints, joints=tuple(replace(one, quantity=w) for one, w in zip(joints.joints, WEIGHTS, strict=True))
+    )
+    count = 20_000
+    bench = bench_of(ground(), drawn_trials(weighed, count, 3, anywhere=False), HEIGHT, FACE)
+    found = {
+        "wedge": bench.forms[0], "wedge fails": bench.fails[0], "plane": bench.forms[1], "plane fails": bench.fails[1],
+        "toppling": bench.forms[2], "toppling fails": bench.fails[2], "any": bench.fails.any(axis=0),
+    }  # fmt: skip
+    for name, share in expected.items():
+        assert 0.0 < share < 1.0, name
+        assert found[name].mean() == pytest.approx(share, abs=4.0 * math.sqrt(share * (1.0 - share) / count)), name
+    slid = np.where(bench.fails[2], 0.0, bench.setback_m)
+    assert slid.mean() == pytest.approx(lost, abs=4.0 * slid.std() / math.sqrt(count))
+
+
+@pytest.mark.parametrize("height", [6.0, 12.0])
+def test_one_place_at_a_time(height: float) -> None:
+    """Setback and volume of the block that takes most, pair by pair."""
+    planes = [joint.plane for joint in joint_list(list(JOINTS)).joints]
+    pairs = list(every_pair(len(planes)))
+    first, second = (np.array(side) for side in zip(*pairs, strict=True))
+    no_spacing = ground(spacing_m=np.full(len(planes), np.nan))
+    bench = bench_of(no_spacing, Trials(first, second, np.zeros(len(pairs))), height, FACE)
+    for k, (a, b) in enumerate(pairs):
+        wedge, plane = wedge_by_hand(planes[a], planes[b], height), plane_by_hand(planes[a], height)
+        fails = [part for part in ((wedge[2], wedge[3], wedge[1]), (plane[2], plane[3] * 5.0, plane[1])) if part[2]]
+        setback, volume, _ = max(fails, default=(0.0, 0.0, False))
+        assert bench.setback_m[k] == pytest.approx(setback, rel=1e-9, abs=1e-12)
+        assert bench.volume_m3[k] == pytest.approx(volume, rel=1e-9, abs=1e-12)
+    assert not bench.fails[2].any()  # no spacing, no width: columns are not judged
+
+
+def test_toe_anywhere_is_a_smaller_bench() -> None:
+    """A block whose toe lies at a third of the face is that of a bench of two thirds of the height."""
+    one, two = np.array([0, 6, 9]), np.array([4, 3, 11])
+    raised = bench_of(ground(largest=False), Trials(one, two, np.full(3, 1.0 / 3.0)), 15.0, FACE)
+    low = bench_of(ground(), Trials(one, two, np.zeros(3)), 10.0, FACE)
+    np.testing.assert_allclose(raised.setback_m, low.setback_m, rtol=1e-12)
+    np.testing.assert_allclose(raised.factor, low.factor, rtol=1e-12)
+    np.testing.assert_allclose(raised.volume_m3, low.volume_m3, rtol=1e-12)
+
+
+def test_short_joints() -> None:
+    """Anywhere: too short a joint forms nothing. Largest: the block shrinks until the joint just carries it."""
+    one, two = np.array([0]), np.array([4])
+    at_toe, n = Trials(one, two, np.zeros(1)), len(JOINTS)
+    whole = bench_of(ground(), at_toe, HEIGHT, FACE)
+    assert whole.forms[0, 0]
+    short = np.full(n, 6.0)
+    assert not bench_of(ground(largest=False, trace_m=short), at_toe, HEIGHT, FACE).forms[0, 0]
+    shrunk = bench_of(ground(trace_m=short), at_toe, HEIGHT, FACE)
+    scale = shrunk.block_height_m[0, 0] / HEIGHT
+    normals = [Plane.normal(joint.plane) for joint in joint_list([JOINTS[0], JOINTS[4]]).joints]
+    rock = wedge_rock_mass(np.array(normals), Plane(FACE, TOWARD).normal(), Plane(0.0, TOWARD).normal(), HEIGHT * scale)
+    toe, back, crest1, crest2 = rock.corners
+    edges = [math.dist(p, q) for p, q in ((toe, back), (toe, crest1), (toe, crest2), (back, crest1), (back, crest2))]
+    assert max(edges) == pytest.approx(6.0, rel=1e-9)
+    assert bench_of(ground(trace_m=np.full(n, 1e3)), at_toe, HEIGHT, FACE).block_height_m[0, 0] == HEIGHT
+
+
+@pytest.mark.parametrize(
+    ("steep", "base", "forms"),
+    [
+        ("47.1/000", "20/180", True), ("46.9/000", "20/180", False),  # (90 - 75) + 32 = 47
+        ("80/029.9", "20/180", True), ("80/030.1", "20/180", False), ("80/000", "20/150.1", True),
+        ("80/000", "20/149.9", False), ("80/000", "20/000", False), ("80/000", "76/180", False),
+    ],
+)  # fmt: skip
+def test_where_columns_form(steep: str, base: str, forms: bool) -> None:
+    """At the limits of slip and of direction, either joint first."""
+    both = Trials(np.array([0, 1]), np.array([1, 0]), np.zeros(2))
+    assert bench_of(ground((steep, base)), both, HEIGHT, FACE).forms[2].tolist() == [forms, forms]
+
+
+def test_water_and_earthquake_do_not_help() -> None:
+    """More fails under water and in an earthquake; what formed still forms."""
+    joints = joint_list(list(JOINTS))
+    trials = drawn_trials(joints, 2000, 1, anywhere=True)
+    dry, wet, shaken = (
+        bench_of(ground(largest=False, **load), trials, 15.0, FACE)
+        for load in ({}, {"fill": 1.0}, {"seismic": 0.15})
+    )  # fmt: skip
+    for other in (wet, shaken):
+        np.testing.assert_array_equal(other.forms, dry.forms)
+        assert (other.fails >= dry.fails).all()
+        assert other.fails.sum() > dry.fails.sum()
+
+
+def test_places_along_a_bench() -> None:
+    """Four places of 40 m, one of which loses 70 m: they fill 190 m, one whole stretch of 100 m."""
+    n = 4
+    failed = np.array([-1, 0, -1, -1])
+    values = np.array([0.0, 500.0, 0.0, 0.0])
+    nothing = np.zeros((3, n))
+    from slopekit.studies.bench_design.bench import Bench
+
+    bench = Bench(10.0, 70.0, nothing > 0, nothing > 0, nothing, nothing, failed, values / 100.0, values, values,
+                  np.array([0.0, 70.0, 0.0, 0.0]))  # fmt: skip
+    steps = steps_of(bench, 40.0)
+    assert steps.tolist() == [40.0, 70.0, 40.0, 40.0]
+    volumes, lost = along(bench, steps)
+    assert volumes.tolist() == [500.0]
+    assert lost == pytest.approx(70.0 / 190.0)
+
+
+def test_quantiles_by_length() -> None:
+    """A value that stands for three metres is three values of one metre."""
+    values, weights = np.array([4.0, 0.0, 2.0]), np.array([3.0, 5.0, 2.0])
+    spread = np.repeat(values, weights.astype(int))
+    for share in (0.0, 0.3, 0.5, 0.51, 0.7, 0.71, 1.0):
+        at = max(1, math.ceil(share * len(spread) - 1e-9))
+        assert quantiles(values, [share], weights) == [np.sort(spread)[at - 1]]
+
+
+@pytest.mark.parametrize(("count", "of"), [(0, 50), (3, 50), (25, 50), (50, 50)])
+def test_wilson_against_scipy(count: int, of: int) -> None:
+    """Limits of Wilson (1927)."""
+    from scipy.stats import binomtest
+
+    expected = binomtest(count, of).proportion_ci(method="wilson")
+    assert wilson(count, of) == pytest.approx((expected.low, expected.high), abs=1e-12)
+
+
+def test_bootstrap_against_surveys_drawn_again() -> None:
+    """The scatter of shares with weighed trials is that of surveys really drawn again, all their pairs counted."""
+    joints = joint_list(list(JOINTS))
+    n = len(joints)
+    trials = drawn_trials(joints, 20_000, 5, anywhere=False)
+    bench = bench_of(ground(), trials, HEIGHT, FACE)
+    shares = bootstrapped(joints, trials, bench.fails.any(axis=0)[:, None].astype(float), 1)[:, 0]
+    pairs = np.array(list(every_pair(n)))
+    whole = bench_of(ground(), Trials(pairs[:, 0], pairs[:, 1], np.zeros(len(pairs))), HEIGHT, FACE)
+    table = np.zeros((n, n))
+    table[pairs[:, 0], pairs[:, 1]] = whole.fails.any(axis=0)
+    rng, drawn = np.random.default_rng(9), []
+    for _ in range(2000):
+        often = np.bincount(rng.integers(0, n, n), minlength=n).astype(float)
+        each = np.outer(often, often)
+        np.fill_diagonal(each, 0.0)
+        drawn.append((each * table).sum() / each.sum())
+    assert shares.mean() == pytest.approx(np.mean(drawn), abs=0.03)
+    assert shares.std() == pytest.approx(np.std(drawn), rel=0.2)  # 200 surveys: 5 % of their own, twice that is rare
+
+
+@pytest.fixture(scope="module")
+def found() -> Any:
+    return sk.bench_design(
+        list(JOINTS), height=[10, 15], face="60:80:3", dip_direction=180, berm=[6, 12], c=4, phi=32, spacing=1.5,
+        n=1500, confirm=8, near=0, unit_weight=26, accept=0.5,
+    )  # fmt: skip
+
+
+def test_berms_and_angles(found: Any) -> None:
+    """Catch width, berm needed and angles of every bench, recomputed."""
+    assert len(found.benches) == 6
+    for bench in found.benches:
+        height, run = bench.height_m, bench.height_m / math.tan(math.radians(bench.face_dip_deg))
+        catch = 0.2 * height + 4.5
+        assert bench.catch_width_m == pytest.approx(catch, rel=1e-12)
+        assert bench.berm_needed_m == pytest.approx(catch + bench.backbreak.quantiles[0.8], rel=1e-12)
+        angle = math.degrees(math.atan(height / (run + bench.berm_needed_m)))
+        assert bench.inter_ramp_deg == pytest.approx(angle, rel=1e-12)
+        left = math.degrees(math.atan(height / (run + bench.backbreak.quantiles[0.8])))
+        assert bench.effective_face_deg == pytest.approx(left, rel=1e-12)
+        for berm in bench.berms:
+            at_most = berm.berm_m - catch  # the curve says how much of the length loses no more
+            below = sum(value <= at_most + 1e-9 for value in bench.curve_m) - 1 if at_most >= 0.0 else 0
+            assert 100.0 * berm.reliability.share == pytest.approx(max(below, 0), abs=1.01)
+            assert berm.inter_ramp_deg == pytest.approx(
+                math.degrees(math.atan(height / (run + berm.berm_m))), rel=1e-12
+            )
+            assert berm.reliability.low <= berm.reliability.share <= berm.reliability.high
+    assert found.best.inter_ramp_deg == max(bench.inter_ramp_deg for bench in found.benches)
+
+
+def test_a_higher_reliability_needs_a_wider_berm() -> None:
+    """The berm needed for itself reaches what it is needed for, and no less."""
+    common: dict[str, Any] = {
+        "height": 15, "face": 80, "dip_direction": 180, "c": 0, "phi": 30, "n": 1000, "confirm": 0, "near": 0,
+    }  # fmt: skip
+    needed = []
+    for wanted in (0.6, 0.8, 0.95):
+        own = sk.bench_design(list(JOINTS), reliability=wanted, **common)
+        (bench,) = own.benches
+        assert bench.berms[0].berm_m == bench.berm_needed_m
+        assert bench.berms[0].reliability.share >= wanted
+        needed.append(bench.berm_needed_m)
+    assert needed == sorted(needed)
+    assert needed[0] < needed[-1]
+
+
+def test_pre_ie_agrees(found: Any) -> None:
+    """On the forces of all blocks it looked at; what it says is of blocks that formed."""
+    said = found.checked.said
+    assert said.samples >= 8
+    assert said.agree + said.not_compared == said.samples
+    assert found.exit_code == (0 if found.accepted else 1)
+
+
+def test_json_page_and_pictures(found: Any, tmp_path: Path) -> None:
+    """The JSON is JSON, has what a chart needs, and makes a page."""
+    document = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    bench = document["benches"][0]
+    assert set(bench["probability"]) == {"wedge", "plane", "toppling", "any"}
+    assert bench["reliability"][0]["reliability"]["of"] == 1500
+    assert document["best"]["berm_needed_m"] == found.best.berm_needed_m
+    for what in found.charts:
+        draw(document, what, tmp_path / f"{what}.png")
+        assert (tmp_path / f"{what}.png").stat().st_size > 10_000
+    assert "Bench design" in report_of(document, with_pictures=False).html
+    assert found.sheet.tables["berms.csv"].csv().count("\n") == 13
+    assert max(map(len, str(found).splitlines())) <= 100
+
+
+def test_the_same_seed_gives_the_same(found: Any) -> None:
+    """And another seed others, within their limits."""
+    common: dict[str, Any] = {
+        "height": 15, "face": 70, "dip_direction": 180, "c": 4, "phi": 32, "spacing": 1.5, "confirm": 0,
+        "near": 0, "n": 1000,
+    }  # fmt: skip
+    one, again, other = (sk.bench_design(list(JOINTS), seed=seed, **common) for seed in (1, 1, 2))
+    assert one.benches == again.benches
+    assert one.benches != other.benches
+    share = one.benches[0].modes["any"].fails
+    assert share.low <= other.benches[0].modes["any"].fails.share <= share.high
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"height": None}, "E143"), ({"face": None}, "E143"), ({"dip_direction": None}, "E143"),
+        ({"phi": None}, "E332"),
+        ({"height": "0"}, "E410"), ({"height": "10kPa"}, "E107"), ({"face": "60:95:+5"}, "E411"),
+        ({"berm": -1}, "E412"),
+        ({"face": "60:80"}, "E312"), ({"reliability": "80"}, "E413"), ({"n": 10}, "E413"), ({"n": 150.5}, "E106"),
+        ({"trace": 0}, "E414"), ({"repose": 80}, "E415"), ({"swell": 0.9}, "E415"), ({"lateral": 95}, "E415"),
+        ({"n": 200_000, "height": "1:100:100"}, "E416"), ({"seismic": "0.1@090"}, "E417"), ({"toe": "crest"}, "E308"),
+        ({"dip_direction": 400}, "E102"), ({"c": "5,6"}, "E339"), ({"water": "wet"}, "E"),
+    ],
+)  # fmt: skip
+def test_bad_input(change: dict[str, Any], code: str) -> None:
+    """Each with its code, and more than one at once."""
+    given: dict[str, Any] = {
+        "height": 10,
+        "face": "65,75",
+        "dip_direction": 180,
+        "c": 5,
+        "phi": 30,
+        "n": 100,
+        "confirm": 0,
+    }
+    with pytest.raises(DesignError) as refused:
+        sk.bench_design(list(JOINTS), **(given | change | {"accept": 2}))
+    codes = [fault.code for fault in refused.value.faults]
+    assert any(one.startswith(code) for one in codes)
+    assert any("accept" in fault.message for fault in refused.value.faults)
+
+
+def test_command(tmp_path: Path) -> None:
+    """Exit codes, files, notices."""
+    survey = tmp_path / "few.csv"
+    survey.write_text("dip,dip_direction\n" + "\n".join(plane.replace("/", ",") for plane in JOINTS) + "\n")
+    words = ["bench-design", str(survey), "--height", "15", "--face", "75", "--dip-direction", "180", "--berm", "6,14",
+             "--c", "0", "--phi", "30", "-n", "500", "--confirm", "0", "--near", "0"]  # fmt: skip
+    ran = slopekit(*words, "-o", str(tmp_path / "out"))
+    assert ran.returncode == 0, ran.stderr
+    assert {"W390", "W391", "W392", "W393", "W394", "W397"} <= set(ran.stdout.split())
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    pictures = {"backbreak.png", "face-angle.png", "reliability.png"}
+    assert names == {"bench-design.json", "bench-design.txt", "benches.csv", "berms.csv"} | pictures
+    assert slopekit(*words, "--quiet", "--accept", "99%").returncode == 1
+    refused = slopekit(*words, "--every", "0")
+    assert (refused.returncode, refused.stderr[:4]) == (2, "E414")
+
+
+def test_what_has_to_be_said(found: Any) -> None:
+    """W395 where columns form under water; W396 and no acceptance where PRE-IE alone lets a block fail."""
+    wet = sk.bench_design(
+        list(JOINTS), height=10, face=75, dip_direction=180, c=4, phi=32, spacing=1.5, water="full", n=100, confirm=0,
+        near=0,
+    )  # fmt: skip
+    assert "W395" in [notice.code for notice in wet.warnings]
+    bench = found.benches[0]
+    doubted = replace(
+        found.checked, said=replace(found.checked.said, unsafe=2),
+        doubted=frozenset({(bench.height_m, bench.face_dip_deg)}),
+    )  # fmt: skip
+    codes = [notice.code for notice in notices_of(found.given, found.benches, doubted)]
+    assert "W396" in codes
+    sure, unsure = (accepted(found.given, bench, one).berms for one in (found.checked, doubted))
+    assert any(berm.accepted for berm in sure)
+    assert not any(berm.accepted for berm in unsure)
+
+
+def test_sizes_of_the_survey_count_first(tmp_path: Path) -> None:
+    """Columns of trace and spacing; how far it is from joint to joint along the bench follows from the spacings."""
+    survey = tmp_path / "sizes.csv"
+    survey.write_text(
+        "set,dip,dip_direction,spacing (m),trace (m)\nA,60,140,2,8\nA,60,140,4,\nB,50,090,5,12\nB,50,090,,3\n"
+    )
+    found = sk.bench_design(
+        str(survey), height=10, face=70, dip_direction=180, c=0, phi=30, trace=20, n=100, confirm=0, near=0
+    )  # fmt: skip
+    assert found.given.trace_m.tolist() == [8.0, 20.0, 12.0, 3.0]
+    assert found.given.spacing_m[:3].tolist() == [2.0, 4.0, 5.0]
+    assert math.isnan(found.given.spacing_m[3])
+    # the bench runs east: a set is met sin(dip) |sin(dip direction)| / spacing times a metre
+    often = math.sin(math.radians(60.0)) * math.sin(math.radians(140.0)) / 3.0 + math.sin(math.radians(50.0)) / 5.0
+    assert found.given.every_m == pytest.approx(1.0 / often, rel=1e-12)
+    assert {"W391"} & {notice.code for notice in found.warnings} == set()
+    assert "W392" in {notice.code for notice in found.warnings}
