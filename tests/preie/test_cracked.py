@@ -123,10 +123,14 @@ def opened() -> list[tuple[dict, object, object]]:
     return opened_by_moments(13, 5)
 
 
+#: Those that take least: the whole analysis (the first five and what both rules ask for); the separate springs, which
+#: of the others say nothing (1, 8: an edge that creeps; 0, 7: no rest).
+ANALYSED, SPRUNG = (0, 1, 2, 3, 4, 6, 9), (2, 3, 4, 6, 9, 11, 12)
+
+
 @pytest.fixture(scope="module")
 def analysed(opened) -> list[Result]:
-    """The first ten of them by the whole analysis."""
-    return [sk.wedge(**inputs) for inputs, _, _ in opened[:10]]
+    return [sk.wedge(**opened[k][0]) for k in ANALYSED]
 
 
 def bed_on(scene) -> PolygonBed:
@@ -148,20 +152,16 @@ def test_random_wedges_against_separate_springs(opened) -> None:
 
     400 wedges with 1,500 springs a joint: `benchmarks.moments`.
     """
-    compared = 0
-    for inputs, scene, analysis in opened:
+    for inputs, scene, analysis in (opened[k] for k in SPRUNG):
         found = cracked_base(bed_on(scene), analysis.governing.factor)
-        if found.factor is None or found.creeps:
-            continue
+        assert found.factor is not None
+        assert not found.creeps
         bracket = by_springs(inputs, found.factor, 400)
-        if bracket is None:
-            continue
-        compared += 1
+        assert bracket is not None
         off = abs(found.factor / bracket[0] - 1.0)
         if off > 0.02:
             finer = by_springs(inputs, found.factor, 1600)
             assert abs(found.factor / finer[0] - 1.0) < 0.65 * off
-    assert compared >= 9
 
 
 def test_the_slopes_are_those_of_the_forces(opened) -> None:
