@@ -2,7 +2,6 @@
 
 import json
 import sys
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +35,8 @@ def load_design(design: str, sets: list[str] | None) -> "Design":
 
 def folder_of(folder: Path) -> Path:
     """Make a folder to write to, before any work is done."""
+    import tempfile
+
     with writing(folder, "the folder "):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):

@@ -8,13 +8,13 @@ the input, whatever the kernel's tolerance was.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
@@ -81,7 +81,7 @@ def cut_wedge(rock: RockMass) -> Block:
     wedges = []
     for piece in pieces:
         mesh = piece.to_mesh64()
-        touched = set(np.unique(mesh.face_id).tolist())
+        touched = set(mesh.face_id)
         if {J1, J2, FACE} <= touched and max(touched) < _FAR:
             wedges.append(mesh)
     if len(wedges) != 1:
@@ -164,7 +164,7 @@ def _block(mesh: Mesh64, normals: Floats, offsets: Floats, centre: Floats, half:
             for planes, point in zip(meeting, rough, strict=True)
         ]
     )
-    faces = {int(plane): frozen(exact[_outline(triangles[made_by == plane])]) for plane in np.unique(made_by)}
+    faces = {int(plane): frozen(exact[_outline(triangles[made_by == plane])]) for plane in sorted(set(mesh.face_id))}
     volume = 0.0
     moment: Floats = np.zeros(3)
     apex = exact[0]

@@ -1,0 +1,103 @@
+"""Records are what `dataclasses` makes: in fields, comparison, text, copies, signatures and refusals."""
+
+import copy
+import dataclasses
+import inspect
+import pickle
+from typing import ClassVar
+
+import pytest
+
+from slopekit.core.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A point."""
+
+    east: float
+    north: float = 0.0
+    names: list[str] = dataclasses.field(default_factory=list)
+    hidden: int = dataclasses.field(default=7, repr=False, compare=False)
+    of_all: ClassVar[int] = 3
+
+
+@dataclasses.dataclass(frozen=True)
+class Plain:
+    """A point."""
+
+    east: float
+    north: float = 0.0
+    names: list[str] = dataclasses.field(default_factory=list)
+    hidden: int = dataclasses.field(default=7, repr=False, compare=False)
+    of_all: ClassVar[int] = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Raised(Point):
+    up: float
+    weight: float = dataclasses.field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weight", 2 * self.up)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class OfAStranger(Point):
+    strength: float = 5.0
+
+
+@dataclass(frozen=True)
+class Key:
+    name: str
+    number: int = 1
+
+
+def test_a_record_is_what_dataclasses_makes() -> None:
+    ours, theirs = Point(1.0, names=["a"]), Plain(1.0, names=["a"])
+    assert repr(ours) == repr(theirs).replace("Plain", "Point")
+    assert dataclasses.asdict(ours) == dataclasses.asdict(theirs)
+    assert [(one.name, one.type) for one in dataclasses.fields(Point)] == [
+        (one.name, one.type) for one in dataclasses.fields(Plain)
+    ]
+    assert [*inspect.signature(Point).parameters] == [*inspect.signature(Plain).parameters]
+    assert Point.__match_args__ == Plain.__match_args__
+    assert Point(1.0).names is not Point(1.0).names
+    assert (Point.north, Point.of_all) == (Plain.north, 3)
+
+
+def test_records_are_compared_by_the_fields_that_count() -> None:
+    assert Point(1.0, hidden=1) == Point(1.0, hidden=2) != Point(2.0)
+    assert Point(1.0) != Plain(1.0)
+    assert {Key("a"): 1}[Key("a", 1)] == 1
+    assert len({Key("a"), Key("a", 2)}) == 2
+
+
+def test_a_record_is_never_written() -> None:
+    point = Point(1.0)
+    with pytest.raises(dataclasses.FrozenInstanceError, match="'east'"):
+        point.east = 2.0  # type: ignore[misc]
+    with pytest.raises(dataclasses.FrozenInstanceError, match="'east'"):
+        del point.east  # type: ignore[misc]
+    assert dataclasses.replace(point, north=4.0) == Point(1.0, 4.0)
+
+
+def test_copies_and_pickles_are_equal() -> None:
+    point = Raised(1.0, up=3.0)
+    assert copy.copy(point) == copy.deepcopy(point) == pickle.loads(pickle.dumps(point)) == point
+    assert point.weight == 6.0
+
+
+@pytest.mark.parametrize("given", [((), {}), ((1, 2, 3, 4, 5), {}), ((1,), {"east": 1}), ((1,), {"west": 1})])
+def test_what_is_not_a_record_s_is_refused(given: tuple[tuple[int, ...], dict[str, int]]) -> None:
+    with pytest.raises(TypeError):
+        Point(*given[0], **given[1])  # type: ignore[arg-type]
+
+
+def test_records_and_dataclasses_of_others_inherit() -> None:
+    assert OfAStranger(1.0, strength=6.0).strength == 6.0
+    assert dataclasses.replace(OfAStranger(1.0), east=2.0).east == 2.0
+    with pytest.raises(TypeError):
+        Raised(1.0, 2.0, [], 7, 3.0)  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        dataclasses.dataclass(type("Written", (Point,), {"__annotations__": {"b": int}}))
