@@ -17,7 +17,6 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -30,6 +29,7 @@ from slopekit.closed_form.tolerances import REACHES
 from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.studies.bench_design.trials import Trials
 
 MODES: Final = ("wedge", "plane", "toppling")

@@ -4,13 +4,14 @@ Columns that topple have their criterion alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 
 from slopekit.core.errors import SlopekitError
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength, Water
 from slopekit.kinds.plane import PlaneDesign
 from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench

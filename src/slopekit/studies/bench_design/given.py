@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
@@ -14,6 +14,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults
 from slopekit.core.orientation import Plane, normals, number
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.common import Seismic

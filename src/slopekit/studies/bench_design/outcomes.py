@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from slopekit.closed_form.berms import effective_face_angle, inter_ramp_angle
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.studies.bench_design.bench import MODES, Bench
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials, bootstrapped, share_of

@@ -11,11 +11,12 @@ trials -> what forms and fails in each bench -> shares, backbreak, volume, berms
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed

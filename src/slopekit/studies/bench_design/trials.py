@@ -5,11 +5,10 @@ daylights. The survey's own luck is bootstrapped (Efron 1979): the joints are dr
 the trials anew and needs no new ones.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.prob.estimates import Share
 

@@ -6,7 +6,7 @@ with as many other joints: a pair that was drawn counts as often as its two join
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Fisher, Variable
 from slopekit.design.joint_lists import JointList, joint_list

@@ -17,12 +17,12 @@ alone; docs/studies.md counts how often each finds the number that was drawn.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.orientation import downward
+from slopekit.core.records import dataclass
 
 MOST_SETS = 8
 LEAST_JOINTS = 4  # of a set that is found

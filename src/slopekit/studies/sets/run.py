@@ -11,7 +11,7 @@ import json
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -21,6 +21,7 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Line, Plane, line_of, number
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.core.units import quantity
 from slopekit.design.joint_lists import JointList, joint_list

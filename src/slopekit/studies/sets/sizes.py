@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.survey import Joint
 
 _FEW = 2
