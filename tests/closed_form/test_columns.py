@@ -1,7 +1,7 @@
 """Methods of columns against hand-written slices and grids, printed values, and masses with one exact answer."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -324,7 +324,7 @@ def test_six_sums_vanish(direction, seismic, pressure) -> None:
     """
     whole = paper()
     keep = whole.base_points[:, 1] < 12.0
-    mass = Columns(*(getattr(whole, name)[keep] for name in list(Columns.__slots__)[:6]))
+    mass = Columns(*(getattr(whole, one.name)[keep] for one in fields(Columns)[:6]))
     mass = replace(mass, pore_pressure=pressure * (mass.base_points[:, 0] < 20.0))
     found = global_equilibrium(mass, 30.0, 30.0, direction, PAPER["centre"], seismic)
     d = np.array(direction) / math.hypot(*direction)
