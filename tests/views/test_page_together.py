@@ -78,6 +78,21 @@ def test_inputs_that_differ_are_a_table() -> None:
     assert inputs_table([some[0], some[0]], ["1", "2"]) is None
 
 
+def test_benches_and_a_design_stand_on_one_page() -> None:
+    """Benches have an earthquake out of the face, a number; a design's has a trend."""
+    joints = ["52/140", "58/150", "61/222", "66/215"]
+    with_quake = (
+        sk.bench_design(joints, height=15, face=65, dip_direction=180, c=5, phi=32, n=100, confirm=0, seismic=k)
+        for k in (0, 0.1)
+    )
+    for benches, quake in zip(with_quake, ("none", "0.1 g"), strict=True):
+        both = [json.loads(json.dumps(benches.to_dict())), documents()[0]]
+        table = inputs_table(both, ["1", "2"])
+        rows = {} if table is None else {row[0]: row[1:] for row in table.rows}
+        assert rows.get("seismic coefficient", ("none", "none")) == (quake, "none")
+    assert "Bench design" in report_of(both, with_pictures=False).html
+
+
 def test_what_is_to_be_pasted_stands_as_it_is() -> None:
     """A design with few bolts is pasted from the page; in print it says nothing."""
     text = page(3)
