@@ -17,6 +17,7 @@ from slopekit.core.taken import checked
 if TYPE_CHECKING:
     from slopekit.exchange.export import export
     from slopekit.result import Result as Result
+    from slopekit.studies.cases import Cases as Cases
     from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
@@ -44,7 +45,7 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
+    "Cases": "studies.cases", "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
     "Tornado": "studies.tornado",
