@@ -251,8 +251,10 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
     name = document["study"]
-    title = document.get("title") or _TITLES.get(name, name)
-    kind = str(document.get("kind") or "")
+    survey, kind = document.get("survey"), str(document.get("kind") or "")
+    of = str(survey["name"]) if isinstance(survey, Mapping) and survey.get("name") else ""
+    title = document.get("title") or of or _TITLES.get(name, name)
+    kind = "" if kind == name else kind  # a survey has none
     sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
     return {
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),
