@@ -67,11 +67,25 @@ def test_sets(name) -> None:
     count, shown_dip, shown_to, k, *_ = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")
     assert (count, shown_dip, shown_to) == (some.sum(), round(dip, 1), round(to, 1))
     assert k == pytest.approx((count - 1.0) / (count - resultant), rel=5e-3)
-    spacing, trace = (
-        numbers(rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end})")[1] for end in ("  column", "$")
-    )
-    assert spacing == pytest.approx(of["spacing"][some].mean(), rel=5e-3)
-    assert trace == pytest.approx(of["trace"][some].mean(), rel=5e-3)
+    low, high, cone, inner, outer, shape = numbers(rf"(SETS)? +{name}(?= +\d+ +[\d.]+/)")[4:]
+    turns = 2.0 * (count - 1.0)  # of chi-square (Wilson & Hilferty 1931), N - R being as many halves of 1 / K
+    for one, z in ((low, -1.959964), (high, 1.959964)):
+        part = (1.0 - 2.0 / (9.0 * turns) + z * math.sqrt(2.0 / (9.0 * turns))) ** 3
+        assert one == pytest.approx((count - 1.0) / (count - resultant) * part, rel=5e-3)
+    away = (count - resultant) / resultant * (20.0 ** (1.0 / (count - 1.0)) - 1.0)
+    assert cone == pytest.approx(math.degrees(math.acos(1.0 - away)), abs=0.0501)
+    exact = (count - 1.0) / (count - resultant)
+    for one, held in ((inner, 0.68), (outer, 0.95)):
+        assert one == pytest.approx(math.degrees(math.acos(1.0 + math.log(1.0 - held) / exact)), abs=0.0501)
+    values = np.linalg.eigvalsh(poles.T @ poles)[::-1]
+    assert shape == pytest.approx(math.log(values[0] / values[1]) / math.log(values[1] / values[2]), abs=0.00501)
+    for end, key in (("  column", "spacing"), ("$", "trace")):
+        row = numbers(
+            rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end}| +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ m +[\d.]+ m{end})"
+        )
+        number, mean, _, _, spread = row[:5]
+        assert (number, mean) == (count, pytest.approx(of[key][some].mean(), rel=5e-3))
+        assert spread == pytest.approx(of[key][some].std(ddof=1), rel=5e-3)
 
 
 def test_scatter_in_the_text() -> None:
@@ -93,7 +107,8 @@ def test_kinematics() -> None:
     assert (planar, total) == ((free & (within <= 20.0)).sum(), len(names))
     assert without == free.sum()
     flexural = (beside(of["to"], 0.0) <= 30.0) & (of["dip"] >= 90.0 - FACE + of["phi"])
-    assert numbers("FLEXURAL ")[0] == flexural.sum()
+    assert numbers("FLEXURAL ")[:3] == [flexural.sum(), total, round(100.0 * flexural.mean(), 1)]
+    assert numbers("PLANAR ")[2::3] == [round(100.0 * one / total, 1) for one in (planar, without)]
 
     i, j = np.triu_indices(len(names), 1)
     line = np.cross(n[i], n[j])
@@ -103,8 +118,13 @@ def test_kinematics() -> None:
     line = line * -np.sign(line[:, 2])[:, None]
     plunge = np.degrees(np.arcsin(-line[:, 2]))
     primary = (line @ face > 0.0) & (plunge > np.minimum(of["phi"][i], of["phi"][j]))
-    first, lines = numbers("WEDGE  +primary")[:2]
-    assert (first, lines) == (primary.sum(), real.sum())
+    first, lines, share, both = numbers("WEDGE  +primary")[:4]
+    assert (first, lines, share) == (primary.sum(), real.sum(), round(100.0 * primary.sum() / real.sum(), 1))
+    a, b, p = wedge(n[i], n[j], FACE, np.full(len(line), 1.0))
+    _, _, _, pushes = slides(n[i], n[j], a, b, p, 30.0, 30.0)
+    on_both = primary & (pushes > 0.0).all(axis=-1)
+    alone = float(re.search(rf"slide on both joints, ({NUMBER}) on one", PAGE)[1])
+    assert (both, alone) == (on_both.sum(), (primary & ~on_both).sum())
     pair = (names[i] == "S1") & (names[j] == "S2") | (names[i] == "S2") & (names[j] == "S1")
     assert numbers(" +S1 x S2")[:2] == [pair.sum(), (pair & primary).sum()]
 
@@ -147,7 +167,7 @@ def slides(n1, n2, a, b, p, phi1, phi2, c=COHESION, weight=WEIGHT):
             single.append(np.where(normal > 0.0, (c * areas[k] + normal * tan[k]) / driving, np.nan))
     on_both = (push[..., 0] >= 0.0) & (push[..., 1] >= 0.0)
     factor = np.where(on_both, both, np.where(push[..., 0] < 0.0, single[1], single[0]))
-    return factor, volume, areas
+    return factor, volume, areas, push[..., :2]
 
 
 @cache
@@ -285,7 +305,8 @@ def test_berms(face_dip) -> None:
         assert (left80, left95) == pytest.approx([max(0.0, berm - at[0.8]), max(0.0, berm - at[0.95])], abs=0.00501)
         assert angle == pytest.approx(ramp(berm), abs=0.0501)
     (needed,) = shown("NEEDED", face_dip)
-    assert needed == pytest.approx([catch, at[0.8], catch + at[0.8], ramp(catch + at[0.8])], abs=0.0501)
+    assert needed[:3] == pytest.approx([catch, at[0.8], catch + at[0.8]], abs=0.00501)
+    assert needed[3] == pytest.approx(ramp(catch + at[0.8]), abs=0.0501)
 
 
 def test_the_choice() -> None:
@@ -297,6 +318,8 @@ def test_the_choice() -> None:
     chosen = re.search(rf"Chosen: 15 m at ({NUMBER})° with berms of ({NUMBER}) m, ({NUMBER})°", PAGE)
     assert [float(one) for one in chosen.groups()] == [dip, berm, angle]
     assert f"{len(rows)} of 9 reach 80 %" in PAGE
+    best, at, wide = max((row[3], dip, row[2]) for dip in (65.0, 70.0, 75.0) for row in shown("NEEDED", dip))
+    assert f"80 %: {best:.1f}° with benches of 15 m at {at:.0f}° and berms of {wide:.2f} m" in PAGE
 
 
 # -- the wedge --------------------------------------------------------------------------------------------------------
@@ -319,7 +342,7 @@ def factor_with(pull: float, k: float) -> float:
     The earthquake is level, the way of the line of intersection.
     """
     n1, n2, a, b, p, phi = block()
-    _, volume, areas = slides(n1, n2, a, b, p, *phi)
+    _, volume, areas, _ = slides(n1, n2, a, b, p, *phi)
     tan = np.tan(np.radians(phi))
     weight = WEIGHT * volume
     line = -p / np.linalg.norm(p)
@@ -353,7 +376,7 @@ def test_the_wedge_bare_and_bolted() -> None:
 def test_lengths_of_the_bolts_and_volume_of_the_drawing() -> None:
     """From the head along the bolt to behind the joint where it leaves the wedge, and 3 m of anchorage; rounded up."""
     n1, n2, a, b, p, phi = block()
-    _, volume, _ = slides(n1, n2, a, b, p, *phi)
+    _, volume, _, _ = slides(n1, n2, a, b, p, *phi)
     bolts = re.findall(r"toward: 0/10, acts: passive,\s+head: \[(.*?)\], length: (\S+) m", PAGE)
     drawn = re.search(rf"1 block, (\d+) bolts, ({NUMBER}) m³", PAGE)
     assert (int(drawn[1]), float(drawn[2])) == (len(bolts), pytest.approx(float(volume), abs=5e-7))
