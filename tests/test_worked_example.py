@@ -1,9 +1,10 @@
-"""Every number of docs/worked-example.md found again with numpy alone: nothing of slopekit stands between.
+"""The numbers of docs/worked-example.md found again with numpy alone: nothing of slopekit stands between.
 
 That the page shows what the program prints is held by `tests/test_docs.py`; here its numbers are computed from survey
 and design by other means: eigenvectors, vectors on the wedge's own corners, counting. The places along the bench are
 drawn as slopekit draws them (the same stream of random numbers), what becomes of them is not. Tolerances are those of
-the digits that are printed.
+the digits that are printed. Left out: limits by redrawing the survey, the width of spilt rock, t limits of mean spacings,
+wedges that friction alone does not hold.
 """
 
 import csv
@@ -80,9 +81,7 @@ def test_sets(name) -> None:
     values = np.linalg.eigvalsh(poles.T @ poles)[::-1]
     assert shape == pytest.approx(math.log(values[0] / values[1]) / math.log(values[1] / values[2]), abs=0.00501)
     for end, key in (("  column", "spacing"), ("$", "trace")):
-        row = numbers(
-            rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end}| +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ m +[\d.]+ m{end})"
-        )
+        row = numbers(rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end})")
         number, mean, _, _, spread = row[:5]
         assert (number, mean) == (count, pytest.approx(of[key][some].mean(), rel=5e-3))
         assert spread == pytest.approx(of[key][some].std(ddof=1), rel=5e-3)
@@ -120,11 +119,11 @@ def test_kinematics() -> None:
     primary = (line @ face > 0.0) & (plunge > np.minimum(of["phi"][i], of["phi"][j]))
     first, lines, share, both = numbers("WEDGE  +primary")[:4]
     assert (first, lines, share) == (primary.sum(), real.sum(), round(100.0 * primary.sum() / real.sum(), 1))
-    a, b, p = wedge(n[i], n[j], FACE, np.full(len(line), 1.0))
-    _, _, _, pushes = slides(n[i], n[j], a, b, p, 30.0, 30.0)
-    on_both = primary & (pushes > 0.0).all(axis=-1)
+    some = i[primary], j[primary]
+    corners = wedge(n[some[0]], n[some[1]], FACE, np.ones(primary.sum()))
+    on_both = (slides(n[some[0]], n[some[1]], *corners, 30.0, 30.0)[3] > 0.0).all(axis=-1)
     alone = float(re.search(rf"slide on both joints, ({NUMBER}) on one", PAGE)[1])
-    assert (both, alone) == (on_both.sum(), (primary & ~on_both).sum())
+    assert (both, alone) == (on_both.sum(), (~on_both).sum())
     pair = (names[i] == "S1") & (names[j] == "S2") | (names[i] == "S2") & (names[j] == "S1")
     assert numbers(" +S1 x S2")[:2] == [pair.sum(), (pair & primary).sum()]
 
