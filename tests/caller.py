@@ -63,6 +63,18 @@ if one.fos.limit is not None and one.fos.closed_form is not None:
 poles = sk.kinematic(["45/115"], face="65/180")
 assert_type(poles, sk.Kinematic)
 assert_type(sk.check(design), sk.Check)
+found = sk.sets(["45/115", "46/116"])
+assert_type(found, sk.JointSets)
+benches = sk.bench_design(["45/115", "46/245"], height=15, face=65, dip_direction=180, c=5, phi=30, berm=9, accept=0.8)
+assert_type(benches, sk.BenchDesigns)
+chosen = benches.steepest_accepted
+if chosen is not None:
+    chosen.accepted, chosen.height_m + chosen.face_dip_deg + chosen.berm_m + chosen.inter_ramp_deg
+several: Any = sk.support(design)  # of a design with load cases: sk.Cases, which no type tells beforehand
+bars = [(bar.force_kn, bar.acts, bar.head_m, bar.length_m) for bar in several.for_all.best.bolts]
+several.cases["static"]
+written = sk.export(result, "wedge.dxf").written[0]
+written.files[0].name, written.bolts
 
 picture = sk.plot(result, "scene", "scene.png")
 picture.path.with_suffix(".svg").exists()
