@@ -29,7 +29,7 @@ from slopekit.closed_form.tolerances import REACHES
 from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.studies.bench_design.trials import Trials
 
 MODES: Final = ("wedge", "plane", "toppling")
@@ -108,7 +108,7 @@ def bench_of(ground: Ground, trials: Trials, height_m: float, face_dip_deg: floa
         part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
     ]  # fmt: skip
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([getattr(part, name) for part in parts]) for name in _Part.__slots__
+        np.stack([getattr(part, name) for part in parts]) for name in names_of(_Part)
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
@@ -134,7 +134,7 @@ class _Part:
     def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
         """Values of some trials; all others form nothing."""
         found: dict[str, np.ndarray] = {}
-        for name in cls.__slots__:
+        for name in names_of(cls):
             is_said = name in ("forms", "fails")
             found[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
             found[name][those] = True if name == "forms" else values[name]
@@ -268,7 +268,7 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
 
 
 def _nothing() -> dict[str, Floats]:
-    return {name: np.empty(0) for name in _Part.__slots__}
+    return {name: np.empty(0) for name in names_of(_Part)}
 
 
 def _beside(directions_deg: Floats, toward_deg: float) -> Floats:

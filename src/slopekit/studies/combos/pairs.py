@@ -23,7 +23,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
@@ -370,7 +370,7 @@ def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesio
     if len(parts) == 1:
         return parts[0]
     shapes = PairShapes(
-        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in PairShapes.__slots__)
+        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in names_of(PairShapes))
     )
     rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
     return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
