@@ -1,10 +1,10 @@
 """A water table, a pond at the toe and a load on the upper slope: what designs say of them, and how it is read."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
 from typing import Any, Protocol
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -16,6 +16,7 @@ from slopekit.design.reader import Reader
 from slopekit.design.structure import Leaf, ListOf
 
 TABLE = "table"
+WORST = "worst"  # of places of a crack
 _STEEPEST_DEG = 80.0
 _TABLE_KEYS = {"depth": "depth: 4 m", "points": "points: [[0, 0], [10, 4]]", "plane": "plane: 5/180@2m"}
 
@@ -131,6 +132,41 @@ class SlopeDesign(Design):
     def is_cut_for_loads(self) -> bool:
         """Whether water or surcharge are integrated over the faces of the block."""
         return self.water.mode == TABLE or bool(self.surcharge_kpa)
+
+    def ponded(self, face: int, upper: int) -> dict[int, str]:
+        """The free faces that a pond presses on, by name."""
+        wet = self.water.mode == TABLE and self.pond_m is not None
+        return {face: "face", upper: "upper slope"} if wet else {}
+
+    def ground_in_words(self) -> list[str]:
+        """Water table, pond and surcharge as the sheet prints them."""
+        said = []
+        if self.water.mode == TABLE:
+            if self.table_depth_m is not None:
+                said.append(f"water table {shown(self.table_depth_m)} m below the ground")
+            said += table_in_words(self, " into the slope", "at the toe")
+        if self.surcharge_kpa:
+            said.append(f"surcharge {shown(self.surcharge_kpa)} kPa on the plan of the upper slope")
+        return said
+
+    @property
+    def crack_in_words(self) -> str:
+        """Behind the place of the crack on the sheet."""
+        return " (the worst place by the closed form)" if self.crack_searched else ""
+
+    def ground_notices(self, toe_m: float, crest_m: float) -> Iterator[Notice]:
+        """What to know of the pond, by the elevations of toe and crest, and of a crack that was looked for."""
+        if self.water.mode == TABLE and self.pond_m is not None:
+            if self.pond_m <= toe_m:
+                yield Notice("W419", f"the pond stands at {shown(self.pond_m)} m, at or below the toe: it wets nothing")
+            elif self.pond_m > crest_m:
+                over = shown(round(self.pond_m - crest_m, 6))
+                yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
+        if self.crack_searched == "end":
+            yield Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
+                         "crest itself, or none at all")  # fmt: skip
+        elif self.crack_searched == "flat":
+            yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
 
 
 def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:

@@ -4,15 +4,14 @@ Both get the same pressures, integrated over the faces of the block: PRE-IE the 
 the mean pressure of each joint and the sum of the rest as a force. Moments are beyond it, as always.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
-from slopekit.core.errors import Fault, GeometryError, Notice
-from slopekit.core.orientation import number
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
-from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign, table_in_words
+from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.pressure import Height, Pressure, in_strips, plane_table, under_planes
 from slopekit.kinds.closed_forms import Arguments
@@ -139,35 +138,6 @@ def for_closed_form(design: SlopeDesign, ground: Ground) -> tuple[Mapping[int, f
     }  # fmt: skip
     rest = [push.force for name, push in found.items() if name not in {f"water {face}" for face in ground.joints}]
     return means, np.sum([np.zeros(3), *rest], axis=0) @ ground.axes
-
-
-def in_words(design: SlopeDesign) -> list[str]:
-    """Water table, pond and surcharge as the sheet prints them."""
-    said = []
-    if design.water.mode == TABLE:
-        if design.table_depth_m is not None:
-            said.append(f"water table {number(design.table_depth_m)} m below the ground")
-        said += table_in_words(design, " into the slope", "at the toe")
-    if design.surcharge_kpa:
-        said.append(f"surcharge {number(design.surcharge_kpa)} kPa on the plan of the upper slope")
-    return said
-
-
-def notices(design: SlopeDesign, toe_m: float, crest_m: float) -> Iterator[Notice]:
-    """What a reader must know of the pond, by the elevations of toe and crest."""
-    if design.water.mode != TABLE or design.pond_m is None:
-        return
-    if design.pond_m <= toe_m:
-        yield Notice("W419", f"the pond stands at {number(design.pond_m)} m, at or below the toe: it wets nothing")
-    elif design.pond_m > crest_m:
-        over = number(round(design.pond_m - crest_m, 6))
-        yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
-
-
-def ponded(design: SlopeDesign, face: int, upper: int) -> dict[int, str]:
-    """The free faces that a pond presses on, by name."""
-    wet = design.water.mode == TABLE and design.pond_m is not None
-    return {face: "face", upper: "upper slope"} if wet else {}
 
 
 def added(force: Arguments, rest: Floats) -> Arguments:
