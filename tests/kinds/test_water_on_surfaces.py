@@ -85,3 +85,20 @@ def test_what_is_wrong_and_what_is_said() -> None:
     assert ponded.forces.water["ground"] > 0.0
     low = sk.run({**CYLINDER, "water": {"pond": -20}})
     assert "W419" in [notice.code for notice in low.warnings]
+
+
+def test_fredlund_and_krahn_with_a_piezometric_line() -> None:
+    """Fredlund & Krahn (1977), Can. Geotech. J. 14, 429, case 5: Ordinary 1.693, simplified Bishop 1.834.
+
+    The values as MacSlope's verification quotes them (its own: 1.695 and 1.831); the line from (0, 40) to (140, 20) ft
+    as pyBIMstab's example of the case has it. 0.3 %: the slices of 1977, as in the dry case of the suite.
+    """
+    result = sk.run({
+        "slopekit": 1, "kind": "surface", "strength": {"s": {"c": "600 psf", "phi": 20}},
+        "slope": {"profile": [["180 ft", "20 ft"], ["140 ft", "20 ft"], ["60 ft", "60 ft"], ["0 ft", "60 ft"]]},
+        "slip": {"shape": "cylinder", "centre": ["120 ft", "90 ft"], "radius": "80 ft", "edge": "5 m"},
+        "water": {"mode": "table", "points": [["0 ft", "40 ft"], ["140 ft", "20 ft"]], "unit_weight": "62.4 pcf"},
+        "rock": {"unit_weight": "120 pcf"},
+    })  # fmt: skip
+    assert result.methods["fellenius"] == pytest.approx(1.693, rel=3e-3)
+    assert result.methods["bishop"] == pytest.approx(1.834, rel=3e-3)
