@@ -328,10 +328,10 @@ def test_a_table_over_the_contacts_of_a_bench() -> None:
     ({"mode": "table", "points": [[2, 0], [1, 1]]}, "E455"),
     ({"mode": "table", "points": [[0, 0], [1, 1]], "plane": "5/270@1m"}, "E198"),
     ({"mode": "table", "plane": "5/270@1m", "pressures": {"B1/base": 5}}, "E198"),
-    ({"mode": "full"}, "E179"), ({"mode": "table", "pond": 3}, "E142"),
+    ({"mode": "full"}, "E179"), ({"mode": "table", "depth": 3}, "E142"),
 ], ids=str)  # fmt: skip
 def test_tables_that_are_none_for_blocks(water, code) -> None:
-    """As for one block, and a pond is not known: no free face of many blocks takes water."""
+    """As for one block; blocks of any shape have no ground to lie below."""
     with pytest.raises(DesignError) as found:
         sk.load(section_of_blocks(water))
     assert code in found.value.codes

@@ -38,6 +38,8 @@ class ColumnSlope:
     toe_force_kn : kN per metre on column 1, into the slope; it is not divided by the factor of safety
     toe_force_plunge_deg : degrees below the horizontal
     toe_force_height_m : m, of its line above the base at the outer side of column 1; None: half way up
+    loads : (n, 3) further loads on each column, water among them: kN per metre down along the bases and square into
+        them, and their overturning moment (kNm per metre) about the outer corner of its base; None: none
 
     Raises
     ------
@@ -58,6 +60,7 @@ class ColumnSlope:
     toe_force_kn: float = 0.0
     toe_force_plunge_deg: float = 0.0
     toe_force_height_m: float | None = None
+    loads: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         faults = _faults(self)
@@ -264,6 +267,9 @@ class _Row:
         down = weight * ((1.0 - slope.seismic_up) * math.sin(dip) + slope.seismic * math.cos(dip))
         off = weight * ((1.0 - slope.seismic_up) * math.cos(dip) - slope.seismic * math.sin(dip))
         moment = (down * heights - off * width) / 2.0
+        if slope.loads is not None:  # V₁, V₂, V₃ of Wyllie & Mah (2004), eqs. 9.13 to 9.16, whatever their shape
+            more = np.asarray(slope.loads, dtype=np.float64)
+            down, off, moment = down + more[:, 0], off + more[:, 1], moment + more[:, 2]
         turned = dip + math.radians(slope.toe_force_plunge_deg)
         pull = math.cos(turned), math.sin(turned)
         at = heights[0] / 2.0 if slope.toe_force_height_m is None else slope.toe_force_height_m

@@ -551,7 +551,7 @@ def _at_residual(value: Any) -> Any:
 
 _IF_GIVEN = (
     "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
-    "surcharge_kpa",
+    "surcharge_kpa", "surcharges_kpa",
 )  # fmt: skip
 
 

@@ -142,7 +142,7 @@ def kind_of_many_blocks(
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
-        table = design.table_in_words() if isinstance(design, TableDesign) else []
+        table = design.ground_in_words() if isinstance(design, TableDesign) else []
         wet, in_section = [*_water(pressures(design)), *table], geometry.thickness_m is not None
         return (
             slope(design, result),
@@ -358,11 +358,13 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         real = part.model.joint_pairs
         joint = patches.joint[part.patch][part.model.pair_contact[real]]
         normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
-    water = np.bincount(patches.joint, loads.water, count)
+    water = dict(zip(scene.joints, np.bincount(patches.joint, loads.water, count).tolist(), strict=True))
+    if scene.pond:
+        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.pond)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
         {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
-        dict(zip(scene.joints, water.tolist(), strict=True)), None, None,
+        water, None, None,
     )  # fmt: skip
 
 

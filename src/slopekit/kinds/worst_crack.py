@@ -12,11 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.kinds.closed_forms import OnArrays
 
-WORST = "worst"
 _MANY, _FEW = 401, 31
 _NARROWER = 11
 _ENDS = 1e-6  # of the range: nearer to its ends there is no crack
@@ -91,18 +90,3 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float],
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
     return replace(at(design, distance), crack_searched=where)
-
-
-def notices(design: SlopeDesign) -> list[Notice]:
-    """What a reader must know of a place that was looked for."""
-    if design.crack_searched == "end":
-        return [Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
-                       "crest itself, or none at all")]  # fmt: skip
-    if design.crack_searched == "flat":
-        return [Notice("W421", "the place of the crack does not move the factor: none is worse than another")]
-    return []
-
-
-def in_words(design: SlopeDesign) -> str:
-    """Behind the place of the crack on the sheet."""
-    return " (the worst place by the closed form)" if design.crack_searched else ""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from slopekit.extents import WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
-from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
@@ -27,10 +26,13 @@ from slopekit.kinds.secants import changed_laws
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from slopekit.kinds import ground_water
 
 JOINTS = ((J1, "J1"), (J2, "J2"))
 _NEARLY_PARALLEL_DEG = 5.0
@@ -55,7 +57,7 @@ def cut(design: WedgeDesign) -> Cut:
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
         lambda: _geometry(design, rock, block), _left_out(design, block),
         {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-        | ground_water.ponded(design, FACE, UPPER),
+        | design.ponded(FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
@@ -98,18 +100,29 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
         [point_force(force, origin) for force in design.forces], active, passive,
-        ground_water.pushes(design, _ground(design, rock, block)),
+        _pushes(design, rock, block),
     )  # fmt: skip
 
 
-def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> ground_water.Ground:
+def _pushes(design: WedgeDesign, rock: RockMass, block: Block) -> dict[str, PointForce]:
+    """Ground water and surcharge, integrated over the faces; plain wedges do not pay for them."""
+    if not design.is_cut_for_loads:
+        return {}
+    from slopekit.kinds import ground_water
+
+    return ground_water.pushes(design, _ground(design, rock, block))
+
+
+def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.Ground":
+    from slopekit.kinds import ground_water
+
     return ground_water.Ground(
         block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
 
 
-def _ground_of(design: WedgeDesign) -> ground_water.Ground:
+def _ground_of(design: WedgeDesign) -> "ground_water.Ground":
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -157,6 +170,8 @@ def arguments(design: WedgeDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
     force = force_on(design)
     if design.is_cut_for_loads:
+        from slopekit.kinds import ground_water
+
         ground = _ground_of(design)
         means, rest = ground_water.for_closed_form(design, ground)
         force = ground_water.added(force, rest)
@@ -259,6 +274,8 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
     trace = rock.back - rock.crest1
+    from slopekit.kinds import worst_crack
+
     return worst_crack.with_worst_crack(design, ON_ARRAYS, at, math.sqrt(float(trace @ trace)), place)
 
 
@@ -333,8 +350,7 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
 
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
-    yield from ground_water.notices(design, toe, toe + design.height_m)
-    yield from worst_crack.notices(design)
+    yield from design.ground_notices(toe, toe + design.height_m)
     if design.crack and water.mode == "pressures" and len(water.pressures_kpa) <= joints and water.crack_fill is None:
         only = "J1 and J2 only (a third" if joints == 2 else "the joints only (a fourth"
         yield Notice("W319", f"the crack is dry: pressures were given for {only} is the crack's)")
@@ -380,7 +396,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         area = size_number(geometry.areas_m2["crack"])
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
-            f"crest along J1{worst_crack.in_words(design)}  area {area} m²"
+            f"crest along J1{design.crack_in_words}  area {area} m²"
         )
     if design.basal is not None:
         entries.append(basal.line_entry(geometry))
@@ -392,7 +408,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
     wet = [] if design.water.mode == "table" else water_in_words(design)
-    yield loads_part([*wet, *ground_water.in_words(design)], result)
+    yield loads_part([*wet, *design.ground_in_words()], result)
 
 
 def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:

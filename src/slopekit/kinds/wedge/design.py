@@ -14,7 +14,7 @@ from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Residual, Strength, Water
 from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
-from slopekit.design.ground_water import SlopeDesign, read_ground_water
+from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
 #: Where a crack lowers the closed form most.
-WORST = "worst"
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
