@@ -1,11 +1,13 @@
 """A bench cut into blocks by joint sets."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
 from slopekit.core.sheet import Section
@@ -17,6 +19,7 @@ from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_b
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -207,9 +210,17 @@ def cut(design: BenchDesign) -> AssemblyScene:
         (f"{cut.fixed} of {cut.blocks} blocks reach the ends, the back or the bottom of the bench, where the rock goes "
          "on: bedrock, no unknowns",),
         tuple(notices), origin=np.array(design.origin_m),
+        crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip
     advice = "Take closer joints or a longer and deeper bench."
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
+
+
+def _up_the_face(design: BenchDesign) -> Floats:
+    """The crest straight up the dip of the face from the middle of the toe."""
+    dip, to = math.radians(design.face.dip_deg), math.radians(design.face.dip_direction_deg)
+    back = -design.height_m / math.tan(dip)
+    return np.array([math.sin(to) * back, math.cos(to) * back, design.height_m])
 
 
 def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: ClosedForm) -> Iterator[Notice]:

@@ -11,6 +11,7 @@ from slopekit.core.orientation import Line
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 
@@ -27,6 +28,7 @@ class AssemblyScene:
     bolts : the passive ones, bolt_names : as the design numbers them
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
+    crest : of the slope, None where it is not known
     """
 
     assembly: Assembly
@@ -45,6 +47,7 @@ class AssemblyScene:
     pushes: tuple[tuple[int, PointForce], ...] = ()
     bolts: PassiveBolts = NO_BOLTS
     bolt_names: tuple[str, ...] = ()
+    crest: Crest | None = None
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:

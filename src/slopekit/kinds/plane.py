@@ -171,10 +171,16 @@ def cut(design: PlaneDesign) -> Cut:
     )
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
-        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
+        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
+        left_out,
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | ground_water.ponded(design, FACE, UPPER), FACE,
         design.refine, axes=axes,
     )  # fmt: skip
+
+
+def _crest_x(design: PlaneDesign) -> float:
+    """Where the crest is, out of the slope from the toe."""
+    return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
 
 def compared(design: PlaneDesign) -> ClosedForm:

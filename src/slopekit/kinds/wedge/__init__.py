@@ -24,6 +24,7 @@ from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.secants import changed_laws
+from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
@@ -310,6 +311,8 @@ def _geometry(design: WedgeDesign, rock: RockMass, block: Block) -> WedgeGeometr
         math.sqrt(float(back @ back)), {name: frozen(point + origin) for name, point in corners.items()},
         frozen(block.centroid + origin),
         {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
+        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
+                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
     )  # fmt: skip
 
 
