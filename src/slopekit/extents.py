@@ -65,6 +65,14 @@ _SIZES = ("height_m", "face_width_m", "setback_m", "trace_lengths_m")
 
 
 @dataclass(frozen=True, slots=True)
+class Scaled:
+    """What limits of size made of a wedge: the factor of its lengths, and by which of them, None where it is 1."""
+
+    factor: float
+    by: str | None
+
+
+@dataclass(frozen=True, slots=True)
 class WedgeGeometry(_Sized):
     """Size and shape of the wedge: areas in m² by joint, the line of intersection as trend and plunge.
 
@@ -81,6 +89,7 @@ class WedgeGeometry(_Sized):
     centroid_m: Floats
     faces_m: Mapping[str, Floats] = field(repr=False, metadata=NO_JSON)
     sizes: Sizes | None = field(default=None, metadata=NO_JSON)
+    scaled: Scaled | None = None
     JSON_ALSO: ClassVar = ("line", *_SIZES)
 
     @property

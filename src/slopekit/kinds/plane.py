@@ -25,7 +25,7 @@ from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pairs, plane_section
 from slopekit.kinds import ground_water, worst_crack
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
@@ -405,7 +405,26 @@ def bounds(design: PlaneDesign) -> Bounds:
     return bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds)
+def _sizes(design: PlaneDesign) -> SizesOfMany | None:
+    """Of the blocks of a design whose numbers may be arrays, per metre; None with a crack by its depth."""
+    crack = design.crack
+    if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
+        return None
+    from slopekit.closed_form.sizes import plane_sizes
+
+    dips = []
+    for plane in (design.joint, design.upper):
+        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
+        dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
+    found = plane_sizes(
+        dips[0], design.face.dip_deg, dips[1], design.height_m, None if crack is None else crack.distance_m
+    )
+    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
+    none = np.zeros(len(found.area_m2), dtype=np.int8)
+    return SizesOfMany(columns, ("",), none, none)
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:

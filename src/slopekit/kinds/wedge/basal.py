@@ -205,6 +205,7 @@ def _shared_edge(one: Floats, other: Floats) -> float:
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by the closed form of three joints; see `kinds.wedge.closed_forms`."""
     given = dict(arguments)
+    del given["left_out"]  # of limits of size, which it has not
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure3", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     wedges = basal_wedges(
