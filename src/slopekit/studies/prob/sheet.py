@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
+from slopekit.kinds.words import size_number
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
@@ -173,10 +174,15 @@ def _sizes(study: Probability) -> list[Entry]:
     columns: list[Column[tuple[str, str, Spread]]] = [
         Column("of samples", itemgetter(1), "of", width=-12),
         Column("size", itemgetter(0), "size", text=words, width=-19),
-        *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=".4g", width=11) for share in SHARES),
-        Column("largest", lambda row: row[2].most, "max", show=".4g", width=11),
+        *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=_four, width=11) for share in SHARES),
+        Column("largest", lambda row: row[2].most, "max", show=_four, width=11),
     ]
     return [Table(columns, rows), *_limited(found.limits)]
+
+
+def _four(value: float) -> str:
+    """Four digits, without an exponent where a person would not write one."""
+    return size_number(float(f"{value:.4g}"))
 
 
 def _limited(limits: LimitedSamples | None) -> list[str]:
