@@ -10,7 +10,6 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
-from slopekit.kinds.words import size_number
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
@@ -182,7 +181,7 @@ def _sizes(study: Probability) -> list[Entry]:
 
 def _four(value: float) -> str:
     """Four digits, without an exponent where a person would not write one."""
-    return size_number(float(f"{value:.4g}"))
+    return number(float(f"{value:.4g}"))
 
 
 def _limited(limits: LimitedSamples | None) -> list[str]:
