@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text

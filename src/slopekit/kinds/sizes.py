@@ -5,12 +5,12 @@ One for every kind: the faces of a wedge, the section of a block on a plane, the
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.block_scene import Sizes
 from slopekit.core.arrays import Floats, cross
+from slopekit.core.records import dataclass
 
 _ON = 1e-7  # of the size of a block: a corner this near to a plane lies on it
 

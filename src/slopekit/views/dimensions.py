@@ -1,7 +1,6 @@
 """Dimension lines of what fails: setback behind the crest, width along it, height, with their numbers."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from slopekit.bolts import rods
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.orientation import parse_plane
+from slopekit.core.records import dataclass
 from slopekit.views.layers import DARK, Layer, layer, spheres
 from slopekit.views.stage import Stage
 

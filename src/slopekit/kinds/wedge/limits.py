@@ -8,7 +8,6 @@ along the crest, the bench width is horizontal and square to it, a trace length 
 persistence the longest edge of its face; of several limits the one that leaves the smallest wedge counts.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.extents import Scaled
 from slopekit.kinds.words import size_number
 

@@ -10,10 +10,11 @@
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
+from slopekit.core.records import dataclass
 from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance

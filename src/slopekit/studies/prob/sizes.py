@@ -1,7 +1,6 @@
 """How large it is what the samples form: percentiles of volume, setback, width, height; what limits made of it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,6 +8,7 @@ from numpy.typing import NDArray
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import SlopekitError
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import kind_of
