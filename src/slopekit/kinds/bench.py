@@ -1,11 +1,13 @@
 """A bench cut into blocks by joint sets."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as as_number
@@ -20,6 +22,7 @@ from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_b
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, TableDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -222,6 +225,7 @@ def cut(design: BenchDesign) -> AssemblyScene:
         (f"{cut.fixed} of {cut.blocks} blocks reach the ends, the back or the bottom of the bench, where the rock goes "
          "on: bedrock, no unknowns",),
         tuple(notices), origin=np.array(design.origin_m),
+        crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip
     advice = "Take closer joints or a longer and deeper bench."
     if design.has_table or design.table_depth_m is not None or design.surcharge_kpa:
@@ -239,6 +243,13 @@ def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") 
     table = () if depth is None else under_planes(normals, offsets, depth)
     outside = Outside((body.corners[[0, 1, 5, 4]], body.corners[[1, 2, 6, 5]]), normals, offsets, table)
     return with_surcharge(with_water(design, scene, into, outside), design.surcharge_kpa, outside)
+
+
+def _up_the_face(design: BenchDesign) -> Floats:
+    """The crest straight up the dip of the face from the middle of the toe."""
+    dip, to = math.radians(design.face.dip_deg), math.radians(design.face.dip_direction_deg)
+    back = -design.height_m / math.tan(dip)
+    return np.array([math.sin(to) * back, math.cos(to) * back, design.height_m])
 
 
 def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: ClosedForm) -> Iterator[Notice]:

@@ -12,6 +12,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.many_blocks_design import AssemblyDesign, NamedDesign
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 
@@ -30,6 +31,7 @@ class AssemblyScene:
     pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
+    crest : of the slope, None where it is not known
     """
 
     assembly: Assembly
@@ -51,6 +53,7 @@ class AssemblyScene:
     water_points: Floats | None = None
     pond: tuple[tuple[int, PointForce], ...] = ()
     surcharge: tuple[tuple[int, PointForce], ...] = ()
+    crest: Crest | None = None
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:

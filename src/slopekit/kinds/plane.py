@@ -25,7 +25,8 @@ from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pairs, plane_section
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds import ground_water, worst_crack
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
@@ -136,7 +137,6 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
     crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
-    from slopekit.kinds import worst_crack
 
     return worst_crack.with_worst_crack(design, ON_ARRAYS, at, -float(whole.bottom[0]) - crest, place)
 
@@ -176,10 +176,16 @@ def cut(design: PlaneDesign) -> Cut:
     )
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
-        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
+        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
+        left_out,
         {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
         design.refine, axes=axes,
     )  # fmt: skip
+
+
+def _crest_x(design: PlaneDesign) -> float:
+    """Where the crest is, out of the slope from the toe."""
+    return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
 
 def compared(design: PlaneDesign) -> ClosedForm:
@@ -412,7 +418,26 @@ def bounds(design: PlaneDesign) -> Bounds:
     return bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds)
+def _sizes(design: PlaneDesign) -> SizesOfMany | None:
+    """Of the blocks of a design whose numbers may be arrays, per metre; None with a crack by its depth."""
+    crack = design.crack
+    if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
+        return None
+    from slopekit.closed_form.sizes import plane_sizes
+
+    dips = []
+    for plane in (design.joint, design.upper):
+        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
+        dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
+    found = plane_sizes(
+        dips[0], design.face.dip_deg, dips[1], design.height_m, None if crack is None else crack.distance_m
+    )
+    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
+    none = np.zeros(len(found.area_m2), dtype=np.int8)
+    return SizesOfMany(columns, ("",), none, none)
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:

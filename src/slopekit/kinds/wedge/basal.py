@@ -30,6 +30,7 @@ from slopekit.kinds.closed_forms import ClosedForms
 from slopekit.kinds.held_bolts import Bounds, upward
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
@@ -161,6 +162,8 @@ def _geometry(design: WedgeDesign, rock: BasalRockMass, block: Block) -> WedgeGe
         _shared_edge(block.faces[J1], block.faces[J2]), {name: frozen(at + origin) for name, at in corners.items()},
         frozen(block.centroid + origin),
         {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
+        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
+                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
     )  # fmt: skip
 
 
@@ -214,6 +217,7 @@ def _shared_edge(one: Floats, other: Floats) -> float:
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by the closed form of three joints; see `kinds.wedge.closed_forms`."""
     given = dict(arguments)
+    del given["left_out"]  # of limits of size, which it has not
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure3", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     wedges = basal_wedges(
