@@ -302,7 +302,7 @@ class _Path:
         return None
 
     def _least(self, point: _PathPoint, length: float, after: _PathPoint, slope: float) -> _PathPoint:
-        """The least λ within a step, from a point whose ln λ goes down to one, that far on, where it goes up by `slope`.
+        """The least λ within a step, from a point whose ln λ goes down to one where it goes up by `slope`.
 
         By turns regula falsi on the tangents (Illinois), quick where the path is smooth, and where the lines of both
         ends meet, quick where it has a corner. It ends where those lines meet no more than `SAME_LEAST` lower down.

@@ -257,7 +257,8 @@ def forces_only_limit(model: Model) -> Limit:
     share = held.control_area / np.bincount(which, held.control_area)[which]
     columns = np.concatenate([normals, held.bolt_rows]).T
     # all that slips along one normal slips alike
-    cohesion, tan_friction = np.bincount(which, held.cohesion), np.bincount(which, held.tan_friction * share)
+    cohesion: Floats = np.bincount(which, held.cohesion).astype(np.float64)
+    tan_friction: Floats = np.bincount(which, held.tan_friction * share).astype(np.float64)
     tangents = held.rows[first, 1:]
     pattern: Ints | None = None
 
@@ -301,7 +302,7 @@ def forces_only_limit(model: Model) -> Limit:
 
 
 def _first_loss(
-    at: Callable[[float], _Resultant],
+    at: Callable[..., _Resultant],
     limit: Callable[[Outcome, float | None, _Resultant], Limit],
     capacity: float,
     bare: float,

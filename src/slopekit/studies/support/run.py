@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import numpy as np
 
@@ -84,13 +84,15 @@ def support(
 ) -> Support:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
-    For a wedge or a plane. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
+    For a wedge or a plane; of toppling columns the force on the toe block, on the crest, and on the column that needs
+    least. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
     1 not reached, 4 the methods disagree.
 
     Raises
     ------
     DesignError
-        E320 for other kinds, E321 for what is not understood. GeometryError where no block can be formed.
+        E320 for other kinds, E321 for what is not understood, E387 to E389 for columns. GeometryError where no block
+        can be formed.
 
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -103,6 +105,13 @@ def support(
         fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
     )  # fmt: skip
+    if design.kind == "topple":
+        from slopekit.kinds.topple import ToppleDesign
+        from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
+
+        if isinstance(design, ToppleDesign):
+            # typed as what wedges and planes get: a caller with columns knows his design
+            return cast(Support, support_of_columns(design, options, began))
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
     search = _Search(site, options, bare, bare_limit)
