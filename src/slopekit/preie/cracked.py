@@ -24,9 +24,9 @@ from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unba
 from slopekit.preie.tolerances import (
     BED_BALANCED,
     FINER_PRESSED,
+    LEVEL,
     PATH_ENDS,
     SAME_FOLD,
-    SAME_LEAST,
     SAME_RUN,
     SHORTEST_PATH_STEP,
     STILL,
@@ -36,7 +36,6 @@ from slopekit.preie.tolerances import (
 _SPLIT, _MOST_SPLIT = 2, 4  # each triangle of a pressed part is split in four so often, and at most so often
 _MOST_NEWTON = 14  # steps to one point of the path; where it takes more, the step along it was too long
 _MOST_WORK = 3000  # times the forces are summed; a second or two, after which the last state of rest is the limit
-_MOST_LEAST = 30  # steps to the least λ between two points
 _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
@@ -200,11 +199,8 @@ class _Path:
             return None
         return np.asarray(tangent / math.sqrt(float(tangent @ tangent)), dtype=np.float64)
 
-    def _step(self, point: _PathPoint, length: float) -> tuple[_PathPoint, int, float] | None:
-        """The point of the path that lies `length` along the tangent, in parts of the displacement so far.
-
-        With the steps that it took, and by what ln λ changes there with the length.
-        """
+    def _step(self, point: _PathPoint, length: float) -> tuple[_PathPoint, int] | None:
+        """The point of the path that lies `length` along the tangent, in parts of the displacement so far."""
         scale = math.sqrt(float(point.u @ point.u))
         count = len(point.u)
         goal = np.append(point.u / scale, point.log_reduction)
@@ -223,8 +219,7 @@ class _Path:
                 # the next step is measured in this point's own displacement
                 renewed = np.append(tangent[:count] * scale, tangent[count])
                 renewed[:count] /= math.sqrt(float(u @ u))
-                onward = _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed)))
-                return onward, used, float(tangent[count] / max(float(tangent @ point.tangent), TINY))
+                return _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
             if used > 4 and size > last:
                 return None
             last = size
@@ -262,10 +257,9 @@ class _Path:
                     break
                 after, length = onward, 0.01
             else:
-                after, used, slope = stepped
-                turns_up = point.tangent[-1] < 0.0 < slope
-                if turns_up and point.log_reduction + length * point.tangent[-1] < best.log_reduction:
-                    fold = self._least(point, length, after, slope)
+                after, used = stepped
+                if point.tangent[-1] < 0.0 < after.tangent[-1]:
+                    fold = self._least(point, length)
                     if fold.log_reduction < best.log_reduction:
                         best, is_fold = fold, True
                 length = min(length * (2.0 if used < 5 else 1.0), 1.0)
@@ -301,41 +295,28 @@ class _Path:
             part /= 5.0
         return None
 
-    def _least(self, point: _PathPoint, length: float, after: _PathPoint, slope: float) -> _PathPoint:
-        """The least λ within a step, from a point whose ln λ goes down to one where it goes up by `slope`.
-
-        By turns regula falsi on the tangents (Illinois), quick where the path is smooth, and where the lines of both
-        ends meet, quick where it has a corner. It ends where those lines meet no more than `SAME_LEAST` lower down.
-        The lines go through the last two points of each side: shear summed at points gives no exact tangent.
-        """
-        low, high, below, above = 0.0, length, point, after
-        down, up = float(point.tangent[-1]), slope
-        at_low, at_high, side, widths = down, up, 0, [math.inf, math.inf]
-        for count in range(_MOST_LEAST):
-            if (high - low) * -down * up < SAME_LEAST * (up - down):
-                break
-            if count % 3:
-                at = low + (below.log_reduction - above.log_reduction + up * (high - low)) / (up - down)
-            else:
-                at = (low * at_high - high * at_low) / (at_high - at_low)
-            widths = [widths[1], high - low]
-            if not low < at < high or widths[1] > 0.5 * widths[0]:
-                at = 0.5 * (low + high)
+    def _least(self, point: _PathPoint, length: float) -> _PathPoint:
+        """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
+        low, high, best = 0.0, length, point
+        at_low, at_high = float(point.tangent[-1]), 1.0
+        side = 0
+        for count in range(30):
+            at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
             stepped = self._step(point, at)
             if stepped is None:
                 break
-            middle, _, turns = stepped
+            turns = float(stepped[0].tangent[-1])
+            if stepped[0].log_reduction < best.log_reduction:
+                best = stepped[0]
             if turns > 0.0:
-                up = (above.log_reduction - middle.log_reduction) / (high - at)
-                up = up if up > 0.0 else turns
-                high, above, at_high, at_low = at, middle, turns, at_low * (0.5 if side == 1 else 1.0)
+                high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
                 side = 1
             else:
-                down = (middle.log_reduction - below.log_reduction) / (at - low)
-                down = down if down < 0.0 else turns
-                low, below, at_low, at_high = at, middle, turns, at_high * (0.5 if side == -1 else 1.0)
+                low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
                 side = -1
-        return min(below, above, key=lambda end: end.log_reduction)
+            if abs(turns) < LEVEL or high - low < LEVEL * length:
+                break
+        return best
 
     # -- the running state --------------------------------------------------------------------------------
 

@@ -89,7 +89,7 @@ class BedSprings:
     def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
-        self.split = split
+        self.templates = {2: _line_template(split), 3: _triangle_template(split)}
         unknowns = len(bed.load)
         stiffness = np.zeros((unknowns, unknowns))
         for k, rows in enumerate(self.rows):
@@ -207,19 +207,21 @@ class BedSprings:
 
     def _places(self, corners: Floats) -> Floats:
         """Where the points of `_cells` lie."""
-        return _fan(len(corners), self.split).points @ corners
+        cells = _fan(corners)
+        return (self.templates[cells.shape[1]][0] @ cells).reshape(-1, 3)
 
     def _cells(self, k: int, rows: Floats, corners: Floats) -> tuple[Floats, Floats]:
         """Motions (q, 3, u) and areas (q,) at the points of a pressed part."""
-        fan = _fan(len(corners), self.split)
-        sides = fan.sides @ corners
-        if len(corners) == 2:
-            size = np.sqrt((sides * sides).sum(axis=(0, 2)))
+        cells = _fan(corners)
+        points, weights = self.templates[cells.shape[1]]
+        sides = cells[:, 1:] - cells[:, :1]
+        if cells.shape[1] == 2:
+            size = np.sqrt((sides * sides).sum(axis=(1, 2)))
         else:
-            double = cross(sides[0], sides[1])
+            double = cross(sides[:, 0], sides[:, 1])
             size = 0.5 * np.sqrt((double * double).sum(axis=1))
-        at = fan.points @ rows.reshape(len(rows), -1)
-        return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * fan.shares).ravel()
+        at = points @ _fan(rows.reshape(len(rows), -1))
+        return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * weights).ravel()
 
 
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
@@ -286,36 +288,15 @@ def _pressed(gaps: Floats) -> tuple[Floats | None, list[int] | None]:
     return np.array(rows), chord
 
 
-@dataclass(frozen=True, slots=True)
-class _Fan:
-    """The points of a polygon of j corners, all linear in those.
-
-    Attributes
-    ----------
-    points : (q, j) weights of the corners at each point, cell by cell; shares : of a cell, for each of its points
-    sides : (2, t, j) two sides of each triangle from its first corner; (1, 1, 2) of a line
-    """
-
-    points: Floats
-    shares: Floats
-    sides: Floats
-
-
-@cache
-def _fan(count: int, split: int) -> _Fan:
-    """Cells of a polygon by its corners: triangles about their mean, so that no corner is the first.
+def _fan(corners: Floats) -> Floats:
+    """Cells (t, 3, d) of a polygon by its corners (j, d): triangles about their mean, so that no corner is the first.
 
     A triangle or a line is one cell.
     """
-    corners = _unit(count)
-    if count <= 3:
-        cells = corners[None]
-    else:
-        middle = np.broadcast_to(corners.mean(axis=0), corners.shape)
-        cells = np.stack([middle, corners, np.roll(corners, -1, axis=0)], axis=1)
-    points, shares = _line_template(split) if count == 2 else _triangle_template(split)
-    sides = np.moveaxis(cells[:, 1:] - cells[:, :1], 1, 0)
-    return _Fan((points @ cells).reshape(-1, count), shares, np.ascontiguousarray(sides))
+    if len(corners) <= 3:
+        return corners[None]
+    middle = np.broadcast_to(corners.mean(axis=0), corners.shape)
+    return np.stack([middle, corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 def _chord(rows: Floats, ends: Floats) -> tuple[Floats, Floats]:

@@ -117,8 +117,8 @@ DRIVEN = 1e-6
 #: Motion along the path of the cracked base, per change of ln λ, that is none.
 STILL = 1e-9
 
-#: What the least ln λ of that path may still lie below the least that was met.
-SAME_LEAST = 1e-11
+#: Slope of ln λ along that path that counts as none: λ is within its square of the least.
+LEVEL = 1e-7
 
 # -- Balance: unbalanced force that is none ---------------------------------------------------------------------------
 
