@@ -255,12 +255,12 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
 
 def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
-    why = _why_not(design)
+    why = why_no_table(design)
     if why:
         return ClosedForm(None, "", why), ()
     base, sides = design.strength(design.base), design.strength(design.sides)
     try:
-        slope = _column_slope(design)
+        slope = column_slope(design)
         closed = toppling_factor_of_safety(slope)
         table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
@@ -295,7 +295,7 @@ def _slid_onto(table: TopplingTable) -> list[str]:
     return [f"C{k + 1}" for k, mode in enumerate(table.modes) if mode == "slide" and topples and k > topples[0]]
 
 
-def _why_not(design: ToppleDesign) -> str:
+def why_no_table(design: ToppleDesign) -> str:
     """Why Goodman & Bray's method says nothing of a design."""
     sides, base = design.strength(design.sides), design.strength(design.base)
     if sides.law or base.law:
@@ -327,7 +327,7 @@ def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _column_slope(design: ToppleDesign) -> ColumnSlope:
+def column_slope(design: ToppleDesign) -> ColumnSlope:
     base, sides = design.strength(design.base), design.strength(design.sides)
     toward, k = design.seismic.trend_deg, design.seismic.coefficient
     return ColumnSlope(
@@ -416,8 +416,8 @@ KIND = kind_of_many_blocks(
     "topple", ToppleDesign, read_topple, OWN, _slope,
     lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
-        "toe_force_kn": lambda design, _: toe_force_required(_column_slope(design)),
-        "column_force_kn": lambda design, n: float(toppling_table(_column_slope(design)).force_kn[int(n or 1) - 1]),
+        "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
+        "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
     },
     # riser and base share a strength: they differ in water alone
     carried=Carried(
