@@ -162,7 +162,10 @@ class SlopeDesign(Design):
             elif self.pond_m > crest_m:
                 over = shown(round(self.pond_m - crest_m, 6))
                 yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
-        if self.crack_searched == "end":
+        if self.crack_searched == "free":
+            yield Notice("W441", "with the crack here nothing holds the block, by the closed form: worse than any "
+                         "factor of safety")  # fmt: skip
+        elif self.crack_searched == "end":
             yield Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
                          "crest itself, or none at all")  # fmt: skip
         elif self.crack_searched == "flat":

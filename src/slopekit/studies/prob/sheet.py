@@ -348,9 +348,10 @@ def _agreement(checked: Confirmation) -> str:
 
 
 def _judgement(checked: Confirmation, study: Probability) -> list[str]:
+    most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
     told = (
         f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
-        f"samples at most {checked.other_at_most * 100:.2g} % ({study.asked.confidence * 100:g} % confidence, from "
+        f"samples at most {most} % ({study.asked.confidence * 100:g} % confidence, from "
         "those at random)"
     )
     if checked.probability is None:
