@@ -17,6 +17,7 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
+from dataclasses import fields
 from typing import Final
 
 import numpy as np
@@ -108,7 +109,7 @@ def bench_of(ground: Ground, trials: Trials, height_m: float, face_dip_deg: floa
         part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
     ]  # fmt: skip
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([getattr(part, name) for part in parts]) for name in _Part.__slots__
+        np.stack([getattr(part, name) for part in parts]) for name in _names_of(_Part)
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
@@ -134,7 +135,7 @@ class _Part:
     def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
         """Values of some trials; all others form nothing."""
         found: dict[str, np.ndarray] = {}
-        for name in cls.__slots__:
+        for name in _names_of(cls):
             is_said = name in ("forms", "fails")
             found[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
             found[name][those] = True if name == "forms" else values[name]
@@ -267,8 +268,12 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
     return np.where(slides, factor, np.nan), fails
 
 
+def _names_of(part: type[_Part]) -> list[str]:
+    return [one.name for one in fields(part)]
+
+
 def _nothing() -> dict[str, Floats]:
-    return {name: np.empty(0) for name in _Part.__slots__}
+    return {name: np.empty(0) for name in _names_of(_Part)}
 
 
 def _beside(directions_deg: Floats, toward_deg: float) -> Floats:

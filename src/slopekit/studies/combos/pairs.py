@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -370,7 +370,7 @@ def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesio
     if len(parts) == 1:
         return parts[0]
     shapes = PairShapes(
-        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in PairShapes.__slots__)
+        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in (one.name for one in fields(PairShapes)))
     )
     rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
     return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
