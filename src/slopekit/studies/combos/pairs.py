@@ -369,9 +369,8 @@ def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesio
     ]
     if len(parts) == 1:
         return parts[0]
-    shapes = PairShapes(
-        *(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in (one.name for one in fields(PairShapes)))
-    )
+    names = [one.name for one in fields(PairShapes)]
+    shapes = PairShapes(*(np.concatenate([getattr(part.shapes, name) for part in parts]) for name in names))
     rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
     return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
 
