@@ -1,8 +1,8 @@
 """Places along a bench where two joints of a survey meet: drawn from the survey itself, with its own weights.
 
 A trial is such a place: two different joints, each drawn as often as it was measured, and where on the face their line
-daylights. The survey's own luck is bootstrapped (Efron 1979, Ann. Stat. 7, 1-26 (m)): the joints are drawn again from the joints, which weighs
-the trials anew and needs no new ones.
+daylights. The survey's own luck is bootstrapped (Efron 1979, Ann. Stat. 7, 1-26 (m)): the joints are drawn again from
+the joints, which weighs the trials anew and needs no new ones.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Joint sets among poles: fuzzy K-means on the sphere, the number of sets by likelihood, joints of no set left alone.
 
-Fuzzy K-means as of Hammah & Curran (1998, Int. J. Rock Mech. Min. Sci. 35, 889-905): the distance of a pole x from the mean v of
-a set is its sine, d² = 1 - (x · v)²; x belongs to set i with the share u_i = d_i⁻² / Σ d_k⁻² (fuzziness 2),
+Fuzzy K-means as of Hammah & Curran (1998, Int. J. Rock Mech. Min. Sci. 35, 889-905): the distance of a pole x from the
+mean v of a set is its sine, d² = 1 - (x · v)²; x belongs to set i with the share u_i = d_i⁻² / Σ d_k⁻² (fuzziness 2),
 and the mean of a set is the first eigenvector of Σ w u² x xᵀ. Several starts, of which the least Σ w u² d² is kept.
 
 A joint is of the set it has the greatest share in, unless it is likelier one of those that lie anywhere: where the
