@@ -222,7 +222,7 @@ def bench_rows(count: int = 300) -> list[str]:
         ("with PRE-IE, two processes (their start included)", {"jobs": 2}),
     ):  # fmt: skip
         began, processor = time.perf_counter(), _processor()
-        found = bench_design(planes, **given, **more)
+        found = bench_design(planes, **(given | more))
         seconds, processor = time.perf_counter() - began, _processor() - processor
         said = None if found.checked is None else found.checked.said
         asked = 0 if said is None else said.samples
@@ -230,7 +230,7 @@ def bench_rows(count: int = 300) -> list[str]:
             0 if said is None else sum(one.factors is not None and one.factors.moments_govern for one in said.points)
         )
         rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {moments} | {processor:.1f} | {seconds:.1f} |")
-    return rows
+    return [*rows, "", f"Load average of the machine at the end: {os.getloadavg()[0]:.0f}."]
 
 
 def _processor() -> float:
