@@ -135,11 +135,10 @@ def limit_of_blocks(
     if not strong:
         return _without_strength(model, bound)
     found = _limit_of(model, unit, bound, ranged, ratio, proposal)
-    factors = {
-        name: None if (factor := getattr(found, name)) is None else unit * factor
-        for name in ("factor", "static_bound", "lowest", "highest", "bonded")
-    }
-    return replace(found, **factors)
+    return replace(
+        found, factor=_times(found.factor, unit), static_bound=_times(found.static_bound, unit),
+        lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
+    )  # fmt: skip
 
 
 def _in_unit_strength(model: AssemblyModel) -> tuple[AssemblyModel, float]:
@@ -181,7 +180,7 @@ def _limit_of(
     span: Span | None = None
     if limit.group and proposal is not None:
         span = proposal.span()
-        span = None if span is None else _times(span, 1.0 / unit)
+        span = None if span is None else (_times(span[0], 1.0 / unit), _times(span[1], 1.0 / unit))
     elif model.unknowns == 3 or len(model.load) <= _RANGED:
         span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
     if span is None:
@@ -315,16 +314,15 @@ def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
 
 def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
     """What a path found, its λ that of a strength so many times as high."""
-    parameter = None if path_end.parameter is None else path_end.parameter / unit
     peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
     return replace(
-        path_end, parameter=parameter, peak=peak, reduction=path_end.reduction / unit, started=path_end.started / unit
-    )
+        path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
+        started=path_end.started / unit,
+    )  # fmt: skip
 
 
-def _times(span: Span, by: float) -> Span:
-    low, high = span
-    return None if low is None else by * low, None if high is None else by * high
+def _times(factor: float | None, by: float) -> float | None:
+    return None if factor is None else by * factor
 
 
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
