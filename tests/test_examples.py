@@ -37,7 +37,8 @@ def shown(source: str, names: dict[str, Any]) -> dict[str, str]:
 @pytest.mark.parametrize("path", notebooks(), ids=lambda path: path.name)
 def test_notebook(path, tmp_path) -> None:
     """In this process; `python -m benchmarks.notebooks` runs and stores them with a kernel."""
-    pytest.importorskip("pandas")
+    for extra in ("pandas", "jinja2", "ezdxf"):
+        pytest.importorskip(extra)
     for data in path.parent.glob("*.csv"):
         shutil.copy(data, tmp_path)
     cells = [cell for cell in json.loads(path.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
@@ -53,4 +54,4 @@ def test_notebook(path, tmp_path) -> None:
 
 def test_there_are_examples() -> None:
     assert EXAMPLES
-    assert len(notebooks()) == 2
+    assert len(notebooks()) == 3

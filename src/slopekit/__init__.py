@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from slopekit.result import Result as Result
     from slopekit.studies.bench_design import BenchDesigns as BenchDesigns
     from slopekit.studies.bench_design import bench_design
+    from slopekit.studies.cases import Cases as Cases
     from slopekit.studies.check import Check as Check
     from slopekit.studies.check import check
     from slopekit.studies.combos import Combos as Combos
@@ -48,7 +49,7 @@ __all__ = [
 
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
-    "BenchDesigns": "studies.bench_design",
+    "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
     "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, overload
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
@@ -71,12 +71,17 @@ def wedge(
     return analyse(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
 
 
-def load(source: str | os.PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> "Design":
+def load(
+    source: str | os.PathLike[str] | Mapping[str, Any],
+    set: Mapping[str, Any] | None = None,
+    case: str | None = None,
+) -> "Design":
     """Read and check a design file, or the same as a dict.
 
     Parameters
     ----------
     set : dotted paths and values that replace those of the file: {"strength.weak.phi": 25}
+    case : one of its load cases by name; a design with cases goes through `analyse` and every study case by case
 
     Raises
     ------
@@ -85,16 +90,23 @@ def load(source: str | os.PathLike[str] | Mapping[str, Any], set: Mapping[str, A
     """
     from slopekit.design.files import load as load_design
 
-    return load_design(source, tuple((set or {}).items()))
+    return load_design(source, tuple((set or {}).items()), case)
 
 
 def analyse(design: "Design") -> "Result":
-    """Analyse a loaded design of any kind. Raises GeometryError where no block can be formed."""
+    """Analyse a loaded design of any kind; with load cases it is a `Cases`, whose `.cases` has a `Result` of each.
+
+    Raises GeometryError where no block can be formed.
+    """
     from slopekit.design.common import Design
     from slopekit.kinds import analyse as analyse_design
 
     if not isinstance(design, Design):
         raise wrong_kind("analyse", "design", "a design", design, DESIGN.advice)
+    if design.cases:
+        from slopekit.studies.cases import each_case
+
+        return cast("Result", each_case(analyse_design, "run", design, {}))
     return analyse_design(design)
 
 
@@ -102,6 +114,7 @@ def analyse(design: "Design") -> "Result":
 def run(
     source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
     set: Mapping[str, Any] | None = None,
+    case: str | None = None,
 ) -> "Result":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
@@ -112,7 +125,8 @@ def run(
 
     Notes
     -----
-    A script gives the path, the same as a dict, or a design that `load` has read; `set` replaces values of it.
+    A script gives the path, the same as a dict, or a design that `load` has read; `set` replaces values of it, `case`
+    names one of its load cases. What comes back is a `Result`, of a design with cases `Cases`: `.cases[NAME]`.
 
     >>> import slopekit as sk
     >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -124,11 +138,15 @@ def run(
     if not isinstance(source, Design):
         if not isinstance(source, str | os.PathLike | Mapping):
             raise wrong_kind("run", "source", "the path of a design file, the same as a dict, or a design", source)
-        source = load(source, set)
-    elif set:
+        return analyse(load(source, set, case))
+    if set:
         raise DesignError(
             [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
         )
+    if case is not None:
+        from slopekit.design.cases import case_named
+
+        source = case_named(source, case).design
     return analyse(source)
 
 
@@ -218,6 +236,10 @@ def plot(
     if what is None:
         return plots.offers(document)
     target = folder / f"{name}-{what}.png" if path is None else Path(path)
+    if document.get("study") == "cases":
+        message = "these are load cases: a picture is of one of them"
+        advice = f"Give its result, .cases[{next(iter(plots.by_case(document)))!r}]."
+        raise DesignError([Fault("E477", message, what, advice)])
     options = plots.Options(show, "angle" if equal_angle else "area", test, explode, magnify, step)
     plots.draw(document, what, None if show else target, options, name)
     return None if show else Drawing(target)

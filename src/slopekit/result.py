@@ -20,7 +20,7 @@ from slopekit.findings import Findings
 from slopekit.preie.balance import Balance
 
 if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet, Table
+    from slopekit.core.sheet import Column, Sheet, Table
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -358,6 +358,38 @@ class Result(Shown):
     def accepted(self) -> bool | None:
         """Whether every acceptance rule is met; None where there is none."""
         return all(self.judged(rule) for rule in self.design.rules) if self.design.rules else None
+
+    @property
+    def margin(self) -> float | None:
+        """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
+        if self.status == "no_driving_force":
+            return float("inf")
+        judged = [
+            (self.value_of(rule) or 0.0) / max(rule.value, 1e-9)
+            for rule in self.design.rules if rule.relation in (">=", ">")
+        ]  # fmt: skip
+        return min(judged, default=self.criterion_fos or 0.0)
+
+    def case_columns(self) -> "list[Column[Any]]":
+        """What a table over load cases has of each."""
+        from operator import attrgetter
+
+        from slopekit.core.sheet import Column, factor_text
+
+        def word(value: bool | None) -> str:
+            return {True: "yes", False: "NO", None: ""}[value]
+
+        def factor(value: float | None) -> str:
+            return factor_text(value).strip()
+
+        return [
+            Column("FoS", attrgetter("fos.limit"), "fos_limit", show=factor, width=8),
+            Column("closed form", attrgetter("fos.closed_form"), "fos_closed_form", show=factor, width=13),
+            Column("agree", attrgetter("agree"), "agree", show=word, width=7),
+            Column("asks", lambda of: ", ".join(str(rule) for rule in of.design.rules), "rules"),
+            Column("accepted", attrgetter("accepted"), "accepted", show=word, width=10),
+            Column("  status", attrgetter("status"), "status", width=-1, about="  {}"),
+        ]
 
     @property
     def met_by_peak_only(self) -> bool:

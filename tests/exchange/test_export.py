@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import slopekit as sk
+from slopekit.core.errors import DesignError
 from slopekit.exchange.picking import Body
 from slopekit.exchange.source import joints_of, pairs_of, source_of
 from slopekit.exchange.split import _slab
@@ -370,3 +371,16 @@ def test_interfaces_with_several_strengths_have_that_of_the_largest_part() -> No
     found = pairs_of(mixed, {}, joints_of(mixed))
     assert found.mixed == ("B1/base",)
     assert found.joint["B1", "base"] == "joint"
+
+
+def test_load_cases_name_the_folders_of_each(tmp_path) -> None:
+    """A result of several is no blocks; where those are is said."""
+    design = {
+        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "cases": {"dry": {"accept": "fos >= 1.5"}, "wet": {"set": {"water": "full"}}},
+    }  # fmt: skip
+    with pytest.raises(DesignError) as caught:
+        sk.export(sk.run(design).to_dict(), tmp_path / "wedge.stl")
+    (fault,) = caught.value.faults
+    assert fault.code == "E362"
+    assert "dry or wet" in fault.advice

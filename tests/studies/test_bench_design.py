@@ -316,6 +316,11 @@ def test_pre_ie_agrees(found: Any) -> None:
     assert said.samples >= 8
     assert said.agree + said.not_compared == said.samples
     assert found.exit_code == (0 if found.accepted else 1)
+    met = [berm for berm in found.berms if berm.accepted]
+    steepest = found.steepest_accepted
+    assert (steepest is None) == (not met)
+    assert steepest is None or steepest.inter_ramp_deg == max(berm.inter_ramp_deg for berm in met)
+    assert ("steepest of these" in str(found)) == ("steepest accepted: " in found.line) == bool(met)
 
 
 def test_json_page_and_pictures(found: Any, tmp_path: Path) -> None:

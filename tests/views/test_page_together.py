@@ -78,6 +78,23 @@ def test_inputs_that_differ_are_a_table() -> None:
     assert inputs_table([some[0], some[0]], ["1", "2"]) is None
 
 
+def test_benches_stand_on_one_page_with_a_design() -> None:
+    """Benches are compared with benches, whose earthquake is a number; not with a design, which has other inputs."""
+    joints = ["52/140", "58/150", "61/222", "66/215"]
+    still, shaken = (
+        json.loads(json.dumps(found.to_dict()))
+        for k in (0, 0.1)
+        for found in [
+            sk.bench_design(joints, height=15, face=65, dip_direction=180, c=5, phi=32, n=100, confirm=0, seismic=k)
+        ]
+    )
+    table = inputs_table([still, shaken], ["1", "2"])
+    assert table is not None
+    assert ("seismic coefficient", "none", "0.1 g") in table.rows
+    assert inputs_table([shaken, documents()[0]], ["1", "2"]) is None
+    assert "Bench design" in report_of([shaken, documents()[0]], with_pictures=False).html
+
+
 def test_what_is_to_be_pasted_stands_as_it_is() -> None:
     """A design with few bolts is pasted from the page; in print it says nothing."""
     text = page(3)

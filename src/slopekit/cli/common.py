@@ -17,11 +17,12 @@ JSON = typer.Option("--json", help="One JSON document on stdout, nothing else.")
 QUIET = typer.Option("--quiet", help="One line: status, factor, check.")
 FOLDER = typer.Option("-o", help="Folder for result.json, sheet.txt, bolts.csv and pictures (extra: plot).")
 SET = typer.Option("--set", help="key=value, replaces a value of the file; repeat.", metavar="KEY=VALUE")
+CASE = typer.Option("--case", help="One load case of the design, by name [all of them].", metavar="NAME")
 FILE = typer.Argument(help="A design file (YAML).", metavar="DESIGN")
 
 
-def load_design(design: str, sets: list[str] | None) -> "Design":
-    """The design of a file, with what `--set` replaces in it."""
+def load_design(design: str, sets: list[str] | None, case: str | None = None) -> "Design":
+    """The design of a file, with what `--set` replaces in it; the load case that `--case` names."""
     from slopekit.design.files import load
     from slopekit.design.overrides import parse_override
 
@@ -30,7 +31,7 @@ def load_design(design: str, sets: list[str] | None) -> "Design":
         with faults.kept():
             overrides.append(parse_override(text))
     faults.refuse()
-    return load(design, overrides)
+    return load(design, overrides, case)
 
 
 def folder_of(folder: Path) -> Path:

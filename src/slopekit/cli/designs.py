@@ -6,25 +6,33 @@ from typing import Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli.common import FILE, JSON, SET, json_text, load_design
+from slopekit.cli.common import CASE, FILE, JSON, SET, json_text, load_design
 
 
 def lint(
     design: Annotated[str, FILE],
     sets: Annotated[list[str] | None, SET] = None,
+    case: Annotated[str | None, CASE] = None,
     as_json: Annotated[bool, JSON] = False,
 ) -> None:
     """Read and test a design file, run nothing."""
-    read = load_design(design, sets)
+    read = load_design(design, sets, case)
     if as_json:
         document = {
             "slopekit": __version__, "kind": read.kind, "input_sha256": read.input_hash(), "inputs": read.inputs(),
             "assumed": dict(read.assumed), "defaults": list(read.defaults), "errors": [],
+            **({"cases": {one.name: {
+                "sets": dict(one.sets), "rules": [str(rule) for rule in one.design.rules],
+                "input_sha256": one.design.input_hash(), "inputs": one.design.inputs(),
+            } for one in read.cases}} if read.cases else {}),
         }  # fmt: skip
         typer.echo(json_text(document))
         return
     head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
     typer.echo(f"{head} (whether it forms a block, run says)")
+    for one in read.cases:
+        rules = ", ".join(str(rule) for rule in one.design.rules) or "nothing"
+        typer.echo(f"     case {one.name}: sets {one.in_words or 'nothing'}; asks for {rules}")
     for name, value in read.assumed:
         typer.echo(f"     {name} is a distribution: run takes {value}")
     if read.defaults:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from slopekit._version import __version__
-from slopekit.cli.common import JSON, folder_of, json_text
+from slopekit.cli.common import CASE, JSON, folder_of, json_text
 from slopekit.core.errors import DesignError, Fault
 from slopekit.studies.protocol import number_of, whole_number
 
@@ -33,6 +33,7 @@ def plot(
     result: Annotated[str, typer.Argument(help="JSON that slopekit wrote (result.json, sweep.json), or its folder.",
                                           metavar="RESULT")],
     what: Annotated[str | None, _WHAT] = None,
+    case: Annotated[str | None, CASE] = None,
     output: Annotated[str | None, typer.Option("-o", help="The file [RESULT-WHAT.png]; charts .png .svg .pdf, "
                                                "scenes .png .glb .gltf.")] = None,
     show: Annotated[bool, typer.Option("--show", help="Open a window, write nothing.")] = False,
@@ -50,30 +51,39 @@ def plot(
     from slopekit.views import plots
 
     path = plots.document_file(Path(result))
-    document = plots.read_document(path)
+    documents = plots.by_case(plots.read_document(path), case, path.name)
     if what is None:
-        typer.echo(_listed(path, plots.offers(document)))
+        given = {word: shows for one in documents.values() for word, shows in plots.offers(one).items()}
+        cases = ", ".join(documents)
+        typer.echo(_listed(path, given, f"{path.name}, load cases {cases}," if cases else path.name))
         return
     options = plots.Options(
         show=show, net="angle" if equal_angle else "area", test=test,
         explode=None if explode is None else number_of(explode, "--explode"),
         magnify=None if magnify is None else number_of(magnify, "--magnify"), step=whole_number(step, "--step"),
     )  # fmt: skip
-    target = path.with_name(f"{path.stem}-{what}.png") if output is None else Path(output)
-    if target.is_dir():
-        target = target / f"{path.stem}-{what}.png"
-    plots.check(document, what, target, options, path.name)
-    if not show:
-        folder_of(target.parent)
-    plots.draw(document, what, None if show else target, options, path.name)
-    if not show:
-        typer.echo(f"wrote {target}")
+    wanted = {name: one for name, one in documents.items() if len(documents) == 1 or what in plots.offers(one)}
+    for name, document in (wanted or documents).items():
+        own = f"-{name}" if name and (case is None or output is None) else ""
+        target = path.with_name(f"{path.stem}-{what}{own}.png")
+        if output is not None:
+            given_path = Path(output)
+            beside = given_path.with_name(f"{given_path.stem}{own}{given_path.suffix}")
+            target = given_path / target.name if given_path.is_dir() else beside
+        plots.check(document, what, target, options, path.name)
+        if not show:
+            folder_of(target.parent)
+        plots.draw(document, what, None if show else target, options, path.name)
+        if not show:
+            typer.echo(f"wrote {target}")
+    if wanted and len(wanted) < len(documents):
+        typer.echo(f"no {what} of {', '.join(name for name in documents if name not in wanted)}", err=True)
 
 
-def _listed(path: Path, given: dict[str, str]) -> str:
+def _listed(path: Path, given: dict[str, str], own: str) -> str:
     if not given:
-        return f"{path.name} has nothing that can be drawn"
-    lines = [f"{path.name} can give", *(f"  {what:<14}{shows}" for what, shows in given.items())]
+        return f"{own} has nothing that can be drawn"
+    lines = [f"{own} can give", *(f"  {what:<14}{shows}" for what, shows in given.items())]
     return "\n".join([*lines, f"for example: slopekit plot {path} {next(iter(given))}"])
 
 

@@ -10,6 +10,7 @@ import typer
 from slopekit import api
 from slopekit.cli import results
 from slopekit.cli.common import (
+    CASE,
     JSON,
     SET,
     checked_image,
@@ -35,7 +36,7 @@ _OPTIONS = {
     "quiet": typer.Option("--quiet", help="One line."),
     "output": typer.Option("-o", help="Folder for the JSON, the sheet, tables as .csv and pictures."),
 }
-_ORDER = ("sets", "picture", "no_pictures", "as_json", "quiet", "output")
+_ORDER = ("sets", "case", "picture", "no_pictures", "as_json", "quiet", "output")
 
 
 def command_of(name: str) -> Callable[..., None]:
@@ -55,9 +56,9 @@ def command_of(name: str) -> Callable[..., None]:
     if name not in _RESULTS and not any(map(_draws, functions)):
         del options["picture"]
     if with_design := _takes_design(main):
-        options["sets"] = SET
+        options |= {"sets": SET, "case": CASE}
     for key in (key for key in _ORDER if key in options):
-        is_text = key in ("sets", "picture", "output")
+        is_text = key in ("sets", "case", "picture", "output")
         type_: Any = (list[str] | None if key == "sets" else str | None) if is_text else bool
         declared[key] = _parameter(key, type_, options[key], None if is_text else False)
 
@@ -177,8 +178,8 @@ def _check_design(
         message = f"{name} takes a design file or {' or '.join(alone)}" + (", not both" if of_its_own else "")
         advice = f"slopekit {name} my.yaml, or slopekit {name} {alone[0]}"
         raise DesignError([Fault("E270", message, "", advice)])
-    if of_its_own and (given["sets"] or given.get("picture")):
-        message = f"--set and --picture belong to a design file, --{chosen} takes neither"
+    if of_its_own and (given["sets"] or given["case"] or given.get("picture")):
+        message = f"--set, --case and --picture belong to a design file, --{chosen} takes none of them"
         raise DesignError([Fault("E271", message)])
 
 
@@ -195,7 +196,7 @@ def _value(key: str, parameter: inspect.Parameter, given: Mapping[str, Any]) -> 
     key = getattr(how, "called", "") or key
     text = given[key]
     if how == DESIGN:
-        return load_design(text, given.get("sets")), {key}
+        return load_design(text, given.get("sets"), given.get("case")), {key}
     if isinstance(how, Argument) and how.many:
         return how.reads(text or [], key), {key}
     if text is None or isinstance(text, bool):
@@ -210,14 +211,41 @@ def _deliver(outcome: Shown, folder: Path | None, image: Path | None, given: Map
     document = json_text(record) if as_json or folder else ""
     text = str(outcome) if folder or not (as_json or quiet) else ""
     if folder is not None:
-        write(folder / f"{outcome.name}.json", document + "\n")
-        write(folder / f"{outcome.text_name or outcome.name}.txt", text + "\n")
-        for name, table in outcome.sheet.tables.items():
-            with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
-                table.write(file)
-        for name, more in outcome.files().items():
-            write(folder / name, more)
+        _write(outcome, folder, document, text)
     typer.echo(document if as_json else outcome.line if quiet else text)
+    for name, part in outcome.parts.items():
+        _draw(part, record["cases"][name] if record else {}, _below(folder, name), _beside(image, name), given)
+    if not outcome.parts:
+        _draw(outcome, record, folder, image, given)
+
+
+def _write(outcome: Shown, folder: Path, document: str, text: str) -> None:
+    """The JSON, the text, the tables and further files; what it is made of in folders of their own."""
+    own, sheet = outcome.file_names
+    write(folder / f"{own}.json", document + "\n")
+    write(folder / f"{sheet}.txt", text + "\n")
+    for name, table in outcome.sheet.tables.items():
+        with writing(folder / name), (folder / name).open("w", encoding="utf-8", newline="") as file:
+            table.write(file)
+    for name, more in outcome.files().items():
+        write(folder / name, more)
+    for name, part in outcome.parts.items():
+        _write(part, folder_of(folder / name), json_text(part.to_dict()), str(part))
+
+
+def _below(folder: Path | None, name: str) -> Path | None:
+    return None if folder is None else folder / name
+
+
+def _beside(image: Path | None, name: str) -> Path | None:
+    """The picture of a case: SLOPE-quake.png."""
+    return None if image is None else image.with_name(f"{image.stem}-{name}{image.suffix}")
+
+
+def _draw(
+    outcome: Shown, record: dict[str, Any], folder: Path | None, image: Path | None, given: Mapping[str, Any]
+) -> None:  # fmt: skip
+    """The pictures of what a function came to."""
     if not isinstance(outcome, Outcome):
         results.finish(record, folder, image, given["no_pictures"])
         return

@@ -1,11 +1,12 @@
 """What results and outcomes of studies have in common: each shows itself, in a terminal, a notebook, a data frame."""
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
-    from slopekit.core.sheet import Sheet, Table
+    from slopekit.core.sheet import Column, Sheet, Table
 
 
 class Shown:
@@ -34,6 +35,25 @@ class Shown:
     @abstractmethod
     def exit_code(self) -> int:
         """What a command ends with: 0 done, 1 a criterion is not met, 2 to 4 as those of every command."""
+
+    @property
+    def file_names(self) -> tuple[str, str]:
+        """Of its JSON and its text, without endings."""
+        return self.name, self.text_name or self.name
+
+    @property
+    def parts(self) -> "Mapping[str, Shown]":
+        """What it is made of where that has files of its own, by the names of their folders."""
+        return {}
+
+    @property
+    def margin(self) -> float | None:
+        """How good it is, less is worse: among load cases the least governs. None where nothing says so."""
+        return None
+
+    def case_columns(self) -> "list[Column[Any]]":
+        """What a table over load cases has of each, beside its line."""
+        return []
 
     def files(self) -> dict[str, str]:
         """Further files by name, beside its tables."""

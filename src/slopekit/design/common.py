@@ -11,7 +11,7 @@ from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
-from slopekit.design.structure import Leaf, ListOf
+from slopekit.design.structure import Anything, Leaf, ListOf, Named
 
 if TYPE_CHECKING:
     from slopekit.design.distributions import Variable
@@ -307,6 +307,18 @@ class MeshFile:
 
 
 @dataclass(frozen=True, slots=True)
+class CaseKeys:
+    """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("set", "group", forms=(Named(Anything(), pairs=True),), example="{loads.seismic.k: 0.1}",
+              left_out="the design as it is", doc="keys by their paths, as `--set` takes them; `null` takes one out"),
+        Field("accept", "text", forms=(ListOf(Leaf(example='"fos >= 1.1"')), Leaf(example='"fos >= 1.1"')),
+              example='"fos >= 1.1"', left_out="the design's rules", doc="one or a list, as `acceptance.rules`"),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Rule:
     """An acceptance rule: what is held against a value, `fos >= 1.5`.
 
@@ -361,7 +373,7 @@ def _slips_of_density(
     return None
 
 
-_OF_STUDIES = ("variables", "correlation", "source")
+_OF_STUDIES = ("variables", "correlation", "source", "cases")
 _OF_PAGES = ("project",)
 _OF_READING = ("crack_searched", "defaults", "assumed", "left_out", "read_as")
 
@@ -381,6 +393,7 @@ class Design:
     variables : what scatters: numbers and orientations that were given as distributions
     correlation : pairs of them with their rank correlation
     source : the document it was read from, which studies read again with other values; None where it was not
+    cases : its load cases, each a design of its own
     """
 
     #: Whether water may be said as a part of full.
@@ -409,7 +422,9 @@ class Design:
             role="scatter",
             example="{J1.phi/J2.phi: 0.8}",
         ),
-    )
+        Field("cases", "group", of=CaseKeys, many="names", at_least=1, left_out="the design alone",
+              example="{quake: {set: {loads.seismic.k: 0.1}}}", doc="[load cases](cases.md) by name"),
+    )  # fmt: skip
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength", "rock")
     WITHOUT: ClassVar[tuple[str, ...]] = ()
     DEFAULTS: ClassVar[Mapping[str, Any]] = {}
@@ -481,6 +496,7 @@ class Design:
     variables: "tuple[Variable, ...]" = field(default=(), compare=False)
     correlation: tuple[Pair, ...] = field(default=(), compare=False)
     source: "Document | None" = field(default=None, compare=False, repr=False)
+    cases: "tuple[LoadCase, ...]" = field(default=(), compare=False, repr=False)
 
     @property
     def is_cut_for_loads(self) -> bool:
@@ -499,7 +515,7 @@ class Design:
 
     def _single(self) -> "Design":
         """The design without what only studies use."""
-        return replace(self, source=None, variables=(), correlation=())
+        return replace(self, source=None, variables=(), correlation=(), cases=())
 
     @property
     def invented(self) -> tuple[str, ...]:
@@ -541,6 +557,20 @@ class Design:
                 del exact[key]
         exact |= dict.fromkeys(("defaults", "assumed", "left_out", "title"))
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class LoadCase:
+    """A load case: its name, what it sets (paths and what was written), the design with that, without cases."""
+
+    name: str
+    sets: tuple[tuple[str, str], ...]
+    design: Design
+
+    @property
+    def in_words(self) -> str:
+        """What it sets, for a table."""
+        return ", ".join(f"{path} {value}" for path, value in self.sets)
 
 
 def _at_residual(value: Any) -> Any:

@@ -23,27 +23,43 @@ Overrides = Sequence[tuple[str, object]]
 VERSION = 1
 
 
-def load(source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides = ()) -> Design:
-    """Read and check a design file (or the same as a Python mapping).
+def load(
+    source: str | os.PathLike[str] | Mapping[str, Any], overrides: Overrides = (), case: str | None = None
+) -> Design:
+    """Read and check a design file (or the same as a Python mapping), and its load cases.
 
     Parameters
     ----------
     overrides : dotted paths and values that replace those of the file
+    case : the load case that is wanted alone, None: all of them
 
     Raises
     ------
     DesignError
         With every fault found.
     """
+    faults = list[Fault]()
     if isinstance(source, Mapping):
-        return _set_over(source, overrides, with_overrides(document_from(source), overrides))
-    document, faults = read_document(source, overrides)
+        document = with_overrides(document_from(source), overrides)
+    else:
+        document, faults = read_document(source, overrides)
+    design = None
     try:
         design = _set_over(source, overrides, document)
     except DesignError as error:
-        raise DesignError(dict.fromkeys([*faults, *error.faults])) from None
-    if faults:
-        raise DesignError(faults)
+        faults += error.faults
+    if document.root.get("cases") is not None:
+        from slopekit.design import cases  # most designs have none
+
+        document, found, wrong = cases.read_cases(document, faults, design_of)
+        faults += wrong
+        design = None if design is None else replace(design, source=document, cases=found)
+    if faults or design is None:
+        raise DesignError(dict.fromkeys(faults))
+    if case is not None:
+        from slopekit.design import cases
+
+        return cases.case_named(design, case).design
     return design
 
 

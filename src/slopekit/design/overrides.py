@@ -77,9 +77,13 @@ def with_overrides(
     root, faults, seen = document.root, list[Fault](), set[str]()
     own = set[Place]()
     for path, value in overrides:
-        shown = value if isinstance(value, str) else shown_of(value)
-        place = Place("--set", 0, 0, cut(f"{path}={shown}"))
-        own.add(place)
+        if isinstance(value, Node):  # of the design itself, a load case: it keeps its place
+            place = value.key_place
+            own |= {place, value.place}
+        else:
+            shown = value if isinstance(value, str) else shown_of(value)
+            place = Place("--set", 0, 0, cut(f"{path}={shown}"))
+            own.add(place)
         if path in seen:
             faults.append(Fault("E151", f"{path} is set twice", str(place), "Leave one of them out."))
             continue
@@ -100,6 +104,8 @@ def with_overrides(
 
 def _override_value(value: object, path: str, place: Place) -> Node:
     faults: list[Fault] = []
+    if isinstance(value, Node):
+        return _moved(value, path)
     if not isinstance(value, str):
         node = from_python(value, path, lambda _path, _value: place, faults)
     elif value.lstrip()[:1] in ("[", "{", "'", '"'):
@@ -121,15 +127,33 @@ def _override_value(value: object, path: str, place: Place) -> Node:
     return node
 
 
+def _moved(node: Node, path: str) -> Node:
+    """A value as it stands at another path: `null` in text as nothing."""
+    if isinstance(node.value, dict):
+        made = {key: _moved(below, joined(path, key)) for key, below in node.value.items()}
+        return replace(node, value=made, path=path)
+    if isinstance(node.value, list):
+        parts = [_moved(below, joined(path, str(k))) for k, below in enumerate(node.value)]
+        return replace(node, value=parts, path=path)
+    return replace(node, path=path)
+
+
+def _written(path: str, place: Place) -> str:
+    """How a value is put over a path: as it was done there."""
+    return f"--set {path}=…" if place.is_set else f"{path}: …"
+
+
 def _parts(path: str, place: Place) -> list[str]:
     parts = path.split(".")
     if not all(part.strip() for part in parts) or NO_TEXT.search(path):
-        advice = "Write --set key=value, for example --set strength.weak.phi=25."
+        advice = f"Write {_written('strength.weak.phi', place)[:-1].strip()}{'' if place.is_set else ' '}25."
         fail("E160", f"{cut(printable(path))!r} is no path to a key", printable(str(place)), advice)
     if len(parts) > MAX_DEPTH:
         fail_large(place, deep=True)
     if parts[0] in _DOTTED_KEYS and len(parts) > 2:
         parts[1:] = [".".join(parts[1:])]
+    if parts[0] == "cases" and parts[2:3] == ["set"] and len(parts) > 4:
+        parts[3:] = [".".join(parts[3:])]  # what a case sets goes by its path
     return parts
 
 
@@ -208,14 +232,15 @@ def _replaced(node: Node, parts: list[str], new: Node | None, place: Place) -> N
         return turned
     if is_distribution(node) and orientation_kind(node) is not None and parts[0] in sum(ANGLES.values(), ()):
         message = f"{node.path} is a distribution, it has no {parts[0]} of its own"
-        advice = f"Set its mean: --set {node.path}.mean=…, or the whole orientation: --set {node.path}=…"
+        mean, whole = _written(f"{node.path}.mean", place), _written(node.path, place)
+        advice = f"Set its mean: {mean}, or the whole orientation: {whole}"
         fail("E161", message, str(place), advice)
     if isinstance(node.value, list):
         return replace(node, value=_replaced_item(node, node.value, parts, new, place))
     node = spread(node)
     if isinstance(node.value, str):
         message = f"{node.path} is the value {cut(node.value)}, it has no {parts[0]}"
-        fail("E161", message, str(place), f"Set it as a whole: --set {node.path}=…")
+        fail("E161", message, str(place), f"Set it as a whole: {_written(node.path, place)}")
     entries = dict(node.items())
     key = parts[0]
     if len(parts) == 1:
@@ -245,7 +270,7 @@ def _replaced_item(node: Node, items: list[Node], parts: list[str], new: Node | 
     if len(parts) > 1:
         copy[index] = _replaced(items[index], parts[1:], new, place)
     elif new is None:
-        advice = f"Set the whole list: --set {node.path}=[…]"
+        advice = f"Set the whole list: {_written(node.path, place)}"
         fail("E162", f"{node.path}.{index} cannot be taken out of its list", str(place), advice)
     else:
         copy[index] = new

@@ -9,7 +9,7 @@ from slopekit.core.errors import Fault
 from slopekit.core.records import dataclass
 from slopekit.design.nodes import Node
 
-Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf"
+Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf | Anything"
 OrientationKind = Literal["plane", "line"]
 #: The angles of a plane and of a line: the steep one, then the direction.
 ANGLES: Mapping[OrientationKind, tuple[str, str]] = {"plane": ("dip", "dip_direction"), "line": ("plunge", "trend")}
@@ -62,6 +62,13 @@ class AnyOf:
     """One of several: the first that fits the value best."""
 
     of: tuple[Spec, ...]
+    example: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Anything:
+    """A value of any shape: it is looked at where it will stand."""
+
     example: str = ""
 
 
@@ -236,6 +243,8 @@ def _is_orientation(spec: Spec) -> bool:
 
 def _fits(node: Node, spec: Spec) -> bool:
     """Whether the value has the shape of the spec, its own keys and items not looked at."""
+    if isinstance(spec, Anything):
+        return True
     if isinstance(spec, AnyOf):
         return any(_fits(node, one) for one in spec.of)
     if isinstance(spec, Leaf):
@@ -247,6 +256,8 @@ def _fits(node: Node, spec: Spec) -> bool:
 
 def _may_be_empty(spec: Spec) -> bool:
     """Whether nothing behind the key says the same as no entries."""
+    if isinstance(spec, Anything):
+        return True
     if isinstance(spec, Section):
         return not spec.required
     if isinstance(spec, AnyOf):
@@ -266,6 +277,8 @@ def _given(node: Node) -> str:
 def _needed(spec: Spec) -> str:
     if isinstance(spec, AnyOf):
         return " or ".join(dict.fromkeys(_needed(one) for one in spec.of))
+    if isinstance(spec, Anything):
+        return "a value"
     if isinstance(spec, Leaf):
         return "a number" if spec.number else "an orientation" if spec.orientation else "a value"
     if isinstance(spec, Section):

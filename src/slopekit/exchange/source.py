@@ -105,6 +105,10 @@ def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
     study = document.get("study")
     if study or "geometry" not in document:
         what = f"{name} is the result of {study or 'a study'}, it holds no blocks"
+        cases = document.get("cases")
+        if study == "cases" and isinstance(cases, Mapping) and cases:
+            advice = f"Take one of its load cases: the folder {' or '.join(map(str, cases))} beside {name}."
+            return Fault("E362", f"{name} is the result of load cases, it holds no blocks", name, advice)
         return Fault("E362", what, name, f"Files are made of the result of one design. {_MAKE}")
     message = f"{name} holds no scene: slopekit {document.get('slopekit')} wrote none"
     return Fault("E362", message, name, f"Make it again. {_MAKE}")

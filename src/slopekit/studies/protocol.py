@@ -4,9 +4,11 @@ The command of a study is made of its function (`slopekit.cli.study_command`): e
 `Argument` in its type is one of the command. A new study is a folder with such a function and a line of `STUDIES`.
 """
 
+import inspect
 from collections.abc import Callable, Mapping
+from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault
@@ -29,7 +31,28 @@ STUDIES: Mapping[str, str] = {
 VARIANTS: Mapping[str, tuple[str, str]] = {
     "suite": ("check", "slopekit.studies.suite"), "tornado": ("sweep", "slopekit.studies.tornado"),
 }  # fmt: skip
-study = documented
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def study(function: Function) -> Function:
+    """A study: its docstring lists its parameters, and a design with load cases goes through it case by case."""
+    documented(function)
+    parameters = inspect.signature(function).parameters
+    place = next((key for key, one in parameters.items() if given_by(one) == DESIGN), None)
+    if place is None:
+        return function
+
+    @wraps(function)
+    def through_cases(*values: Any, **named: Any) -> Any:
+        design = values[0] if values else named.get(place)
+        if not getattr(design, "cases", ()):
+            return function(*values, **named)
+        from slopekit.studies.cases import each_case
+
+        given = dict(zip(parameters, values, strict=False)) | named
+        return each_case(function, function.__name__, given.pop(place), given, place)
+
+    return cast(Function, through_cases)
 
 
 class Outcome(Shown):

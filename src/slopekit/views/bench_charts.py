@@ -37,7 +37,7 @@ def draw_reliability(figure: Any, document: Document) -> None:
     benches, wanted = document["benches"], 100.0 * document["inputs"]["reliability"]
     heights = sorted({bench["height_m"] for bench in benches})
     dips = sorted({bench["face_dip_deg"] for bench in benches})
-    given = document["inputs"]["berms_m"]
+    given, asked = document["inputs"]["berms_m"], document.get("accepted") is not None
     panels: Sequence[int] = range(len(benches[0]["reliability"]) if given else 1)
     figure.set_size_inches(max(7.0, 2.4 + 1.15 * len(dips)), 1.7 + len(panels) * (1.5 + 0.72 * len(heights)))
     every = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
@@ -55,7 +55,7 @@ def draw_reliability(figure: Any, document: Document) -> None:
             inverse = share < 25.0 or share > 92.0
             axes.text(column, row, "\n".join([*lines, needs]), ha="center", va="center", fontsize=8.0,
                       color="white" if inverse else "black")  # fmt: skip
-            if share >= wanted:
+            if berm.get("accepted") if asked else share >= wanted:
                 axes.add_patch(_frame(column, row))
         image = axes.imshow(cells, cmap=colours, vmin=0.0, vmax=100.0, aspect="auto", origin="lower")
         axes.set_xticks(range(len(dips)), [f"{number(dip)}°" for dip in dips])
@@ -63,10 +63,11 @@ def draw_reliability(figure: Any, document: Document) -> None:
         axes.set_ylabel("bench height")
         said = f"berm {number(given[panel])} m" if given else f"with the berm needed for {number(wanted)} %"
         axes.set_title(said, fontsize=9.5)
+    framed = "accepted" if asked else "reached"
     every[-1].set_xlabel("face angle")
     figure.colorbar(image, ax=list(every), label="length that keeps the catch width, %")
     figure.suptitle(
-        f"{_title(document)}\nreliability, inter-ramp angle, berm for {number(wanted)} %; framed: reached",
+        f"{_title(document)}\nreliability, inter-ramp angle, berm for {number(wanted)} %; framed: {framed}",
         fontsize=10.0,
     )
 

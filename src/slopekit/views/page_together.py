@@ -119,7 +119,11 @@ def same_design(documents: Sequence[Document]) -> bool:
 
 
 def _differing(documents: Sequence[Document]) -> Iterator[tuple[str, ...]]:
-    inputs = [found if isinstance(found := document.get("inputs"), Mapping) else {} for document in documents]
+    surveys = [document.get("study") == document.get("kind") for document in documents]  # of many joints, no design
+    inputs = [
+        found if isinstance(found := document.get("inputs"), Mapping) and (all(surveys) or not of_survey) else {}
+        for document, of_survey in zip(documents, surveys, strict=True)
+    ]
     for key in dict.fromkeys(key for own in inputs for key in own):
         having = [own[key] for own in inputs if key in own]
         if key in _NO_INPUT or len(having) < 2 or all(one == having[0] for one in having):

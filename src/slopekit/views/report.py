@@ -15,7 +15,7 @@ from slopekit.kinds import words_named
 from slopekit.views import page_together as together
 from slopekit.views import report_tables as tables
 from slopekit.views.page_pictures import still_pictures
-from slopekit.views.plots import checked_document
+from slopekit.views.plots import by_case, checked_document
 from slopekit.views.report_inputs import Table, input_tables, value_text, words
 from slopekit.views.report_tables import parts
 from slopekit.views.report_words import answer, force_notes, meaning
@@ -52,9 +52,8 @@ PROJECT = {
 }  # fmt: skip
 _TITLES = {
     "sweep": "Sweep", "tornado": "What each number does", "prob": "Probability of failure", "solve": "Back-calculation",
-    "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints", "kinematic": "Kinematic tests",
-    "bench-design": "Bench design",
-    "sets": "Joint sets",
+    "cases": "Load cases", "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints",
+    "kinematic": "Kinematic tests", "bench-design": "Bench design", "sets": "Joint sets",
 }  # fmt: skip
 
 
@@ -93,11 +92,20 @@ def report_of(
     DesignError
         E140 without the extra, E371 neither result nor study, E372 one that is damaged, E376 a key of the project.
     """
-    several = [documents] if isinstance(documents, Mapping) else list(documents)
-    called = [*names, *[""] * (len(several) - len(names))]
+    given = [documents] if isinstance(documents, Mapping) else list(documents)
+    named = [*names, *[""] * (len(given) - len(names))]
+    several, called, case_of = list[Mapping[str, Any]](), list[str](), list[str]()
+    for document, name in zip(given, named, strict=True):  # load cases follow their table
+        cases = by_case(document, name=name) if document.get("study") == "cases" else {}
+        several += [document, *cases.values()]
+        called += [name, *(f"{name}, case {case}".lstrip(", ") for case in cases)]
+        case_of += ["", *cases]
     require_jinja(called[0])
     said = _project(several, project or {})
-    short = [f"{k} {_short_name(document)}" for k, document in enumerate(several, 1)]
+    short = [
+        f"{k} {_short_name(document)}" + (f", {case}" if case else "")
+        for k, (document, case) in enumerate(zip(several, case_of, strict=True), 1)
+    ]
     notices, missing, articles = list[Notice](), list[str](), list[dict[str, Any]]()
     views, verified, drawn = _Views(), set[str](), dict[str, str]()
     for k, (document, name, sheet) in enumerate(
@@ -243,8 +251,10 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
         if not isinstance(document[key], str):
             raise TypeError(f"{key} is no text")
     name = document["study"]
-    title = document.get("title") or _TITLES.get(name, name)
-    kind = str(document.get("kind") or "")
+    survey, kind = document.get("survey"), str(document.get("kind") or "")
+    of = str(survey["name"]) if isinstance(survey, Mapping) and survey.get("name") else ""
+    title = document.get("title") or of or _TITLES.get(name, name)
+    kind = "" if kind == name else kind  # a survey has none
     sections = [(label, list(parts(entries))) for label, entries in sheet.items() if label != "NOTE"]
     return {
         "is_study": True, "title": title, "kind": " · ".join(one for one in (_TITLES.get(name, name), kind) if one),

@@ -216,9 +216,11 @@ def rows_of(key: str, value: Any, name: str) -> list[tuple[str, ...]]:
             return [(name, f"{given.in_words()}{_more(value['pressures_kpa'])}")]
         return [(name, given.in_words())]
     if key == "seismic":
-        trend = value["trend_deg"]
+        coefficient, trend = (
+            (value["coefficient"], value["trend_deg"]) if isinstance(value, Mapping) else (value, None)  # of benches
+        )
         toward = "" if trend is None else f" toward {trend:03.0f}"
-        return [("seismic coefficient", f"{value['coefficient']:.4g} g{toward}" if value["coefficient"] else "none")]
+        return [("seismic coefficient", f"{coefficient:.4g} g{toward}" if coefficient else "none")]
     if isinstance(value, Mapping):
         parts = [(part, own) for part, own in value.items() if own not in (None, [])]
         return [row for part, own in parts for row in rows_of(part, own, f"{name}: {words(part)}")]

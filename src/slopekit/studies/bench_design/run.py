@@ -75,6 +75,13 @@ class BenchDesigns(Outcome):
         return max(self.benches, key=lambda bench: bench.inter_ramp_deg)
 
     @property
+    def steepest_accepted(self) -> OfBerm | None:
+        """Of the berms that are accepted the one with the steepest inter-ramp angle, None where there is none."""
+        return max(
+            (berm for berm in self.berms if berm.accepted), key=lambda berm: berm.inter_ramp_deg, default=None
+        )  # fmt: skip
+
+    @property
     def accepted(self) -> bool | None:
         """Whether a bench reaches the reliability that has to be reached, None where none has to be."""
         found = [berm.accepted for berm in self.berms]

@@ -39,6 +39,9 @@ def line_of(found: BenchDesigns) -> str:
     said = "" if found.accepted is None else "  ACCEPTED" if found.accepted else "  NOT ACCEPTED"
     checked = found.checked
     agree = "" if checked is None else f"  PRE-IE agrees on {checked.said.agree} of {checked.said.samples}"
+    steepest = found.steepest_accepted
+    if steepest is not None:
+        return f"steepest accepted: {_in_words(steepest)}{agree}{said}"
     return (
         f"steepest: {number(best.height_m)} m at {number(best.face_dip_deg)}°, berm {best.berm_needed_m:.1f} m for "
         f"{number(100.0 * wanted)} %, inter-ramp {best.inter_ramp_deg:.1f}°{agree}{said}"
@@ -194,13 +197,22 @@ def _best(found: BenchDesigns) -> list[str]:
     ]
     least = asked.numbers["accept"]
     if least is not None:
-        met = [berm for berm in found.berms if berm.accepted]
+        met, steepest = [berm for berm in found.berms if berm.accepted], found.steepest_accepted
         verdict = (
             f"{len(met)} of {len(found.berms)} reach {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
             if met else f"none reaches {number(100.0 * least)} % with the lower limit, PRE-IE agreeing"
         )  # fmt: skip
         entries.append(f"{'ACCEPTED' if met else 'NOT ACCEPTED'}: {verdict}")
+        if steepest is not None:
+            entries.append(f"steepest of these: {_in_words(steepest)}")
     return entries
+
+
+def _in_words(berm: OfBerm) -> str:
+    return (
+        f"{number(berm.height_m)} m at {number(berm.face_dip_deg)}°, berm {berm.berm_m:.2f} m, inter-ramp "
+        f"{berm.inter_ramp_deg:.1f}°"
+    )
 
 
 def _pre_ie(found: BenchDesigns) -> list[str]:

@@ -10,11 +10,14 @@
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from dataclasses import field, replace
+from operator import attrgetter
 from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
+from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance
@@ -97,6 +100,32 @@ class Check(Outcome):
         if self.consistent is False:
             return 4
         return 1 if self.result.accepted is False else 0
+
+    @property
+    def accepted(self) -> bool | None:
+        """As of its result."""
+        return self.result.accepted
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """Those of its result."""
+        return self.result.warnings
+
+    @property
+    def margin(self) -> float | None:
+        """As of its result."""
+        return self.result.margin
+
+    def case_columns(self) -> list[Column[Any]]:
+        """Those of its result, and whether it is consistent."""
+
+        def of_result(column: Column[Any]) -> Column[Any]:
+            return replace(column, of=lambda found: column.of(found.result))
+
+        *own, status = map(of_result, self.result.case_columns())
+        word = {True: "yes", False: "NO", None: "open"}
+        consistent = Column("consistent", attrgetter("consistent"), "consistent", show=word.__getitem__, width=12)
+        return [*own, consistent, status]
 
     def to_dict(self) -> dict[str, Any]:
         """The check as JSON values; times, and what depends on them, stand in a block of their own."""

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import field
+from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -17,6 +18,7 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at
 from slopekit.kinds import kind_of
@@ -182,6 +184,19 @@ class Probability(Outcome):
         checked = self.confirmation
         doubted = self.unjudged or (checked is not None and (checked.unsafe or checked.settled < checked.samples))
         return not doubted and self.all_samples.high <= self.asked.accept
+
+    @property
+    def margin(self) -> float | None:
+        """The probability that it does not fail."""
+        return None if self.leading.probability is None else 1.0 - self.leading.probability
+
+    def case_columns(self) -> list[Column[Any]]:
+        """The probability of failure to lead with, its limits."""
+        columns = (("P of failure", "probability", 14), ("from", "low", 10), ("to", "high", 10))
+        return [
+            Column(title, attrgetter(f"leading.{name}"), name, show=".3g", width=width)
+            for title, name, width in columns
+        ]  # fmt: skip
 
     @property
     def leading(self) -> Leading:

@@ -10,7 +10,7 @@
 import math
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import pairwise, product
 from pathlib import Path
@@ -20,7 +20,7 @@ from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import is_number
+from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of
 from slopekit.notices import means_taken
@@ -121,6 +121,26 @@ class Sweep(Outcome):
         for k, other in enumerate(others):
             own = self.points[k * len(first) : (k + 1) * len(first)]
             yield other, sorted(zip(first, own, strict=True), key=lambda pair: pair[0])
+
+    @property
+    def margin(self) -> float | None:
+        """The least factor."""
+        return min(self._factors(), default=None)
+
+    def _factors(self) -> list[float]:
+        every = (factor_at(point, self.asked[0]) for point in self.points)
+        return [factor for factor in every if factor is not None]
+
+    def case_columns(self) -> list[Column[Any]]:
+        """The least and the largest factor."""
+
+        def end(which: Callable[..., float]) -> Callable[[Sweep], float | None]:
+            return lambda found: which(found._factors(), default=None)
+
+        return [
+            Column("least FoS", end(min), "fos_least", show=".4f", width=12),
+            Column("largest FoS", end(max), "fos_largest", show=".4f", width=14),
+        ]
 
     @property
     def changes(self) -> list[Change]:

@@ -1,0 +1,137 @@
+"""Load cases: a design with some of its keys set, and an acceptance of its own.
+
+>>> from slopekit.design.files import load
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+...          "cases": {"static": {"accept": "fos >= 1.5"}, "quake": {"set": {"loads.seismic.k": 0.1}}}}
+>>> [(case.name, case.sets, case.design.seismic.coefficient) for case in load(wedge).cases]
+[('static', (), 0.0), ('quake', (('loads.seismic.k', '0.1'),), 0.1)]
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+
+from slopekit.core.errors import DesignError, Fault
+from slopekit.design.common import Design, LoadCase
+from slopekit.design.nodes import Document, Node, cut
+from slopekit.design.overrides import with_overrides
+
+_NOT_SET = ("slopekit", "kind", "cases")
+_NAME = re.compile(r"[^\W_](?:[\w -]{0,38}\w)?")  # of files and folders on every system, too
+
+
+def read_cases(
+    document: Document, wrong: Sequence[Fault], design_of: Callable[[Document, bool], Design]
+) -> tuple[Document, tuple[LoadCase, ...], list[Fault]]:
+    """The cases of a document.
+
+    Parameters
+    ----------
+    wrong : what is wrong with the design itself, which is not said again of each case
+    design_of : reads a document with values put over those of a sound design
+
+    Returns
+    -------
+    the document without its cases, the cases, and every fault of theirs: E471 a case that says nothing, E472 two names
+    that files cannot tell apart, E473 a name that no file can have, E474 a key that no case can set, and what the
+    design with these values is wrong in
+    """
+    group = document.root.get("cases")
+    bare = replace(document, root=replace(document.root, value={
+        key: node for key, node in document.root.items() if key != "cases"
+    }))  # fmt: skip
+    found, faults, names = list[LoadCase](), list[Fault](), dict[str, str]()
+    for name, node in group.items() if group is not None else ():
+        if not node.is_mapping and node.value is not None:
+            continue  # the structure says what it is
+        own = [*_misnamed(name, node, names), *_unsettable(name, node)]
+        case = None
+        if not own:
+            try:
+                case = _case(bare, name, node, design_of)
+            except DesignError as error:
+                own = _of_case(name, node, [fault for fault in error.faults if fault not in wrong])
+        faults += own
+        if case is not None:
+            found.append(case)
+    return bare, tuple(found), faults
+
+
+def case_named(design: Design, name: str) -> LoadCase:
+    """A case by its name: E475 for another, with the nearest; E476 where there are none."""
+    known = {case.name: case for case in design.cases}
+    if not known:
+        message = f"the design has no load cases, {name} is none"
+        raise DesignError([Fault("E476", message, f"--case {name}", "Leave --case out, or write cases: in the file.")])
+    if name not in known:
+        near = get_close_matches(name, known, n=1) or get_close_matches(name.lower(), known, n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}."
+        raise DesignError([Fault("E475", f"{name} is no load case of this design", f"--case {name}", advice)])
+    return known[name]
+
+
+def _misnamed(name: str, node: Node, names: dict[str, str]) -> Iterator[Fault]:
+    where = str(node.key_place)
+    if not _NAME.fullmatch(name) and not re.search(r"[./]", name):  # of those the structure says so
+        message = f"{cut(repr(name))} cannot be the name of a load case: files are named after it"
+        yield Fault("E473", message, where, "Letters, digits, blanks, - and _, at most 40, a letter or digit first.")
+    first = names.setdefault(name.casefold(), name)
+    if first != name:
+        message = f"the load cases {first} and {name} differ in capitals alone"
+        yield Fault("E472", message, where, "Files are named after them, and many systems do not tell these apart.")
+
+
+def _unsettable(name: str, node: Node) -> Iterator[Fault]:
+    sets, accept = node.get("set"), node.get("accept")
+    if (sets is None or not sets.value) and (accept is None or not accept.value):
+        message = f"the load case {name} is empty: it sets no key and accepts nothing of its own"
+        advice = f'Write {name}: {{set: {{loads.seismic.k: 0.1}}}}, or {name}: {{accept: "fos >= 1.5"}}'
+        yield Fault("E471", message, str(node.key_place), advice)
+    for path, below in sets.items() if sets is not None else ():
+        if (top := path.partition(".")[0].strip()) in _NOT_SET:
+            what = "cases within a case" if top == "cases" else f"{top} of the design"
+            advice = "A case sets keys of the one design: its slope, strengths, water, loads, support, analysis."
+            yield Fault("E474", f"the load case {name} cannot set {what}", str(below.key_place), advice)
+
+
+def _case(
+    bare: Document, name: str, node: Node, design_of: Callable[[Document, bool], Design]
+) -> LoadCase | None:  # fmt: skip
+    sets, accept, title = node.get("set"), node.get("accept"), bare.root.get("title")
+    if (sets is not None and sets.value is not None and not sets.is_mapping) or (
+        accept is not None and accept.is_mapping
+    ):
+        return None  # the structure says so
+    values: list[tuple[str, object]] = [(path.strip(), below) for path, below in (sets.items() if sets else ())]
+    shown = tuple((path, _shown(below)) for path, below in (sets.items() if sets else ()))
+    if accept is not None and accept.value:
+        values.append(("acceptance.rules", accept))
+    said = "" if title is None or not title.text else f"{title.text}, "
+    if not any(path == "title" for path, _ in values):
+        values.append(("title", replace(title or node, value=f"{said}case {name}")))
+    document = with_overrides(bare, values)
+    return LoadCase(name, shown, replace(design_of(document, True), source=document))
+
+
+def _of_case(name: str, node: Node, faults: Sequence[Fault]) -> list[Fault]:
+    """Faults of a case; those that do not stand in it say whose they are."""
+    own = set(_places(node))
+    return [
+        fault if fault.where in own else replace(fault, message=f"{fault.message} (load case {name})")
+        for fault in faults
+    ]
+
+
+def _places(node: Node) -> Iterator[str]:
+    yield from (str(node.place), str(node.key_place))
+    for part in node.elements or tuple(below for _, below in node.items()):
+        yield from _places(part)
+
+
+def _shown(node: Node) -> str:
+    if isinstance(node.value, dict):
+        return f"{{{', '.join(f'{key}: {_shown(below)}' for key, below in node.value.items())}}}"
+    if isinstance(node.value, list):
+        return f"[{', '.join(_shown(below) for below in node.value)}]"
+    return "null" if node.value is None else node.value

@@ -1,0 +1,256 @@
+"""The load cases of a design, each through the same function: one table over them, the worst of them the answer.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+...          "acceptance": {"rules": "fos >= 1.5"}, "cases": {"dry": {"set": {"water.fill": 0}},
+...          "wet": {"set": {"water": "full"}, "accept": "fos >= 1.2"}}}
+>>> found = sk.run(wedge)
+>>> round(found.cases["wet"].fos.limit, 3), found.governing, found.exit_code
+(1.039, 'wet', 1)
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from importlib import import_module
+from operator import attrgetter
+from typing import Any, ClassVar, Protocol
+
+from slopekit._version import __version__
+from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column, Section, Sheet, Table
+from slopekit.core.shown import Shown
+from slopekit.design.common import Design, LoadCase
+from slopekit.notices import INVENTED
+from slopekit.studies.words import head
+
+#: Studies that find one thing for all cases: the module with `for_all`, and `options` of each case.
+_FOR_ALL: Mapping[str, str] = {
+    "support": "slopekit.studies.support.for_cases", "solve": "slopekit.studies.solve.for_cases",
+}  # fmt: skip
+_ROOM, _LAST = 88, 16  # characters of a line beside its label; of those its last column, as it comes
+_EXITS = (0, 1, 4, 3, 2, 5)  # from good to bad
+
+
+class ForAll(Protocol):
+    """What a study finds for all cases at once."""
+
+    @property
+    def exit_code(self) -> int:
+        """0 found, 1 there is none, 4 the methods disagree."""
+        ...
+
+    @property
+    def governing(self) -> str:
+        """The case that governs, empty where none does."""
+        ...
+
+    @property
+    def line(self) -> str:
+        """On one line."""
+        ...
+
+    def sections(self) -> Sequence[Section]:
+        """On the sheet."""
+        ...
+
+    def files(self) -> dict[str, str]:
+        """To be put into a design."""
+        ...
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    case: LoadCase
+    of: Shown
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Cases(Shown):
+    """What a function came to, case by case.
+
+    Attributes
+    ----------
+    design : without what a case sets
+    what : the function's name
+    cases : by the name of the case: results, or outcomes of a study
+    for_all : what the study finds for all of them, None where it finds nothing of the kind
+    keys : of the design, by their paths, to which the study gives values of its own
+    """
+
+    name: ClassVar[str] = "cases"
+    design: Design
+    what: str
+    cases: Mapping[str, Any]
+    for_all: ForAll | None = None
+    keys: tuple[str, ...] = ()
+
+    @property
+    def file_names(self) -> tuple[str, str]:
+        """As of a design without cases."""
+        names: tuple[str, str] = next(iter(self.cases.values())).file_names
+        return names
+
+    @property
+    def parts(self) -> Mapping[str, Shown]:
+        """The cases, whose files stand in folders of their names."""
+        return self.cases
+
+    @property
+    def exit_code(self) -> int:
+        """That of the worst case; what is found for all cases decides where a study finds it."""
+        if self.for_all is not None:
+            return self.for_all.exit_code
+        return max((int(one.exit_code) for one in self.cases.values()), key=_EXITS.index)
+
+    @property
+    def governing(self) -> str:
+        """The case that is nearest to not being accepted, or the farthest from it."""
+        if self.for_all is not None:
+            return self.for_all.governing
+
+        def worst(name: str) -> tuple[int, float]:
+            one = self.cases[name]
+            return -_EXITS.index(one.exit_code), math.inf if one.margin is None else one.margin
+
+        return min(self.cases, key=worst)
+
+    @property
+    def accepted(self) -> bool | None:
+        """Whether every case is accepted; None where none has a rule."""
+        found = [one.accepted for one in self.cases.values() if getattr(one, "accepted", None) is not None]
+        return all(found) if found else None
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What a reader must know, and of which cases."""
+        whose: dict[Notice, list[str]] = {}
+        for case in self.design.cases:
+            for path in self.keys:
+                if any(f"{own}.".startswith(f"{path}.") or f"{path}.".startswith(f"{own}.") for own, _ in case.sets):
+                    own_key = f"{path}, which the case sets itself, has the values of the study there"
+                    whose.setdefault(Notice("W427", own_key), []).append(case.name)
+        for name, one in self.cases.items():
+            for notice in dict.fromkeys(getattr(one, "warnings", ())):
+                whose.setdefault(notice, []).append(name)
+        return tuple(
+            notice if len(names) == len(self.cases) else Notice(notice.code, f"{', '.join(names)}: {notice.message}")
+            for notice, names in whose.items()
+        )
+
+    @property
+    def line(self) -> str:
+        """The governing case, and what is said of it."""
+        if self.for_all is not None:
+            return self.for_all.line
+        return f"{self.governing} governs {len(self.cases)} cases  {self.cases[self.governing].line}"
+
+    @property
+    def sheet(self) -> Sheet:
+        """The table over the cases."""
+        rows = [_Row(case, self.cases[case.name]) for case in self.design.cases]
+        first = next(iter(self.cases.values()))
+        more = first.case_columns()
+        width = min(max(len(row.case.name) for row in rows), 24) + 2
+        room = _ROOM - width - sum(abs(column.width) for column in more if abs(column.width) > 1) - _LAST
+        room = max(min(room, max(len(row.case.in_words) for row in rows) + 2), 8)
+        is_cut = any(len(row.case.in_words) > room - 2 for row in rows)
+        own: list[Column[_Row]] = [
+            Column("case", attrgetter("case.name"), "case", width=-max(width, 6)),
+            Column("sets", attrgetter("case.in_words"), "sets", width=-room,
+                   show=lambda text: text if len(text) < room - 1 else f"{text[: room - 5]}..."),
+        ]  # fmt: skip
+        own += [replace(column, of=_of(column), text=None) for column in more]
+        own.append(Column("says", attrgetter("of.line"), "line"))
+        table = Table(own, rows)
+        own_name = "cases.csv" if self.what == "run" else f"{self.what}-cases.csv"
+        found = [Section("CASES", [table])]
+        if is_cut:
+            found.append(Section("SETS", [f"{row.case.name}: {row.case.in_words}" for row in rows if row.case.sets]))
+        if not more:
+            found.append(Section("EACH", [f"{row.case.name}: {row.of.line}" for row in rows]))
+        if self.for_all is not None:
+            found += self.for_all.sections()
+        elif more:
+            found.append(Section("GOVERNS", [f"{self.governing}: {self.cases[self.governing].line}"]))
+        elif first.margin is not None:
+            found.append(Section("GOVERNS", [self.governing]))
+        found.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
+        found.append(Section("MORE", ["--case NAME has the whole of one case; -o DIR those of all"]))
+        return Sheet(head(self.design, f"{self.what}, {len(rows)} load cases"), found, {own_name: table})
+
+    def files(self) -> dict[str, str]:
+        """What the study found for all cases."""
+        return {} if self.for_all is None else self.for_all.files()
+
+    def done(self) -> None:
+        """All cases are written."""
+        for one in self.cases.values():
+            one.done()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The cases as JSON values: each as it would stand alone."""
+        return {
+            "slopekit": __version__, "study": "cases", "of": self.what, "kind": self.design.kind,
+            "title": self.design.title, "input_sha256": self.design.input_hash(), "inputs": self.design.inputs(),
+            **({"project": project} if (project := self.design.project.given()) else {}),
+            "governing": self.governing, "accepted": self.accepted, "exit_code": self.exit_code,
+            "sets": {case.name: dict(case.sets) for case in self.design.cases},
+            **({} if self.for_all is None else {"for_all": json_of(self.for_all.to_dict())}),
+            "cases": {name: one.to_dict() for name, one in self.cases.items()},
+            "warnings": [notice.to_dict() for notice in self.warnings],
+            "line": self.line, "sheet": self.sheet.to_dict(),
+        }  # fmt: skip
+
+
+def _of(column: Column[Any]) -> Callable[[_Row], Any]:
+    return lambda row: column.of(row.of)
+
+
+def each_case(
+    function: Callable[..., Any], name: str, design: Design, given: Mapping[str, Any], place: str = "design"
+) -> Cases:
+    """What a function comes to for each load case of a design.
+
+    Parameters
+    ----------
+    name : of the function; given : what else it takes; place : the name of its parameter for the design
+
+    Raises
+    ------
+    DesignError, GeometryError
+        With the faults of all cases: those that not all of them have say whose they are.
+    """
+    module = import_module(_FOR_ALL[name]) if name in _FOR_ALL else None
+    found, wrong = dict[str, Any](), dict[str, DesignError | GeometryError]()
+    for case in design.cases:
+        own = dict(given) if module is None else module.options(case.design, given)
+        try:
+            found[case.name] = function(**{place: case.design}, **own)
+        except (DesignError, GeometryError) as error:
+            wrong[case.name] = error
+    if wrong:
+        _refuse(wrong, len(design.cases))
+    varied = given.get("keys", given.get("key")) or ()
+    keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
+    return Cases(design, name, found, None if module is None else module.for_all(found, given), keys)
+
+
+def _refuse(wrong: Mapping[str, DesignError | GeometryError], count: int) -> None:
+    """Raise the faults of several cases as one error, each with its cases."""
+    whose: dict[Fault, list[str]] = {}
+    for name, error in wrong.items():
+        for fault in error.faults:
+            whose.setdefault(fault, []).append(name)
+    every = [
+        fault if len(names) == count else
+        replace(fault, message=f"{fault.message} (load case{'s' * (len(names) > 1)} {', '.join(names)})")
+        for fault, names in whose.items()
+    ]  # fmt: skip
+    raise (DesignError if any(isinstance(one, DesignError) for one in wrong.values()) else GeometryError)(every)

@@ -1,0 +1,262 @@
+"""Bolts that satisfy every load case of a design: those of the case that governs, tried in all others."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from operator import attrgetter
+from typing import Any
+
+from slopekit.core.errors import GeometryError
+from slopekit.core.records import dataclass
+from slopekit.core.sheet import Column, Section, Table, counted, factor_text
+from slopekit.design.common import Bolt, Design
+from slopekit.kinds import dilates, factors_of
+from slopekit.studies.support.records import Acts, Case, Support, snippet, written
+from slopekit.studies.support.search import Answer
+
+_RAISED, _LEAST, _MOST = 16, 1.001, 1.5  # rounds in which forces are raised; by so much at least, at most
+_CLOSE = 1.002  # of forces that satisfy all and that do not
+_OVER = 1e-9  # of a bolt's capacity: rounding
+
+
+def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
+    """What the study of a case takes: the factor that its acceptance asks for, where no other is wanted."""
+    asked = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")]
+    return {**({"fos": max(asked)} if asked else {}), **given}
+
+
+@dataclass(frozen=True, slots=True)
+class InCase:
+    """A load case with the bolts: what it asks for, what both methods give, whether that is enough."""
+
+    case: str
+    target: float
+    status: str
+    limit: float | None
+    closed_form: float | None
+    met: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tried:
+    """Bolts in all cases.
+
+    Attributes
+    ----------
+    acts : how they act; governing : the case that they were found for
+    bolts : as they are written; raised : how much more force they have than that case alone needs, 1 for none
+    inside : every case with them; most : force of the strongest, kN; capacity : that a bolt may have, kN
+    """
+
+    acts: Acts
+    governing: str
+    bolts: tuple[Bolt, ...]
+    raised: float
+    inside: tuple[InCase, ...]
+    capacity: float
+
+    @property
+    def force(self) -> float:
+        """Of all of them, kN."""
+        return sum(bolt.force_kn for bolt in self.bolts)
+
+    @property
+    def met(self) -> bool:
+        """Whether every case is satisfied by bolts that there are."""
+        return all(one.met for one in self.inside) and self.most <= self.capacity * (1.0 + _OVER)
+
+    @property
+    def most(self) -> float:
+        """The force of the strongest bolt, kN."""
+        return max((bolt.force_kn for bolt in self.bolts), default=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SupportForAll:
+    """What satisfies all cases, for each way the bolts act; nothing where all stand as they are."""
+
+    found: Mapping[str, Support]
+    tried: tuple[Tried, ...]
+    lacking: tuple[str, ...]
+
+    @property
+    def stands(self) -> bool:
+        """Whether no case needs anything."""
+        return all(one.stands for one in self.found.values())
+
+    @property
+    def best(self) -> Tried | None:
+        """The bolts of least force that satisfy all cases."""
+        return min((one for one in self.tried if one.met), key=lambda one: one.force, default=None)
+
+    @property
+    def governing(self) -> str:
+        """The case whose bolts satisfy all; else the first that lacks them."""
+        if self.best is not None:
+            return self.best.governing
+        return next((name for name, one in self.found.items() if not one.reached), next(iter(self.found)))
+
+    @property
+    def exit_code(self) -> int:
+        """0 found or nothing needed, 1 no bolts satisfy all cases, 4 the methods disagree."""
+        if any(one.exit_code == 4 for one in self.found.values()):
+            return 4
+        return 0 if self.stands or self.best is not None else 1
+
+    @property
+    def line(self) -> str:
+        """What satisfies all cases."""
+        if self.stands:
+            return f"all {len(self.found)} cases stand as they are"
+        one = self.best
+        if one is None:
+            return f"NOT REACHED in all cases: {'; '.join(self.lacking) or 'see the cases'}"
+        return f"{_what(one, self.found)} for all {len(self.found)} cases, {one.governing} governs"
+
+    def sections(self) -> list[Section]:
+        """What satisfies all, and every case with it."""
+        if self.stands or not (self.tried or self.lacking):
+            return [Section("FOR ALL", [self.line])]
+        return [Section("FOR ALL", [*self._entries(), *self.lacking])]
+
+    def _entries(self) -> list[Any]:
+        found: list[Any] = []
+        for one in self.tried:
+            said = f"{one.acts}: {_what(one, self.found)}; {one.governing} governs"
+            if one.raised > 1.0:
+                said += f", its force raised by {(one.raised - 1.0) * 100:.2g} % for the other cases"
+            found += [said if one.met else f"{said}: NOT REACHED", _table(one.inside)]
+        return found
+
+    def files(self) -> dict[str, str]:
+        """`support:` of a design file for each way the bolts act."""
+        return {f"support-{one.acts}.yaml": self._yaml(one) for one in self.tried if one.met}
+
+    def _yaml(self, one: Tried) -> str:
+        existing = {support.design.bolts for support in self.found.values()}
+        if len(existing) == 1:
+            return snippet((*next(iter(existing)), *one.bolts))
+        return "# beside the bolts that are there: they differ from case to case\n" + snippet(one.bolts)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        best = self.best
+        return {
+            "reached": self.exit_code == 0, "stands": self.stands, "governing": self.governing,
+            "acts": None if best is None else best.acts,
+            "bolts": [
+                {
+                    "acts": one.acts, "governing": one.governing, "met": one.met, "count": len(one.bolts),
+                    "force_kn": one.force, "raised": one.raised, "yaml": self._yaml(one),
+                    "cases": [
+                        {"case": row.case, "target_fos": row.target, "status": row.status, "limit": row.limit,
+                         "closed_form": row.closed_form, "met": row.met} for row in one.inside
+                    ],
+                } for one in self.tried
+            ],
+            "lacking": list(self.lacking),
+        }  # fmt: skip
+
+
+def _what(one: Tried, found: Mapping[str, Support]) -> str:
+    unit = next(iter(found.values())).unit
+    return f"{counted(len(one.bolts), f'{one.acts} bolt')}, {one.force:.1f} {unit} in all"
+
+
+def _table(inside: Sequence[InCase]) -> Table[InCase]:
+    def factor(value: float | None) -> str:
+        return factor_text(value).strip()
+
+    columns: list[Column[InCase]] = [
+        Column("with them", attrgetter("case"), "case", width=-22),
+        Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
+        Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
+        Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
+        Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
+        Column("  status", attrgetter("status"), "status", width=-1, about="  {}"),
+    ]
+    return Table(columns, inside)
+
+
+def for_all(found: Mapping[str, Support], given: Mapping[str, Any]) -> SupportForAll:
+    """Bolts for all cases, for each way they act.
+
+    The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not
+    satisfied, the bolts of every case are tried with more force, and those of least force are taken.
+    """
+    if all(one.stands for one in found.values()):
+        return SupportForAll(found, (), ())
+    tried, lacking = list[Tried](), list[str]()
+    for acts in next(iter(found.values())).options.acts:
+        built = {
+            name: case for name, one in found.items() for case in one.built if case.acts == acts and not one.stands
+        }
+        short = [name for name, case in built.items() if not case.reached or not case.bolts]
+        if short:
+            lacking.append(f"{acts} bolts alone do not satisfy {', '.join(short)}")
+            continue
+        tried.append(_for_all(acts, built, found))
+    return SupportForAll(found, tuple(tried), tuple(lacking))
+
+
+def _for_all(acts: Acts, built: Mapping[str, Case], found: Mapping[str, Support]) -> Tried:
+    def total(name: str) -> float:
+        return sum(bolt.force_kn for bolt in built[name].bolts)
+
+    names = sorted(built, key=total, reverse=True)
+    first = _tried(acts, names[0], built[names[0]].bolts, 1.0, found)
+    if first.met:
+        return first
+    raised = [_raised(first if name == names[0] else _tried(acts, name, built[name].bolts, 1.0, found), found)
+              for name in names]  # fmt: skip
+    return min(raised, key=lambda one: (not one.met, one.force))
+
+
+def _tried(
+    acts: Acts, governing: str, bolts: tuple[Bolt, ...], raised: float, found: Mapping[str, Support]
+) -> Tried:  # fmt: skip
+    """Every case with these bolts."""
+    inside = tuple(_in_case(name, one, bolts) for name, one in found.items())
+    capacity = max(found[governing].options.capacity, max((bolt.force_kn for bolt in bolts), default=0.0) / raised)
+    return Tried(acts, governing, bolts, raised, inside, capacity)
+
+
+def _in_case(name: str, one: Support, bolts: tuple[Bolt, ...]) -> InCase:
+    design = replace(one.design, bolts=(*one.design.bolts, *bolts))
+    try:
+        both = factors_of(design)
+    except GeometryError as error:  # another block, which these bolts miss
+        return InCase(name, one.target, error.codes[0], None, None, False)
+    level = Answer(both.limit, both.status).level
+    if not dilates(design):
+        level = min(level, Answer(both.closed_form, both.closed_status or both.status).level)
+    return InCase(name, one.target, both.status, both.limit, both.closed_form, level >= one.target)
+
+
+def _raised(one: Tried, found: Mapping[str, Support]) -> Tried:
+    """Bolts with so much force that all cases are satisfied, within a part of it; the last where no force does it."""
+    first, low, high = one.bolts, 1.0, math.inf
+    best = one
+    for _ in range(_RAISED):
+        lacking = [row for row in one.inside if not row.met]
+        if not lacking:
+            best, high = one, one.raised
+        else:
+            best, low = (one, one.raised) if math.isinf(high) else (best, one.raised)
+        if high <= low * _CLOSE:
+            break
+        step = max(_more(row, found[row.case]) for row in lacking) if math.isinf(high) else math.sqrt(high / low)
+        factor = low * step
+        bolts = tuple(written(replace(bolt, force_kn=bolt.force_kn * factor)) for bolt in first)
+        one = _tried(one.acts, one.governing, bolts, factor, found)
+    return best
+
+
+def _more(row: InCase, support: Support) -> float:
+    """By how much force has to grow, from what it has brought so far."""
+    level = min((value for value in (row.limit, row.closed_form) if value is not None), default=0.0)
+    bare = min(support.pre_ie.level, support.closed_form.level)
+    rise = level - bare
+    if not (rise > 0.0 and math.isfinite(rise)):
+        return _MOST
+    return min(max(1.0 + 1.01 * (row.target - level) / rise, _LEAST), _MOST)

@@ -1,0 +1,232 @@
+"""Load cases: each is the design with its values set, run by itself; bad ones are refused with their place."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import slopekit as sk
+from slopekit.cli.study_command import command_of
+from slopekit.studies.support import for_cases
+from tests.commands import slopekit
+
+ROOT = Path(__file__).parents[2]
+FILE = ROOT / "examples/load-cases.yaml"
+DESIGN = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}}, "strength": {"bedding": {"c": 20, "phi": 37}}, "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"}, "acceptance": {"rules": ["fos >= 1.3"]},
+}  # fmt: skip
+CASES = {
+    "static": {"accept": "fos >= 1.5"},
+    "quake": {"set": {"loads.seismic.k": 0.1}, "accept": "fos >= 1.1"},
+    "drained": {"set": {"water.fill": 0}},
+}
+
+
+def plane_factor(fill: float = 0.5, k: float = 0.0, c: float = 20.0) -> float:
+    """Hoek & Bray's plane without a crack, by hand: water highest at mid-length, its mean gamma_w H fill / 4."""
+    height, dip, phi = 12.0, math.radians(35.0), math.radians(37.0)
+    length = height / math.sin(dip)
+    weight = 26.0 * height**2 / 2.0 * (1.0 / math.tan(dip) - 1.0 / math.tan(math.radians(60.0)))
+    uplift = 9.81 * height * fill / 4.0 * length
+    normal = weight * (math.cos(dip) - k * math.sin(dip)) - uplift
+    return (c * length + normal * math.tan(phi)) / (weight * (math.sin(dip) + k * math.cos(dip)))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return sk.run(FILE)
+
+
+def test_each_case_is_the_design_with_its_values(found) -> None:
+    """Against the formula of a plane failure, and against `set` by hand."""
+    expected = {"static": plane_factor(), "quake": plane_factor(k=0.1), "drained": plane_factor(fill=0.0)}
+    for name, factor in expected.items():
+        assert found.cases[name].fos.closed_form == pytest.approx(factor, rel=1e-9)
+        assert found.cases[name].fos.limit == pytest.approx(factor, rel=1e-6)
+    alone = sk.run(FILE, set={"cases": None, "loads.seismic.k": 0.1, "acceptance.rules": "fos >= 1.1"})
+    own, other = found.cases["quake"].to_dict(), alone.to_dict()
+    assert own["input_sha256"] == other["input_sha256"]
+    assert own.keys() == other.keys()
+    assert own["rules"] == other["rules"]
+    assert own["fos"] == other["fos"]
+
+
+def test_the_worst_case_decides_and_the_nearest_to_its_rule_governs(found) -> None:
+    ratios = {name: one.fos.limit / one.design.rules[0].value for name, one in found.cases.items()}
+    assert found.governing == min(ratios, key=ratios.get) == "static"
+    assert (found.exit_code, found.accepted) == (1, False)
+    assert [found.cases[name].accepted for name in CASES] == [False, False, True]
+    assert found.line.startswith("static governs 3 cases  slides_on_J1  1.2803")
+    assert sk.run({**DESIGN, "cases": {"drained": CASES["drained"]}}).exit_code == 0
+
+
+def test_it_shows_itself_as_a_result_does(found) -> None:
+    frame = found.to_frame()
+    assert list(frame["case"]) == list(CASES)
+    assert list(frame["accepted"]) == [False, False, True]
+    assert "quake" in str(found)
+    assert "static governs" in repr(found)
+    assert "<table>" in found.sheet._repr_html_()
+    record = json.loads(json.dumps(found.to_dict()))
+    assert record["study"] == "cases"
+    assert record["sets"]["quake"] == {"loads.seismic.k": "0.1"}
+    assert record["cases"]["quake"]["title"] == "Road cut, km 12.4, case quake"
+
+
+def test_one_case_is_a_result_like_any_other(found) -> None:
+    by_file, by_design = sk.run(FILE, case="quake"), sk.run(sk.load(FILE), case="quake")
+    assert by_file.fos == by_design.fos == found.cases["quake"].fos
+    assert sk.run(FILE, case="quake").to_dict().keys() == sk.run(DESIGN).to_dict().keys()
+
+
+def test_the_command_line_writes_every_case(tmp_path) -> None:
+    ran = slopekit("run", str(FILE), "-o", "out", "--no-pictures", "--json", cwd=tmp_path)
+    assert ran.returncode == 1
+    assert json.loads(ran.stdout)["governing"] == "static"
+    written = {str(path.relative_to(tmp_path / "out")) for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    each = {f"{case}/{file}" for case in CASES for file in ("result.json", "sheet.txt")}
+    assert written == each | {"result.json", "sheet.txt", "cases.csv"}
+    assert (
+        json.loads((tmp_path / "out/quake/result.json").read_text())["fos"]
+        == json.loads(ran.stdout)["cases"]["quake"]["fos"]
+    )
+    page = sk.report(tmp_path / "out", tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
+    assert page.index("Load cases") < page.index("Result, static") < page.index("Result, drained")
+    listed = slopekit("plot", "out", "--case", "quak", cwd=tmp_path)
+    assert listed.returncode == 2
+    assert "E475" in listed.stderr
+    assert "quake" in listed.stderr
+    assert slopekit("run", str(FILE), "--case", "drained", "--quiet").returncode == 0
+
+
+def test_every_study_of_a_design_takes_cases() -> None:
+    for name in ("run", "check", "prob", "sweep", "solve", "support"):
+        assert "case" in command_of(name).__annotations__
+    checked = sk.check(sk.load(FILE))
+    assert {name: one.result.fos.limit for name, one in checked.cases.items()} == {
+        name: one.fos.limit for name, one in sk.run(FILE).cases.items()
+    }
+    swept = sk.sweep(sk.load(FILE), {"loads.seismic.k": [0, 0.1]}, methods="closed-form")
+    assert [notice.code for notice in swept.warnings] == ["W427"]
+    assert swept.cases["static"].points[1].factors.closed_form == pytest.approx(plane_factor(k=0.1), rel=1e-9)
+
+
+def test_support_satisfies_every_case() -> None:
+    """The bolts that are written, put into the design by hand, and every case run with them."""
+    found = sk.support(sk.load(FILE), acts="active")
+    best = found.for_all.best
+    assert (found.exit_code, found.governing, best.governing) == (0, "static", "static")
+    assert [one.target for one in found.cases.values()] == [1.5, 1.1, 1.3]
+    bolts = [
+        {"force": bolt.force_kn, "toward": f"{bolt.toward.trend_deg}/{bolt.toward.plunge_deg}", "head": bolt.head_m,
+         "length": bolt.length_m} for bolt in best.bolts
+    ]  # fmt: skip
+    again = sk.run(FILE, set={"support.bolts": bolts})
+    assert again.accepted
+    assert again.exit_code == 0
+    less = [bolt | {"force": bolt["force"] * 0.99} for bolt in bolts]
+    assert not sk.run(FILE, set={"support.bolts": less}).accepted
+    for row in best.inside:
+        assert row.limit == pytest.approx(again.cases[row.case].fos.limit, rel=1e-9)
+
+
+def test_support_raises_the_force_where_a_case_lacks_it() -> None:
+    """Half of the bolts that a case needs, raised until they are enough: the force that the search found."""
+    found = sk.support(sk.load({**DESIGN, "cases": {"a": {"accept": "fos >= 1.5"}}}), acts="active").cases
+    (bolts,) = [case.bolts for case in found["a"].built]
+    half = tuple(replace(bolt, force_kn=bolt.force_kn / 2.0) for bolt in bolts)
+    short = for_cases._tried("active", "a", half, 1.0, found)
+    raised = for_cases._raised(short, found)
+    assert not short.met
+    assert raised.met
+    assert raised.force == pytest.approx(sum(bolt.force_kn for bolt in bolts), rel=3e-3)
+
+
+def test_solve_gives_the_value_for_all() -> None:
+    """c of each case from the formula, linear in c; the largest governs."""
+
+    def needed(target: float, **case: float) -> float:
+        none, one = plane_factor(c=0.0, **case), plane_factor(c=1.0, **case)
+        return (target - none) / (one - none)
+
+    own = {"static": needed(1.5), "quake": needed(1.1, k=0.1), "drained": needed(1.3, fill=0.0)}
+    found = sk.solve(sk.load(FILE), "strength.bedding.c")
+    assert found.for_all.value == pytest.approx(max(own.values()), rel=1e-6)
+    assert (found.governing, found.exit_code) == ("static", 0)
+    assert {row.case: row.own for row in found.for_all.inside} == pytest.approx(own, rel=1e-6)
+    wet = sk.solve(sk.load({**DESIGN, "cases": {name: CASES[name] for name in ("static", "quake")}}), "water.fill")
+    assert wet.for_all.value == min(one.answer.value for one in wet.cases.values())
+    assert "at most" in wet.line
+
+
+def test_prob_answers_case_by_case() -> None:
+    scatter = {**DESIGN, "strength": {"bedding": {"c": 20, "phi": {"dist": "normal", "mean": 37, "sd": 4}}}}
+    cases = {"dry": {"set": {"water.fill": 0}}, "fixed": {"set": {"strength.bedding.phi": 30, "strength.bedding.c": 1}}}
+    found = sk.prob(sk.load({**scatter, "cases": {"dry": cases["dry"]}}), n=200, confirm=0, near=0.0)
+    alone = sk.prob(sk.load(scatter, {"water.fill": 0}), n=200, confirm=0, near=0.0)
+    assert found.cases["dry"].all_samples == alone.all_samples
+    with pytest.raises(sk.DesignError, match="fixed"):
+        sk.prob(sk.load({**scatter, "cases": cases}), n=200)
+
+
+@pytest.mark.parametrize(
+    ("cases", "code", "said"),
+    [
+        ({}, "E164", "cases has no entries"),
+        ({"a": {}}, "E471", "the load case a is empty"),
+        ({"a": {"set": {}}}, "E471", "the load case a is empty"),
+        ({"a": 5}, "E144", "cases.a is the text"),
+        ({"a": {"set": 5}}, "E144", "cases.a.set"),
+        ({"a": {"accept": "fos >= 1", "sets": {}}}, "E142", "sets is not a key of cases.a"),
+        ({"a": CASES["static"], "A": CASES["static"]}, "E472", "differ in capitals alone"),
+        ({"a\tb": CASES["static"]}, "E473", "cannot be the name"),
+        ({"a.b": CASES["static"]}, "E146", "cannot be a name"),
+        ({"a": {"set": {"kind": "wedge"}}}, "E474", "cannot set kind"),
+        ({"a": {"set": {"cases.b.set": {"c": 1}}}}, "E474", "cases within a case"),
+        ({"a": {"set": {"loads.seismc.k": 0.1}}}, "E142", "seismc is not a key of loads"),
+        ({"a": {"set": {"loads.seismic.k": 9}}}, "E122", "seismic coefficient is 9"),
+        ({"a": {"set": {"water..fill": 0}}}, "E160", "no path to a key"),
+        ({"a": {"set": {"slope.height.m": 0}}}, "E161", "it has no m"),
+        ({"a": {"set": {"support.bolts.0.force": 1}}}, "E144", "a list is needed"),
+        ({"a": {"accept": "fs >= 1"}}, "E169", "fs is nothing that a rule can judge"),
+        ({"a": {"accept": {"fos": 1}}}, "E144", "cases.a.accept"),
+        ({"a": {"accept": "fos >= 1", "set": {"acceptance.rules": "fos >= 2"}}}, "E151", "set twice"),
+    ],
+)
+def test_bad_cases_are_refused(cases, code, said) -> None:
+    with pytest.raises(sk.DesignError) as error:
+        sk.load({**DESIGN, "cases": cases})
+    assert code in error.value.codes
+    assert said in str(error.value)
+
+
+def test_all_faults_of_all_cases_come_at_once_with_their_places(tmp_path) -> None:
+    text = FILE.read_text(encoding="utf-8")
+    text = text.replace("k: 0.1", "k: 9").replace("water.fill: 0}", "water.fill: 7}").replace("phi: 37", "phi: 97")
+    path = tmp_path / "cut.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(sk.DesignError) as error:
+        sk.load(path)
+    assert [(fault.code, fault.where.split(":")[1]) for fault in error.value.faults] == [
+        ("E115", "7"), ("E122", "13"), ("E118", "14")
+    ]  # fmt: skip
+
+
+def test_a_fault_that_only_a_case_has_says_whose_it_is() -> None:
+    """A face that is flatter than the joint in one case alone."""
+    with pytest.raises(sk.GeometryError, match=r"\(load case flat\)"):
+        sk.run({**DESIGN, "cases": {"flat": {"set": {"slope.face": "30/180"}}, "quake": CASES["quake"]}})
+
+
+@pytest.mark.parametrize(("name", "code"), [("quak", "E475"), ("Static", "E475"), ("", "E475")])
+def test_an_unknown_case_is_refused_with_the_nearest(name, code) -> None:
+    with pytest.raises(sk.DesignError) as error:
+        sk.load(FILE, case=name)
+    assert error.value.codes == (code,)
+    with pytest.raises(sk.DesignError) as error:
+        sk.load(DESIGN, case=name)
+    assert error.value.codes == ("E476",)
