@@ -198,7 +198,7 @@ class Cases(Shown):
         return {
             "slopekit": __version__, "study": "cases", "of": self.what, "kind": self.design.kind,
             "title": self.design.title, "input_sha256": self.design.input_hash(), "inputs": self.design.inputs(),
-            **({"project": project} if (project := self.design.project.given()) else {}),
+            **self.design.beside(),
             "governing": self.governing, "accepted": self.accepted, "exit_code": self.exit_code,
             "sets": {case.name: dict(case.sets) for case in self.design.cases},
             **({} if self.for_all is None else {"for_all": json_of(self.for_all.to_dict())}),

@@ -310,6 +310,10 @@ def prob(
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
     crew = checked_crew(jobs, scheduler, executor)
+    if design.partial is not None:
+        message = "a probability of failure takes the strengths as they scatter, not over partial factors"
+        advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
+        raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
     asked = _asked(design, n, seed, method, by, fos, confirm, near, confidence, accept)
     clock = Clock()
     with clock("draw"):
