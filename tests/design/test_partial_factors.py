@@ -215,3 +215,10 @@ def test_a_footing_is_refused() -> None:
     with pytest.raises(sk.DesignError) as error:
         sk.load(Path(__file__).parents[2] / "templates/paper-footing.yaml", {"analysis.partial_factors": "DA2"})
     assert error.value.codes == ("E481",)
+
+
+def test_the_worst_crack_is_that_of_the_characteristic_values() -> None:
+    dry = {"water": "dry", "loads": {}, "crack": {"distance": "worst"}}
+    said = {notice.code for notice in sk.run(asked("DA1-C2", **dry)).warnings}
+    assert "W429" in said
+    assert "W429" not in {notice.code for notice in sk.run({**PLANE, **dry}).warnings}

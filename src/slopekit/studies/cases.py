@@ -181,7 +181,6 @@ class Cases(Shown):
         elif first.margin is not None:
             found.append(Section("GOVERNS", [self.governing]))
         found.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
-        found.append(Section("MORE", ["--case NAME has the whole of one case; -o DIR those of all"]))
         return Sheet(head(self.design, f"{self.what}, {len(rows)} load cases"), found, {own_name: table})
 
     def files(self) -> dict[str, str]:

@@ -142,7 +142,7 @@ def report_of(
         "views": [text.replace("<", "\\u003c") for text in views.data],
         "shared": [(whose, together.folded(some)) for whose, some in shared],
         "inputs_table": None if is_one else _inputs_that_differ(several, short),
-        "one_design": together.same_design(several),
+        "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
     })  # fmt: skip
     seen = tuple(picture.what for article in articles for picture in article["pictures"])
     return Report(html, seen, tuple(missing), tuple(notices))
