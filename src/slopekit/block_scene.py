@@ -8,13 +8,14 @@ The classes neither compare nor print: arrays do that badly, and every wedge wou
 import base64
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 
 #: Contact modes of node pairs by their number.
 MODES = ("stick", "slip", "open")

@@ -1,7 +1,7 @@
 """The size and shape of what was analysed, by kind, and their JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from slopekit.block_scene import Shapes, Solids, closed, contacts_of, prism
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import NO_JSON
+from slopekit.core.records import dataclass
 
 
 class Geometry(Protocol):

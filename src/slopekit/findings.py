@@ -1,7 +1,7 @@
 """What an analysis of many blocks finds beside a factor of safety: mechanisms, modes of contact, what was checked."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
+from slopekit.core.records import dataclass
 from slopekit.geometry.welding import welded
 
 #: Factors that differ by less than this part look the same.

@@ -6,12 +6,13 @@ stay apart: their capacity is strength, and is divided by the strength reduction
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.patches import Assembly
 

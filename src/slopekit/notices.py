@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.preie.limit import LimitAnalysis

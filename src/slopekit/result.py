@@ -1,7 +1,7 @@
 """The result of an analysis: value, status and evidence, and its JSON (a contract: keys never change)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,6 +12,7 @@ from slopekit.block_scene import Arrows, BlockScene, NodePairState
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON, json_of
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, Rule
 from slopekit.extents import Geometry

@@ -9,7 +9,7 @@ Forces only, zero dilation, cohesion only on planes in contact.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -35,6 +35,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     with_bolts,
 )  # fmt: skip
+from slopekit.core.records import dataclass
 
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
 OUTCOMES: Final = (

@@ -13,7 +13,6 @@ a base along the direction of sliding d, tan α = n·d / n_z, and shear acts in 
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from slopekit.closed_form.rotation import Ground, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 
 Floats = NDArray[np.float64]
 _COUNT = 12  # nodes between two changes, in either direction

@@ -4,9 +4,9 @@ Source: Sheng, Li, Liu & Qi (2023), Applied Sciences 13, 7301, §3.3.
 """
 
 import math
-from dataclasses import dataclass
 
 from slopekit.closed_form.tolerances import SMALL
+from slopekit.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

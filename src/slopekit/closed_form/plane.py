@@ -8,7 +8,7 @@ Section: x out of the slope, z up, the toe at (0, 0). One block is an array of l
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from slopekit.closed_form.given import Bools, Codes, Columns, Floats, Value, columns_of, counted
 from slopekit.closed_form.search import loss_with_bolts
 from slopekit.closed_form.tolerances import PARALLEL_DEG, PULLS_SETTLED, SMALL, SQUARE
+from slopekit.core.records import dataclass
 
 Vector = tuple[Value, Value]
 

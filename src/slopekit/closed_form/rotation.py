@@ -11,13 +11,13 @@ adds them up between the places where a slice changes its kind.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 
 Floats = NDArray[np.float64]
 _COUNT = 16  # slices between two changes of kind

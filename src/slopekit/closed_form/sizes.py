@@ -8,7 +8,7 @@ ch. 9 (columns). The setback of the crest, also called backbreak or crest loss, 
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Final
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from slopekit.closed_form.given import Bools, Floats, Value, columns_of
 from slopekit.closed_form.tolerances import PARALLEL_DEG, SAME_DIRECTION
 from slopekit.closed_form.wedge_sliding import Vector, cross, dot, length, less, times
+from slopekit.core.records import dataclass
 
 _RADIAN: Final = math.pi / 180.0
 _SMALLEST: Final = 1e-300

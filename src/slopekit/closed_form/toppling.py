@@ -9,7 +9,6 @@ below it; P_n is the force between columns n and n + 1, square to the sides, who
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

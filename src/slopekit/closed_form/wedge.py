@@ -8,7 +8,7 @@ One wedge is an array of length one, and no line is shared with the solver that 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -34,6 +34,7 @@ from slopekit.closed_form.wedge_sliding import (
     times,
     with_bolts,
 )  # fmt: skip
+from slopekit.core.records import dataclass
 
 #: What may become of a wedge: it slides, it loses contact, nothing drives it, or the planes cut none (`explain CODE`).
 OUTCOMES: Final = (*STATUSES, "E201", "E203", "E204", "E205", "E206", "E207", "E208", "E209")

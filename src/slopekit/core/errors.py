@@ -6,8 +6,10 @@ texts that `slopekit explain CODE` prints stand in `messages.toml` and load only
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TypeVar
+
+from slopekit.core.records import dataclass
 
 T = TypeVar("T")
 

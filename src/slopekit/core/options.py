@@ -7,9 +7,11 @@ docstring lists them as they say themselves.
 import inspect
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, get_args
+
+from slopekit.core.records import dataclass
 
 Advance = Callable[[int], None]
 #: A progress bar: its label and how much there is to do.

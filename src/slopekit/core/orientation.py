@@ -5,12 +5,12 @@ Frame: x east, y north, z up. Angles are degrees, dips below the horizontal, dir
 
 import math
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
 _PAIR = re.compile(r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$")

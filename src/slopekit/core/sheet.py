@@ -18,11 +18,12 @@ JOINTS    joint      FoS
 import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from io import StringIO
 from typing import Any, Generic, TextIO, TypeAlias, TypeVar
 
 from slopekit.core.codec import json_of
+from slopekit.core.records import dataclass
 
 WIDTH = 100
 LABEL = 10

@@ -4,11 +4,12 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import asdict, field, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias
 
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
 from slopekit.design.fields import Field, group, in_degrees, number, orientation, point, text
 from slopekit.design.structure import Anything, Leaf, ListOf, Named
 

@@ -1,12 +1,13 @@
 """Numbers and orientations that scatter: `{dist: normal, mean: 20, sd: 2}`, `{dist: fisher, mean: 45/115, k: 100}`."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from typing import Literal, TypeAlias, cast
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane, number, parse_plane
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.nodes import Node
 from slopekit.design.structure import ANGLES, WRITTEN, OrientationKind, is_distribution

@@ -15,7 +15,7 @@ scatter, the keys of studies with their limits and the key reference of the docu
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import MISSING, field, fields, replace
 from functools import cache
 from inspect import get_annotations
 from math import inf, isfinite
@@ -23,6 +23,7 @@ from typing import Any, Literal, TypeVar, cast
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
 from slopekit.core.units import unit_of
 from slopekit.design.structure import ANGLES, AnyOf, Leaf, ListOf, Named, OrientationKind, Section, Spec
 

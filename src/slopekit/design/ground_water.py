@@ -1,12 +1,13 @@
 """A water table, a pond at the toe and a load on the upper slope: what designs of one block in a slope say of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design, Water
 from slopekit.design.fields import fields_of, number, text

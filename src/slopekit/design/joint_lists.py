@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,6 +10,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, normals, parse_plane
+from slopekit.core.records import dataclass
 from slopekit.design.survey import Joint, Survey, read_frame, read_joints
 from slopekit.design.survey.tables import is_frame
 

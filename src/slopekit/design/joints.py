@@ -1,11 +1,12 @@
 """The joints of a wedge or a plane failure: from the design itself or from a joint list, with their strengths."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Strength
 from slopekit.design.fields import Field, count
 from slopekit.design.named_files import beside

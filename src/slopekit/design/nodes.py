@@ -7,13 +7,13 @@ made of a file (`yaml.py`) and of a Python mapping (`document_from`).
 import os
 import re
 from collections.abc import Callable, ItemsView, Mapping
-from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn, TypeAlias
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.records import dataclass
 
 Value: TypeAlias = "dict[str, Node] | list[Node] | str | None"
 Plain: TypeAlias = "dict[str, Plain] | list[Plain] | str | None"

@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from difflib import SequenceMatcher, get_close_matches
 from typing import Literal, TypeAlias
 
 from slopekit.core.errors import Fault
+from slopekit.core.records import dataclass
 from slopekit.design.nodes import Node
 
 Spec: TypeAlias = "Leaf | Section | Named | ListOf | AnyOf | Anything"

@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.design.nodes import (
     MAX_DEPTH,
     MAX_VALUES,

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.core.errors import DesignError, Fault, Notice, writing
+from slopekit.core.records import dataclass
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.picking import WHAT, Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl

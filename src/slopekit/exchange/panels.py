@@ -1,11 +1,10 @@
 """Interfaces as panels: triangles for formats that know nothing else, and what the node pairs say of each panel."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.block_scene import BlockScene, Contacts
 from slopekit.core.arrays import Floats, Ints
+from slopekit.core.records import dataclass
 
 _NEAREST = 12  # panels that a node pair may lie on, by the distance of their triangles' middles
 

@@ -1,7 +1,7 @@
 """What of a scene is written: bodies, flat pieces of interfaces, node pairs."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from slopekit.block_scene import MODES, BlockScene, Contacts, NodePairState
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 
 #: What can be written.
 WHAT = ("blocks", "interfaces", "pairs", "bolts")

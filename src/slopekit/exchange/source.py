@@ -7,7 +7,6 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ import numpy as np
 from slopekit.block_scene import BlockScene
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.exchange.panels import areas_of
 from slopekit.kinds import known_kind
 from slopekit.kinds.protocol import Carried, CarriedJoint

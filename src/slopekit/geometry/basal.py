@@ -6,13 +6,13 @@ wedge). J1 and J2 need not daylight: the basal joint does.
 """
 
 import math
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import Block, half_spaces_cut
 from slopekit.geometry.rockmass import traces_of
 from slopekit.geometry.tolerances import SAME_DIRECTION

@@ -1,12 +1,12 @@
 """The rock mass of a bench: a convex body between the face, the upper slope and where the model ends."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import FLATTEST_FACE_DEG, SAME_DIP_DEG
 
 #: The faces of a bench in the order of its planes.

@@ -5,12 +5,11 @@ but for p, so neighbours are found by arithmetic on signatures, exactly, however
 centroids of the two sides are compared afterwards as evidence.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.geometry.plane_stacks import PlaneStack, Soup
 from slopekit.geometry.tolerances import NO_VOLUME
 

@@ -8,13 +8,13 @@ the input, whatever the kernel's tolerance was.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them

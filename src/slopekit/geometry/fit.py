@@ -1,12 +1,12 @@
 """How well the user's blocks fit together: what overlaps, what nearly touches. Values, for the caller to judge."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

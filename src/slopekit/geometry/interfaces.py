@@ -6,12 +6,12 @@ that overturning about an edge is exact with the coarsest mesh (METHOD.md §5).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, SolverError
+from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1

@@ -1,8 +1,7 @@
 """Contact patches: the flat pieces of joint through which the blocks of an assembly press on each other."""
 
-from dataclasses import dataclass
-
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK
 
 __all__ = ["BEDROCK", "Assembly", "Patches"]

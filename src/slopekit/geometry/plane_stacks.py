@@ -7,12 +7,12 @@ says which piece it is.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Manifold
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import BOX_TRIANGLES, far_box, half_space, tagged
 from slopekit.geometry.tolerances import LEAST_GAP, LEAST_RISE
 

@@ -8,11 +8,11 @@ exact: of a triangle of area A with corners x_i and pressures p_i
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
+from slopekit.core.records import dataclass
 
 _ON_EDGE = 1e-12  # of the size of a polygon: nearer to the border of a piece it lies in it
 

@@ -4,13 +4,13 @@ Their interfaces are lines: node pairs by Simpson's rule, exact for linear tract
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.cutting import Block, cut_convex
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.tolerances import PARALLEL_DEG

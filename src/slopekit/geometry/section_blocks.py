@@ -5,13 +5,13 @@ the boxes of the edges (`box_search`), everything else is done for all of them a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import triangulate
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault
+from slopekit.core.records import dataclass
 from slopekit.geometry.box_search import box_pairs
 from slopekit.geometry.clipping import are_apart, clip_convex, polygon_sums
 from slopekit.geometry.fit import Gaps, Overlaps, contact_tolerance, refuse, size_faults

@@ -3,13 +3,13 @@
 All coordinates are local: about the centre of an analytic shape, about the middle of the mesh of a drawn one.
 """
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import ON_EDGE, TINY, UPRIGHT
 
 SLIP, GROUND, END = 0, 1, 2  # what a face of the sliding mass lies on

@@ -6,7 +6,7 @@ takes its place, area and normal from the surface itself; a drawn surface keeps 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.geometry.shapes import END, GROUND, SLIP, AnalyticShape, Cutter, smooth_normals
 from slopekit.geometry.tolerances import MASS_BALANCE, NO_TURN, NUMERICAL_SLIVER, SLIVER_AREA, TINY

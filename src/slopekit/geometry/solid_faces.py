@@ -1,7 +1,6 @@
 """Closed triangle meshes as one flat array: checked, turned outward, measured, and their flat faces put together."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -9,6 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import Fault
+from slopekit.core.records import dataclass
 from slopekit.geometry.fit import contact_tolerance, refuse, size_faults
 from slopekit.geometry.tolerances import BENT, FACE_FLAT, TINY
 

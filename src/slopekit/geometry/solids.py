@@ -5,12 +5,12 @@ is a patch (or several, where a face is not convex). Candidates come from the bo
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.records import dataclass
 from slopekit.geometry.box_search import box_pairs, chunks, ragged
 from slopekit.geometry.clipping import clip_convex, polygon_sums, without_near
 from slopekit.geometry.fit import Gaps, Overlaps

@@ -4,12 +4,12 @@ How many blocks there will be is counted before; cells too small to be blocks ar
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.geometry.bench import ConvexBody
 from slopekit.geometry.cells import Cells, Faces, cells_of, corners_of_faces, faces_of, facing, plane_error
 from slopekit.geometry.joint_sets import SetPlanes

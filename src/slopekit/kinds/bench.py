@@ -1,13 +1,14 @@
 """A bench cut into blocks by joint sets."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text

@@ -1,7 +1,7 @@
 """The user's own blocks: polygons of a section, or closed meshes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import MeshFile, Water
 from slopekit.design.fields import Field, fields_of, group, number, text

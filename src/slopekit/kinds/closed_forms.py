@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
 from slopekit.kinds.held_bolts import Bounds
 from slopekit.kinds.protocol import ClosedForm, D, one_or_error

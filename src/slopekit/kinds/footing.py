@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.closed_form.footing import footing
 from slopekit.core import sheet
 from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Stiffness, Strength
 from slopekit.design.fields import Field, count, number
 from slopekit.design.reader import Reader

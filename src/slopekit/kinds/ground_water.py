@@ -5,13 +5,13 @@ the mean pressure of each joint and the sum of the rest as a force. Moments are 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.ground_water import TABLE, SlopeDesign
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.pressure import Height, Pressure, in_strips, under_planes

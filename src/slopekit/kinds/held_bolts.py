@@ -6,12 +6,13 @@ where the line does not pass from a free face through a joint, or where the bolt
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt, Design
 
 D = TypeVar("D", bound=Design)

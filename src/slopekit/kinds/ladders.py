@@ -7,11 +7,12 @@ them a kind has, its file.
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any
 
 from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Scene
 from slopekit.kinds.protocol import ClosedForm, D

@@ -4,7 +4,7 @@ scene -> loads -> the mechanisms one after the other -> what they say of each bl
 """
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -15,6 +15,7 @@ from slopekit.block_scene import Contacts
 from slopekit.core.arrays import frozen
 from slopekit.core.errors import Notice
 from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism

@@ -1,10 +1,11 @@
 """What designs of many blocks share: their keys, named strengths, water by pressures, loads on named blocks."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design import words
 from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
 from slopekit.design.fields import Field, count, group

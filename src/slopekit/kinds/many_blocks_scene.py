@@ -1,13 +1,14 @@
 """Many blocks in arrays: the blocks, their contacts and strengths, the loads on them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line
+from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
 from slopekit.kinds.many_blocks_design import AssemblyDesign

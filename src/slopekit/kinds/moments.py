@@ -11,11 +11,12 @@ at their limit disprove it.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
 from slopekit.preie.cracked import CrackedBase, cracked_base

@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader

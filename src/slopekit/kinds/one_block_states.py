@@ -6,12 +6,12 @@ proportions.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.block_scene import OPEN, SLIP, STICK, Arrows, NodePairState
 from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.contact import JointStiffness

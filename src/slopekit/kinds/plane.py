@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +13,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.errors import Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane
 from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Strength, Water

@@ -1,10 +1,11 @@
 """What a kind of design says of itself, in one place: studies and views ask here, never which kind it is."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from slopekit.core.errors import GeometryError
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
 from slopekit.design.reader import Reader
 from slopekit.result import Result, Words

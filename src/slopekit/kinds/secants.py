@@ -7,11 +7,12 @@ on two joints do not depend on its strength: the second round ends it. With pass
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
+from slopekit.core.records import dataclass
 from slopekit.design.common import Strength
 
 Found = TypeVar("Found")

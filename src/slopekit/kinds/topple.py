@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,7 @@ from slopekit.closed_form.toppling import (
 )
 from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, number

@@ -7,12 +7,12 @@ turns about a pair that sticks: nothing detaches it, and the search ends where t
 """
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from slopekit.core.arrays import Bools
+from slopekit.core.records import dataclass
 from slopekit.preie.contact import JointStiffness
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
 from slopekit.preie.model import Model

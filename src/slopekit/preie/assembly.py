@@ -12,7 +12,7 @@ and a node pair that never touches: it pulls with 0 <= T <= λ times its capacit
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from scipy import sparse
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Fault, SolverError
+from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Patches
 from slopekit.loads import NO_BOLTS, PassiveBolts
 from slopekit.preie.model import JointStrength, Model, local_axes

@@ -5,12 +5,12 @@ believed because they balance, not because the search for it says so.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.limit import LimitAnalysis
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import LIGHTEST_MEASURED, TINY

@@ -15,13 +15,14 @@ Passive bolts are friction forces of their own, one-sided: 0 <= T <= λ r, and n
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.errors import SolverError
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.patterns import ContactPattern

@@ -14,13 +14,14 @@ friction: there is no factor, but the part of the loads that they carry at full 
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound

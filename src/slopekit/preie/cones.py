@@ -4,11 +4,10 @@ A row (x0, x1) lies in its cone where x0 >= |x1|. Nesterov and Todd's scaling W 
 dual z and the primal q to the same point, W z = W⁻¹ q (Andersen, Dahl & Vandenberghe 2013, cvxopt's notes).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.kernels import compiled
 from slopekit.preie.tolerances import TINY
 

@@ -4,12 +4,12 @@ Tractions are compression positive, openings positive; all arrays run over the n
 """
 
 import math
-from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import line
 
 #: k_t / k_n of the elastic path and bed, as the definition has it (METHOD-3 §13): from 0.1 to 1 the limit is the same

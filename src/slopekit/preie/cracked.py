@@ -14,11 +14,11 @@ against it: F depends on the ratio of the two springs only.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.linear import split_space
 from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unbalanced
 from slopekit.preie.tolerances import (

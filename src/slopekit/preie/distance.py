@@ -11,12 +11,12 @@ loads: the static bound.
 """
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.tolerances import (
     CLOSE,
     LEAST_REDUCTION,

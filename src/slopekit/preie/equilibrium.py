@@ -6,11 +6,12 @@ increments fail them. Where no step leads on, the blocks do not stand: that is a
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.records import dataclass
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY

@@ -6,12 +6,11 @@ Newton's method stops as a rule with a few blocks out of balance: those are brou
 they are, and it goes on with all (nonlinear elimination: Cai & Keyes 2002, SIAM J. Sci. Comput. 24, 183).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
+from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed, BedForces, NewtonStep
 
 EASES, _GENTLY, _THICKENS = 0.2, 0.5, 5.0  # viscosity after a step that went well, in large ones; and one that did not

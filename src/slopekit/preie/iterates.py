@@ -1,8 +1,7 @@
 """Points of the interior-point method of `preie.program`, and steps between them."""
 
-from dataclasses import dataclass
-
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.cones import longest_step, longest_step_to_zero
 
 _TO_BOUNDARY = 0.99

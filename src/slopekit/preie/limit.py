@@ -16,11 +16,12 @@ would raise it, the forces alone stand: no credit is taken for an arrangement th
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import (
     dilating_limit_state,

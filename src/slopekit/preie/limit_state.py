@@ -12,11 +12,11 @@ directions, within their strength.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.linear import split_space
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import LOST_STEP, NOT_DRAWN, TINY

@@ -13,11 +13,11 @@ rounding errors long before the forces are exact.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import TINY
 

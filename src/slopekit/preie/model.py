@@ -12,13 +12,14 @@ control areas by their sum: a wedge of 1 mm and one of 100 km are the same model
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, cross, frozen
 from slopekit.core.errors import Fault, SolverError
+from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import NodePairs
 from slopekit.loads import Loads
 from slopekit.preie.tolerances import ORTHONORMAL

@@ -6,12 +6,13 @@ opens twice has lost it. Aitken's rule steers the passes, `settled_limit_state` 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.limit_state import LimitState, settled_limit_state
 from slopekit.preie.mechanism import COLD, WARM, LeastWorkMechanism, least_work_mechanism
 from slopekit.preie.model import Model

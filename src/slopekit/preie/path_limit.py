@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 from scipy.linalg import lapack
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed, BedForces
 from slopekit.preie.tolerances import (
     ADMISSIBLE,

@@ -13,12 +13,12 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.records import dataclass
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.model import Model, local_axes
 from slopekit.preie.tolerances import NOT_DRAWN_ON_BED, TINY

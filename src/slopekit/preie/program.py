@@ -17,12 +17,12 @@ starts from the iterates of the last, strengths may follow the normal forces, an
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, determinant, product, quotient, scaling
 from slopekit.preie.iterates import Iterate, IterateStep

@@ -7,7 +7,7 @@ what is left of that component is solved anew. Contacts in space that twist get 
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from threadpoolctl import threadpool_limits
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
 from slopekit.preie.assembly import AssemblyModel, build_assembly

@@ -16,12 +16,13 @@ products.)
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import SolverError
+from slopekit.core.records import dataclass
 from slopekit.preie.bed import Bed
 from slopekit.preie.cones import along_rows
 from slopekit.preie.tolerances import ALIGNED, EACH_BALANCED, LIGHTEST, SHARP, TINY

@@ -7,11 +7,10 @@ method on it finds no rest: the secant is kept above a part of K, and the joint 
 carries its full capacity once it is drawn out by a millimetre, as on one block.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.contact import CloughDuncan, JointStiffness

@@ -8,11 +8,10 @@ W⁻² is nearly singular.
     κ0 = η⁻² (1 + e η² (2 w0² - 1)) / (2 w0² - 1 + e η²),    b = -2 w0 w1 / (2 w0² - 1 + e η²)
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.cones import Scaling, along_rows
 from slopekit.preie.patterns import ContactPattern

@@ -10,12 +10,13 @@ Friction forces that several pairs share (a flat contact in a section) have the 
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, Ints, frozen
+from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.blocks import BlocksLimit
 from slopekit.preie.bounds import static_bound

@@ -11,12 +11,13 @@ Rock Mechanics, 739-760 (the scale); Hoek, Practical Rock Engineering, ch. 4, wh
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.strength.reduced import Reduced
 
 STEEPEST_DEG = 70.0

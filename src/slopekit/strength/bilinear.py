@@ -7,12 +7,13 @@ Source: Patton (1966), Proc. 1st Congress ISRM, Lisbon, 1, 509-513.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.strength.reduced import Reduced
 
 

@@ -10,12 +10,13 @@ the area: Einstein, Veneziano, Baecher & O'Reilly (1983), Int. J. Rock Mech. Min
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.strength.mohr_coulomb import MohrCoulomb, line
 
 

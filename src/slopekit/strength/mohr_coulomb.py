@@ -6,12 +6,13 @@ Source: Coulomb (1776); for joints Hoek & Bray (1981), Rock Slope Engineering, c
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

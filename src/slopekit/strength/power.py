@@ -5,12 +5,13 @@
 Source: Jaeger (1971), Géotechnique 21, 97-134; in SWedge, RocPlane and UnWedge as "power curve".
 """
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

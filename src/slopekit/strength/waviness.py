@@ -7,12 +7,13 @@ help, joint shear strength, eq. 1: τ = c + σ tan φ + σ tan φ_w).
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.strength.protocol import StrengthLaw
 
 

@@ -11,7 +11,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
 from typing import Any, ClassVar, Protocol
@@ -19,6 +19,7 @@ from typing import Any, ClassVar, Protocol
 from slopekit._version import __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Sheet, Table
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase

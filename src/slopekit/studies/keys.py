@@ -9,12 +9,13 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, replace
 from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, quantity, unit_of
 from slopekit.design.common import Design, Strength
 from slopekit.design.distributions import Distribution, Fisher, read_distribution, read_orientation

@@ -6,7 +6,6 @@ A tail probability p is that of the nearer end, with the side it is of: 1 - p is
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -15,6 +14,7 @@ from scipy.special import erf, ndtr, ndtri
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Variable
 from slopekit.design.fields import Field, field_at

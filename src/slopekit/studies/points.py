@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.core.codec import record_of
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import factors_of

@@ -13,12 +13,13 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, SlopekitError, SolverError, writing
+from slopekit.core.records import dataclass
 
 _EVERY_S = 1.0
 #: What a task gives: JSON values, as the journal keeps them.

@@ -6,12 +6,12 @@ Error against time and the curves of a check come from its JSON, as does figure 
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.ladders import METHODS
 from slopekit.views.drawing import BLUE, DARK, GREY, PURPLE, RED, Damaged, finish, note, nothing, short, title_of

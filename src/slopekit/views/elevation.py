@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.orientation import parse_plane
+from slopekit.core.records import dataclass
 from slopekit.kinds.sheets.bolts import (
     FILE,
     ScheduledBolt,

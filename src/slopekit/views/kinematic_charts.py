@@ -4,7 +4,6 @@ The critical zones are the criteria themselves, asked of every cell of the net; 
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.orientation import Plane, number, parse_plane
+from slopekit.core.records import dataclass
 from slopekit.studies.kinematic.criteria import (
     Lines,
     Modes,

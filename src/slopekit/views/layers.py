@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from slopekit.block_scene import Shapes
 from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.records import dataclass
 
 Colour = tuple[int, int, int]
 _ROUND = 12  # sides of the shaft and the head of an arrow

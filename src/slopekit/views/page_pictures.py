@@ -5,11 +5,11 @@ import io
 import re
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError
+from slopekit.core.records import dataclass
 from slopekit.views.kinematic_charts import NETS_OF
 from slopekit.views.plots import Options, draw, offers
 

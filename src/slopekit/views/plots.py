@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
 from numbers import Real
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, no_window, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES

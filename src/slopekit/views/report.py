@@ -3,7 +3,6 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, NoReturn
 
 from slopekit._version import __version__
 from slopekit.core.errors import DesignError, Fault, Notice, writing
+from slopekit.core.records import dataclass
 from slopekit.kinds import words_named
 from slopekit.views import page_together as together
 from slopekit.views import report_tables as tables

@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from slopekit.core.orientation import Line, Plane, number
+from slopekit.core.records import dataclass
 from slopekit.design.common import Water
 from slopekit.kinds.words import line_in_words
 

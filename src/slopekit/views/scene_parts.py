@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.block_scene import Contacts, joined
 from slopekit.bolts import nearest, plates, rods
 from slopekit.core.arrays import Bools, Floats, Ints, cross
+from slopekit.core.records import dataclass
 from slopekit.exchange.panels import triangles_of
 from slopekit.exchange.source import NUMBERED, bolt_of_load
 from slopekit.kinds.sheets.bolts import forces_in_words, schedule, without_head

@@ -5,7 +5,6 @@ Made of the JSON of a result (`scene` and what stands beside it), drawn by `view
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from slopekit.block_scene import MODES, OPEN
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
 from slopekit.views.layers import (

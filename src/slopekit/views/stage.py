@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +11,7 @@ from slopekit.block_scene import BlockScene
 from slopekit.core.arrays import Bools, Floats, Ints, cross
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, parse_plane
+from slopekit.core.records import dataclass
 from slopekit.kinds import known_kind
 from slopekit.result import JUDGED
 from slopekit.views.layers import (

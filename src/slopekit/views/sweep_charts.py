@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.fields import words_of
 from slopekit.design.registry import KINDS, record_of

@@ -5,7 +5,8 @@ A new name, a new way to give a plane, a new program whose lists are known: one 
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+
+from slopekit.core.records import dataclass
 
 RIGHT, LEFT = "right-hand-rule", "left-hand-rule"
 #: Dip direction less strike by each convention.

@@ -5,8 +5,8 @@ Declination is added to every azimuth (Rocscience, Dips documentation, Declinati
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from slopekit.core.records import dataclass
 from slopekit.design.survey.columns import LEFT, RIGHT
 
 _DIP = r"\bDIP\s*/\s*DIP\s*-?\s*DIR(?:ECTION|N)?\b"

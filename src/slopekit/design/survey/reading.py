@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, NoReturn
@@ -16,6 +16,7 @@ from slopekit.core.orientation import (
     parse_quadrants,
     plane_by_side,
 )
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.on_disk import read_bytes
 from slopekit.design.survey.columns import (

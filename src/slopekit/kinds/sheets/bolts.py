@@ -1,10 +1,11 @@
 """The bolts of a design in order, to be set out and drilled: number, place, length, direction, force; table and CSV."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any, overload
 
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table
 from slopekit.kinds.words import first_and_last
 

@@ -1,12 +1,13 @@
 """The sheet of many blocks: what moves, how, in what order; short even for ten thousand blocks."""
 
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 
 from slopekit.core.orientation import line_of
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Table, counted, factor_text
 from slopekit.findings import MOTIONS, SAME_FACTOR, AssemblyGeometry, Findings, GoverningInterface, Mechanism, at_once
 from slopekit.findings import Column as GoodmanBray

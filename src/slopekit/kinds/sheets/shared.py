@@ -1,12 +1,12 @@
 """Entries that the sheets of one block and of many blocks share."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Table, factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number

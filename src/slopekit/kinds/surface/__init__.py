@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +14,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.orientation import Line
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block

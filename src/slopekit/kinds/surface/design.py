@@ -1,9 +1,9 @@
 """The design of a mass on a curved slip surface: its keys, and how it is read; all faults at once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design, MeshFile, Strength, Water
 from slopekit.design.fields import Field, fields_of, group, number, text

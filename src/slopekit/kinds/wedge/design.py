@@ -3,12 +3,13 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Residual, Strength, Water
@@ -137,7 +138,7 @@ class WedgeDesign(SlopeDesign):
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out."""
-        document = super(WedgeDesign, self).inputs()
+        document = super().inputs()
         document["joints"] = {f"J{k}": str(plane) for k, plane in enumerate(self.joints, 1)}
         return document
 

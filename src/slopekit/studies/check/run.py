@@ -10,12 +10,13 @@
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from operator import attrgetter
 from typing import Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung

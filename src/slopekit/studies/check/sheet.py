@@ -1,9 +1,9 @@
 """The sheet of a checked design: what was looked at, what accuracy costs, 100 columns."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from operator import attrgetter
 
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, factor_text
 from slopekit.kinds.ladders import Rung
 from slopekit.kinds.sheets.many_blocks import limit_in_words

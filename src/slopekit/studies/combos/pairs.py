@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -23,6 +23,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of

@@ -10,7 +10,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -20,6 +20,7 @@ from slopekit.core.arrays import Bools
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign

@@ -30,7 +30,6 @@ Limits are met where they are reached (to 1e-9°): a joint at the friction angle
 everywhere in slopekit: a joint parallel to the face does not daylight.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -38,6 +37,7 @@ from numpy.typing import NDArray
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.orientation import Plane, normals
+from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 
 #: Wedges by how they would slide: primary on both joints or on one, secondary.

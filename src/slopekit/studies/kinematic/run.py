@@ -12,7 +12,7 @@ import hashlib
 import json
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -22,6 +22,7 @@ from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, number
+from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Strength
 from slopekit.design.fields import fields_of

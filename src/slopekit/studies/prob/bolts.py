@@ -4,7 +4,7 @@ Both methods judge each sample with the same bolts: those that hold its block.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice, SlopekitError
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import counted
 from slopekit.design.common import Design
 from slopekit.design.files import with_values

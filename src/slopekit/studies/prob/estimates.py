@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
+from slopekit.core.records import dataclass
 
 _LEAST_IN_REPLICATES = 5  # cases of the rarer kind that each replicate needs for their scatter to mean something
 _MOST_BINS = 60

@@ -4,13 +4,14 @@ Those that PRE-IE looks at besides are a random part, and all near the target.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import ClassVar
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.studies.points import Point, falls_short
 from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation
 from slopekit.studies.prob.sampling import Samples

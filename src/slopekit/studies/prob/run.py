@@ -6,7 +6,7 @@ samples -> outcome and factor of each -> PRE-IE where it matters -> shares with 
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import field
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -17,6 +17,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column
 from slopekit.design.common import Design
 from slopekit.design.fields import field_at

@@ -4,7 +4,7 @@ A plan says what is drawn: blocks, each with random numbers of its own.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 from typing import Literal, TypeAlias
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
 from slopekit.design.correlation import contradictions
 from slopekit.design.distributions import Angles, Distribution, Fisher, Variable

@@ -1,7 +1,6 @@
 """The sheet of a study of probability: the estimate, what it rests on, what PRE-IE says of it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted
 from slopekit.result import STATUSES
 from slopekit.studies.points import Point

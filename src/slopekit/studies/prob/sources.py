@@ -9,7 +9,6 @@ Orientations scatter by Fisher's distribution about a mean; angles are folded ba
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import TypeAlias
 
@@ -19,6 +18,7 @@ from scipy.special import ndtri
 
 from slopekit.core.arrays import Floats
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Pair
 from slopekit.design.copula import factor, normal_correlation
 from slopekit.studies.marginals import Marginal

@@ -6,7 +6,7 @@ of it (the direction of a force), there is no such evaluator, and the samples ar
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import DesignError
 from slopekit.core.orientation import Plane
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
 from slopekit.design.fields import field_at, fields_of
 from slopekit.design.files import with_values

@@ -4,12 +4,13 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from itertools import groupby
 from typing import TypeAlias
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import dilates, kind_of

@@ -7,13 +7,14 @@ value, so what is found is the place of a step, and the confidence limits of the
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any, ClassVar, TypeAlias
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Notice, SlopekitError
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.studies.keys import Key, key_of, keys_of, values_of

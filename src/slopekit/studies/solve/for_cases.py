@@ -1,10 +1,10 @@
 """The value of one number that satisfies every load case: that of the case that governs, put into all others."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table, factor_text
 from slopekit.design.common import Design
 from slopekit.studies.keys import values_of

@@ -7,9 +7,11 @@ here knows of slopes.
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Generic, Literal, TypeVar
+
+from slopekit.core.records import dataclass
 
 T = TypeVar("T")
 _MOST_STEPS = 200

@@ -4,12 +4,13 @@ is no value that gives the target.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Fault, Notice
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.notices import means_taken
 from slopekit.studies.keys import Key

@@ -5,13 +5,14 @@ A case is a design and what sources say of it. No reference value comes from slo
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
 
 #: What a row can hold against its reference, and its unit; {of} is what it is meant for.
 QUANTITIES: Mapping[str, str] = {

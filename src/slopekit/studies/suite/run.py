@@ -9,13 +9,14 @@ import math
 import platform
 import time
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
 from slopekit._version import __version__
 from slopekit.core.codec import record_of
 from slopekit.core.errors import SlopekitError
+from slopekit.core.records import dataclass
 from slopekit.design.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result

@@ -5,7 +5,7 @@ The forces come from `forces`; each is put back into the closed form itself befo
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line
+from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt
 from slopekit.studies.support.forces import BoltedBlock, least_along, most_along, nearest
 from slopekit.studies.support.search import Answer, Found, Site, least_force

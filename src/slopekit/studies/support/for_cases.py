@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
 from slopekit.core.errors import GeometryError
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, Section, Table, counted, factor_text
 from slopekit.design.common import Bolt, Design
 from slopekit.kinds import dilates, factors_of

@@ -17,12 +17,12 @@ pull instead of the force.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints
+from slopekit.core.records import dataclass
 
 _KEEPS = 1e-9  # least normal force (in parts of the size of the loads) of a joint that counts as closed
 _SMALL = 1e-12

@@ -4,12 +4,12 @@ A head is taken only where its bolt, drawn on through the block, leaves it throu
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.errors import Notice
+from slopekit.core.records import dataclass
 from slopekit.studies.support.search import Site
 
 MOST_BOLTS = 5000

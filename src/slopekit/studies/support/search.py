@@ -5,13 +5,14 @@ The site is the design as support sees it: what holds its block, its face, and b
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Line, line_of
+from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt, Design, Force
 from slopekit.geometry.cutting import Block
 from slopekit.kinds import cut, factors_of, kind_of

@@ -11,7 +11,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import pairwise, product
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, get_args
@@ -19,6 +19,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import Column, is_number
 from slopekit.design.common import Design
 from slopekit.kinds import kind_of

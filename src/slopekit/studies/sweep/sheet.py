@@ -3,12 +3,12 @@
 import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from operator import attrgetter, itemgetter
 from typing import Any, TypeAlias
 
 from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.core.sheet import LABEL, WIDTH, Column, Entry, Section, Sheet, Table, counted, factor_text, is_number
 from slopekit.studies.keys import Key, in_words
 from slopekit.studies.points import Method, Point, factor_at

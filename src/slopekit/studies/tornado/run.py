@@ -10,13 +10,14 @@
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from slopekit.core.codec import json_of
 from slopekit.core.errors import Faults, Notice
+from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution
 from slopekit.kinds import kind_of
