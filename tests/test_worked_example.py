@@ -80,9 +80,8 @@ def test_sets(name) -> None:
     values = np.linalg.eigvalsh(poles.T @ poles)[::-1]
     assert shape == pytest.approx(math.log(values[0] / values[1]) / math.log(values[1] / values[2]), abs=0.00501)
     for end, key in (("  column", "spacing"), ("$", "trace")):
-        row = numbers(
-            rf" +{name}(?= +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ +[\d.]+ m{end}| +\d+ +[\d.]+ m +[\d.]+ to [\d.]+ m +[\d.]+ m{end})"
-        )
+        one = r" +\d+ +[\d.]+ m +[\d.]+ to [\d.]+"
+        row = numbers(rf" +{name}(?={one} +[\d.]+ m{end}|{one} m +[\d.]+ m{end})")
         number, mean, _, _, spread = row[:5]
         assert (number, mean) == (count, pytest.approx(of[key][some].mean(), rel=5e-3))
         assert spread == pytest.approx(of[key][some].std(ddof=1), rel=5e-3)

@@ -514,7 +514,7 @@ class Result(Shown):
             "slopekit": __version__,
             "kind": self.kind,
             "title": self.design.title,
-            **({"project": project} if (project := self.design.project.given()) else {}),
+            **self.design.beside(),
             "input_sha256": self.design.input_hash(),
             "status": self.status,
             "status_text": self.status_text,

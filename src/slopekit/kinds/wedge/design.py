@@ -158,9 +158,9 @@ class WedgeDesign(SlopeDesign):
         """The same wedge with other strengths on its joints."""
         return replace(self, **_by_joint(strengths))
 
-    def at_residual(self) -> "WedgeDesign":
-        """The wedge with residual strength wherever there is one."""
-        return self.with_strengths([one.at_residual() for one in self.strengths])
+    def each_strength(self, change: Callable[[Strength], Strength]) -> "WedgeDesign":
+        """The wedge with every strength changed."""
+        return self.with_strengths([change(one) for one in self.strengths])
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:

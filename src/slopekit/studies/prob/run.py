@@ -323,6 +323,10 @@ def prob(
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
     crew = checked_crew(jobs, scheduler, executor)
+    if design.partial is not None:
+        message = "a probability of failure takes the strengths as they scatter, not over partial factors"
+        advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
+        raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
     given, source = design, None
     if survey is not None:
         design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
