@@ -22,9 +22,9 @@ from typing import NoReturn
 
 from benchmarks.fuzz_mutations import Case, case
 from benchmarks.fuzz_seeds import SEEDS, write_files
+from slopekit.api import analyse
 from slopekit.cli.common import load_design as _load
 from slopekit.core.errors import SlopekitError
-from slopekit.kinds import analyse
 
 COUNT, SEED = 10_000, 20260
 LIMIT_S = 30.0  # of the processor: a run that takes longer is stopped and counts as a failure
@@ -97,7 +97,8 @@ def run(made: Case, folder: Path) -> Outcome:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
     notices = tuple(notice.code for notice in result.warnings)
     seconds = time.process_time() - began
-    return Outcome(made.index, made.origin, stage, code, (), f"{result.kind} {result.status}", notices, seconds)
+    status = f"{design.kind} {getattr(result, 'status', 'load cases')}"
+    return Outcome(made.index, made.origin, stage, code, (), status, notices, seconds)
 
 
 _OF_YAML = {"E149", "E150", "E151", "E152", "E153", "E154", "E155", "E156", "E157", "E158", "E159", "E160"}

@@ -98,6 +98,21 @@ rock: {unit_weight: 26 kN/m3}
 water: {pressures: [10 kPa, 20 kPa]}
 analysis: {criterion: all-pairs}
 """,
+    "cases plane": """\
+slopekit: 1
+kind: plane
+slope: {face: 60/180, height: 12 m, upper: 0/180}
+joints: {J1: {plane: 35/180}}
+strength: {bedding: {c: 25 kPa, phi: 37}}
+rock: {unit_weight: 26 kN/m3}
+loads: {surcharge: 10 kPa}
+acceptance: {rules: "fos >= 1.3"}
+cases:
+  static: {accept: ["fos >= 1.5", "fos.closed_form >= 1.4"]}
+  quake: {set: {loads.seismic.k: 0.1, water: {fill: 50 %}}, accept: "fos >= 1.1"}
+  code: {set: {analysis.partial_factors: DA1-C2, support.bolts: [200 kN@000/10]}}
+  own: {set: {analysis.partial_factors: {set: DA2, tan_phi: 1.1, forces: variable}}}
+""",
     "rich footing": """\
 slopekit: 1
 kind: footing

@@ -214,20 +214,29 @@ def bench_rows(count: int = 300) -> list[str]:
         "spacing": 2, "trace": 15,
     }  # fmt: skip
     rows = [
-        "| what | trials in 21 benches | PRE-IE of blocks | seconds of processor | seconds |",
-        "|---|---|---|---|---|",
+        "| what | trials in 21 benches | PRE-IE of blocks | where moments govern | seconds of processor | seconds |",
+        "|---|---|---|---|---|---|",
     ]
     for words, more in (
         ("closed forms alone, one process", {"confirm": 0, "near": 0}), ("with PRE-IE, one process", {}),
         ("with PRE-IE, two processes (their start included)", {"jobs": 2}),
     ):  # fmt: skip
-        began, processor = time.perf_counter(), time.process_time()
-        found = bench_design(planes, **given, **more)
-        seconds, processor = time.perf_counter() - began, time.process_time() - processor
-        asked = 0 if found.checked is None else found.checked.said.samples
-        used = f"{processor:.1f}" if "jobs" not in more else "-"
-        rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {used} | {seconds:.1f} |")
-    return rows
+        began, processor = time.perf_counter(), _processor()
+        found = bench_design(planes, **(given | more))
+        seconds, processor = time.perf_counter() - began, _processor() - processor
+        said = None if found.checked is None else found.checked.said
+        asked = 0 if said is None else said.samples
+        moments = (
+            0 if said is None else sum(one.factors is not None and one.factors.moments_govern for one in said.points)
+        )
+        rows.append(f"| {words} | {21 * 10_000:,} | {asked} | {moments} | {processor:.1f} | {seconds:.1f} |")
+    return [*rows, "", f"Load average of the machine at the end: {os.getloadavg()[0]:.0f}."]
+
+
+def _processor() -> float:
+    """Seconds of processor of this process and of those that it started and that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
 
 
 def machine() -> str:

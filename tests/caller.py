@@ -62,6 +62,8 @@ if one.fos.limit is not None and one.fos.closed_form is not None:
     one.fos.limit / one.fos.closed_form
 poles = sk.kinematic(["45/115"], face="65/180")
 assert_type(poles, sk.Kinematic)
+assert_type(sk.sets("joints.csv", n=3), sk.JointSets)
+assert_type(sk.bench_design("joints.csv", height=10, face="60:80:5", dip_direction=180), sk.BenchDesigns)
 assert_type(sk.check(design), sk.Check)
 found = sk.sets(["45/115", "46/116"])
 assert_type(found, sk.JointSets)

@@ -25,6 +25,9 @@ if hasattr(providers, "_get_local_constants"):
     none_yet = providers._local_constants
     providers._get_local_constants = lambda: none_yet
 
+#: A script for mypy, not for running.
+collect_ignore = ["caller.py"]
+
 gc.disable()
 
 

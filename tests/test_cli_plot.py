@@ -225,15 +225,15 @@ def test_a_strength_without_friction_is_no_net() -> None:
 
 
 def test_options_that_are_no_numbers(folder, tmp_path) -> None:
-    """From Python too: E106, E354, never E344."""
-    for options, code in (({"explode": "abc"}, "E106"), ({"explode": -1.0}, "E354")):
+    """From Python too: E405, E354, never E344."""
+    for options, code in (({"explode": "abc"}, "E405"), ({"explode": -1.0}, "E354")):
         with pytest.raises(DesignError) as caught:
             sk.plot(folder / "result.json", "exploded", tmp_path / "a.png", **options)
         assert caught.value.codes == (code,)
     for step in (1.5, float("inf"), float("nan"), "x"):
-        with pytest.raises(DesignError) as caught:
+        with pytest.raises(DesignError, match="step") as caught:
             sk.plot(folder / "result.json", "mechanism", tmp_path / "a.png", step=step)
-        assert caught.value.codes == ("E106",)
+        assert caught.value.codes == ("E405",)
 
 
 def test_without_a_picture_the_words(folder) -> None:

@@ -343,8 +343,8 @@ def test_the_key_tables_are_those_of_the_declared_fields() -> None:
 
 
 #: Groups of a result whose keys are names of the design, stages or changes.
-_NAMED = {"areas_m2", "corners_m", "normal", "water", "methods", "factor_by_block", "checks", "inputs", "assumed",
-          "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
+_NAMED = {"areas_m2", "trace_lengths_m", "corners_m", "normal", "water", "methods", "factor_by_block", "checks",
+          "inputs", "assumed", "timing_s", "pairs_by_mode", "sheet"}  # fmt: skip
 
 
 def _keys_in(value: Any, group: str = "") -> Iterator[str]:

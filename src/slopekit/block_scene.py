@@ -24,6 +24,37 @@ _TYPES = {"float64": np.float64, "int32": np.int32, "uint8": np.uint8}
 _LEVEL = 4  # of zlib: beyond it costs more time than it saves room
 
 
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """How large it is what fails, m.
+
+    Attributes
+    ----------
+    height_m : vertical, from its lowest to its highest corner
+    face_width_m : along the crest, between its outermost corners there; of what does not reach the crest between its
+        outermost corners; None where the slope is taken per metre, or has no crest
+    setback_m : how far behind the crest it reaches, horizontal and square to the crest; None where there is no crest
+    trace_lengths_m : by joint, on the face and on the upper slope, of a plane in the section; none where there is none
+    """
+
+    height_m: float
+    face_width_m: float | None
+    setback_m: float | None
+    trace_lengths_m: Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class BlockSizes:
+    """The same of the blocks that move in a mechanism, with their volume and mass (t)."""
+
+    volume_m3: float
+    mass_t: float
+    height_m: float
+    face_width_m: float | None
+    setback_m: float | None
+    trace_lengths_m: Mapping[str, Mapping[str, float]]
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Solids:
     """Closed surfaces of blocks.

@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from slopekit.block_scene import Shapes, Solids, closed, contacts_of, prism
+from slopekit.block_scene import Shapes, Sizes, Solids, closed, contacts_of, prism
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
@@ -35,8 +35,46 @@ class Geometry(Protocol):
         ...
 
 
+class _Sized:
+    """What a geometry says of its `sizes`, for JSON."""
+
+    __slots__ = ()
+    sizes: Sizes | None
+
+    @property
+    def height_m(self) -> float | None:
+        """From the lowest to the highest corner, None where it was not measured."""
+        return None if self.sizes is None else self.sizes.height_m
+
+    @property
+    def face_width_m(self) -> float | None:
+        """Along the crest."""
+        return None if self.sizes is None else self.sizes.face_width_m
+
+    @property
+    def setback_m(self) -> float | None:
+        """Behind the crest."""
+        return None if self.sizes is None else self.sizes.setback_m
+
+    @property
+    def trace_lengths_m(self) -> Mapping[str, Mapping[str, float]]:
+        """By joint."""
+        return {} if self.sizes is None else self.sizes.trace_lengths_m
+
+
+_SIZES = ("height_m", "face_width_m", "setback_m", "trace_lengths_m")
+
+
 @dataclass(frozen=True, slots=True)
-class WedgeGeometry:
+class Scaled:
+    """What limits of size made of a wedge: the factor of its lengths, and by which of them, None where it is 1."""
+
+    factor: float
+    by: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class WedgeGeometry(_Sized):
     """Size and shape of the wedge: areas in m² by joint, the line of intersection as trend and plunge.
 
     `faces_m` are all faces as (k, 3) polygons by name, anticlockwise seen from outside.
@@ -51,7 +89,9 @@ class WedgeGeometry:
     corners_m: Mapping[str, Floats]
     centroid_m: Floats
     faces_m: Mapping[str, Floats] = field(repr=False, metadata=NO_JSON)
-    JSON_ALSO: ClassVar = ("line",)
+    sizes: Sizes | None = field(default=None, metadata=NO_JSON)
+    scaled: Scaled | None = None
+    JSON_ALSO: ClassVar = ("line", *_SIZES)
 
     @property
     def line(self) -> dict[str, float]:
@@ -69,7 +109,7 @@ class WedgeGeometry:
 
 
 @dataclass(frozen=True, slots=True)
-class SectionGeometry:
+class SectionGeometry(_Sized):
     """A block in a vertical section one metre thick: its outline (k, 2) as x (out of the slope) and z, toe at 0, 0.
 
     `axes` (3, 3) are x, y, z of the section in the user's axes, one a row. The outline runs anticlockwise from the toe,
@@ -84,8 +124,9 @@ class SectionGeometry:
     crack_depth_m: float | None = field(default=None, metadata=NO_JSON)
     crack_distance_m: float | None = field(default=None, metadata=NO_JSON)
     axes: Floats = field(default_factory=lambda: np.eye(3), repr=False, metadata=NO_JSON)
+    sizes: Sizes | None = field(default=None, metadata=NO_JSON)
     thickness_m: ClassVar = 1.0
-    JSON_ALSO: ClassVar = ("thickness_m", "crack")
+    JSON_ALSO: ClassVar = ("thickness_m", "crack", *_SIZES)
 
     @property
     def crack(self) -> dict[str, float | None] | None:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from slopekit.block_scene import Contacts, Shapes, Solids, joined, prism
+from slopekit.block_scene import BlockSizes, Contacts, Shapes, Solids, joined, prism
 from slopekit.core.arrays import Floats, Ints
 from slopekit.core.codec import NO_JSON
 from slopekit.core.records import dataclass
@@ -69,6 +69,7 @@ class Mechanism:
     pairs_by_mode : node pairs that stick, slip and are open
     basis : what the factor is: limit (a limit state, exact), settled (the limit of the path, its motion settled), peak
         (where the path was last at rest; `change` then says how much stronger the blocks run), or none
+    size : of the blocks that move, together; None where it was not measured
     """
 
     status: str
@@ -79,6 +80,7 @@ class Mechanism:
     interfaces: tuple[GoverningInterface, ...]
     pairs_by_mode: Mapping[str, int]
     basis: str = "none"
+    size: BlockSizes | None = None
 
 
 @dataclass(frozen=True, slots=True)

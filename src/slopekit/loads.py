@@ -88,7 +88,7 @@ def block_loads(
         moment += cross(at - block.centroid, force)
     for name, push in (pushes or {}).items():
         parts[name] = push.force
-        acting.append((name, push.force, block.centroid + _line_of_action(push) if push.at is None else push.at))
+        acting.append((name, push.force, block.centroid + line_of_action(push) if push.at is None else push.at))
         if push.at is not None:
             moment += cross(push.at - block.centroid, push.force)
         if push.couple is not None:
@@ -111,7 +111,7 @@ def block_loads(
     )  # fmt: skip
 
 
-def _line_of_action(push: PointForce) -> Floats:
+def line_of_action(push: PointForce) -> Floats:
     """From the centroid to the line on which a force has the moment of its couple (all but what turns about it)."""
     size = float(push.force @ push.force)
     if push.couple is None or not size > 0.0:
@@ -258,6 +258,7 @@ def assembly_loads(
     pushes: Sequence[tuple[int, PointForce]] = (),
     bolts: PassiveBolts = NO_BOLTS,
     water_points: Floats | None = None,
+    pond: Sequence[tuple[int, PointForce]] = (),
 ) -> AssemblyLoads:
     """Add up the loads on the blocks of an assembly.
 
@@ -267,6 +268,7 @@ def assembly_loads(
     seismic : (3,) parts of the weight, acting at the centroids
     pressures : (k,) mean water pressure on each patch (kPa); water_points : (k, 3) where it acts, None: in its middle
     pushes : forces and the blocks they act on; bolts : the passive ones
+    pond : forces through the centroids with their couples: water, too
     """
     weights = unit_weights * assembly.volumes
     live, turning = weights[:, None] * seismic, np.zeros((len(weights), 3))
@@ -285,6 +287,9 @@ def assembly_loads(
             np.add.at(forces, side[at], push)
             middles = patches.centroids if water_points is None else water_points
             np.add.at(moments, side[at], cross(middles[at] - assembly.centroids[side[at]], push))
+    for block, push_on in pond:
+        forces[block] += push_on.force
+        moments[block] += 0.0 if push_on.couple is None else push_on.couple
     return AssemblyLoads(
         frozen(forces),
         frozen(moments),

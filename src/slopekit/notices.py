@@ -90,6 +90,13 @@ def _read_notices(design: Design) -> Iterator[Notice]:
         yield Notice("W327", f"not used: {'; '.join(design.left_out)}")
     if design.read_as:
         yield Notice("W373", f"read of {'; '.join(design.read_as)}")
+    asks = max((rule.value for rule in design.rules if rule.relation in (">=", ">")), default=0.0)
+    if design.partial is not None and asks > 1.0:
+        yield Notice(
+            "W428", f"a rule asks for {asks:g} of the over-design factor, beside the partial factors: 1 is enough"
+        )
+    if design.partial is not None and getattr(design, "crack_searched", None):
+        yield Notice("W429", "the crack stands where it is worst without the partial factors")
     if design.unit_weight_kn_m3 and not 15.0 <= design.unit_weight_kn_m3 <= 50.0:
         yield Notice("W302", f"a unit weight of {design.unit_weight_kn_m3:.4g} kN/m³ is not that of rock")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from slopekit._version import __version__
-from slopekit.block_scene import Arrows, BlockScene, NodePairState
+from slopekit.block_scene import Arrows, BlockScene, BlockSizes, NodePairState, Sizes
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import NO_JSON, json_of
 from slopekit.core.errors import Notice
@@ -437,8 +437,25 @@ class Result(Shown):
         columns += [
             Column("volume", attrgetter("geometry.volume_m3"), "volume_m3", "m³"),
             Column("weight", attrgetter("forces.weight"), "weight_kn", "kN"),
+            Column("mass", attrgetter("mass_t"), "mass_t", "t"),
+        ]
+        columns += [
+            Column(name, attrgetter(f"size.{key}_m") if self.size is not None else lambda _: None, f"{key}_m", "m")
+            for name, key in (("height", "height"), ("face width", "face_width"), ("setback", "setback"))
         ]
         return {self.name: Table(columns, [self]), **Shown.tables(self)}
+
+    @property
+    def size(self) -> Sizes | BlockSizes | None:
+        """Of what fails, of many blocks first; None where it was not measured."""
+        if self.findings is None:
+            return getattr(self.geometry, "sizes", None)
+        return self.findings.mechanisms[0].size if self.findings.mechanisms else None
+
+    @property
+    def mass_t(self) -> float:
+        """Mass of what may move, t."""
+        return self.forces.weight / self.design.gravity_m_s2
 
     @property
     def scene(self) -> BlockScene:
@@ -480,6 +497,7 @@ class Result(Shown):
                 "how": [block.how for block in blocks],
                 "displacement": [block.displacement.tolist() for block in blocks],
                 "rotation": [block.rotation.tolist() for block in blocks],
+                **(json_of(self.findings.mechanisms[0].size) or {}),
             } if blocks else None  # fmt: skip
         if self.mechanism is None:
             return None
@@ -496,7 +514,7 @@ class Result(Shown):
             "slopekit": __version__,
             "kind": self.kind,
             "title": self.design.title,
-            **({"project": project} if (project := self.design.project.given()) else {}),
+            **self.design.beside(),
             "input_sha256": self.design.input_hash(),
             "status": self.status,
             "status_text": self.status_text,
@@ -514,7 +532,7 @@ class Result(Shown):
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],
-            "geometry": json_of(self.geometry),
+            "geometry": json_of(self.geometry) | {"mass_t": self.mass_t},
             "forces_kn": json_of(self.forces),
             "model": json_of(self.model),
             "balance": json_of(self.balance),

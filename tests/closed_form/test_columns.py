@@ -1,7 +1,7 @@
 """Methods of columns against hand-written slices and grids, printed values, and masses with one exact answer."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from slopekit.closed_form.columns import (
 )
 from slopekit.closed_form.rotation import rotational_failure
 from slopekit.core.errors import GeometryError
+from slopekit.core.records import names_of
 
 PAPER = {"centre": (40.0, 0.0, 40.0), "radii": (40.0, math.sqrt(800.0), 40.0), "unit_weight_kn_m3": 21.56}
 FACE = [(60.0, 0.0), (40.0, 0.0), (0.0, 40.0), (-20.0, 40.0)]
@@ -324,7 +325,7 @@ def test_six_sums_vanish(direction, seismic, pressure) -> None:
     """
     whole = paper()
     keep = whole.base_points[:, 1] < 12.0
-    mass = Columns(*(getattr(whole, one.name)[keep] for one in fields(Columns)[:6]))
+    mass = Columns(*(getattr(whole, name)[keep] for name in names_of(Columns)[:6]))
     mass = replace(mass, pore_pressure=pressure * (mass.base_points[:, 0] < 20.0))
     found = global_equilibrium(mass, 30.0, 30.0, direction, PAPER["centre"], seismic)
     d = np.array(direction) / math.hypot(*direction)

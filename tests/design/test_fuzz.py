@@ -8,7 +8,7 @@ import re
 import pytest
 
 import slopekit as sk
-from benchmarks.fuzz import outcomes, report, shares
+from benchmarks.fuzz import outcomes, report, run, shares
 from benchmarks.fuzz_mutations import case
 from benchmarks.fuzz_seeds import SEEDS, write_files
 
@@ -18,7 +18,8 @@ _SLOW = (
     "pressed wedge", "pressed plane", "rich footing",
 )  # fmt: skip
 _OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text))
-_NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS))
+_OF_CASES = ("cases plane",)
+_NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS, *_OF_CASES))
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +51,15 @@ def test_a_healthy_share_reaches_each_stage(found) -> None:
 def test_a_file_of_a_seed_is_always_the_same() -> None:
     assert [case(k, 1) for k in range(20)] == [case(k, 1) for k in range(20)]
     assert len({case(k, 1).content for k in range(50)}) > 45
+
+
+def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:
+    """Cases and partial factors: every file ends with a result or with codes."""
+    each = [run(case(index, _SEED, _OF_CASES), tmp_path) for index in range(40)]
+    assert not [one.escaped for one in each if one.escaped]
+    assert all(one.codes for one in each if one.exit_code in (2, 3))
+    assert sum(one.stage == "result" for one in each) >= 10
+    assert len({code for one in each for code in one.codes}) >= 8
 
 
 def test_files_of_many_blocks_are_read_or_refused(tmp_path) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 import slopekit as sk
 from slopekit.kinds.wedge import basal, bounds
+from tests.kinds.test_basal import TROUGH, put
 
 FILE = "templates/wedge-basal.yaml"
 
@@ -39,3 +40,32 @@ def test_the_bounds_of_bolts_are_the_faces_of_the_block() -> None:
     over = found.outward[:, 0] @ block.corners.T - found.offsets
     assert over.max() < 1e-9
     assert np.abs(over).min(axis=1) == pytest.approx(0.0, abs=1e-9)  # each plane has a corner of the block
+
+
+STEEP = {"basal__plane": "45/262", "basal__height": 1, "joints__J1__plane": "60/100", "joints__J2__plane": "60/250"}
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        ({"basal__plane": "75/100", "basal__height": 25, "joints__J1__plane": "45/115"}, "E440"),
+        ({"basal__plane": "35/45", "basal__height": 25, "joints__J1__plane": "60/100"}, "E442"),
+        ({"basal__plane": "28/262", "basal__height": 6, "joints__J2__plane": "60/270"}, "E444"),
+        ({"basal__plane": "60/100", "joints__J1__plane": "60/100", "joints__J2__plane": "78/262"}, "E444"),
+        ({"basal__height": 1e9}, "E445"),
+    ],
+)
+def test_what_cuts_no_block_has_a_code(change, code) -> None:
+    change = {"joints__J2__plane": "60/250"} | change
+    with pytest.raises(sk.SlopekitError) as caught:
+        sk.run(put(TROUGH, **change))
+    assert caught.value.codes == (code,)
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [(STEEP, "W410"), ({"basal__plane": "2/225", "basal__height": -8}, "W411"),
+     (STEEP | {"basal__plane": "0/135"}, "W412")],
+)  # fmt: skip
+def test_what_a_reader_must_know_of_a_basal_joint(change, code) -> None:
+    assert code in {notice.code for notice in sk.run(put(TROUGH, **change)).warnings}

@@ -201,6 +201,27 @@ def test_no_place_of_a_dense_sweep_is_worse(more) -> None:
         assert lowest == pytest.approx(min(factors), rel=5e-3)
 
 
+@pytest.mark.parametrize("law", [{}, {"waviness": 1}], ids=["together", "one by one"])
+def test_a_crack_that_lets_the_block_go_is_worse_than_any_factor(law) -> None:
+    """W441: water in a crack near the crest lifts this wedge; farther back factors rise from 0.2 on."""
+    design = {
+        "slopekit": 1, "kind": "wedge", "slope": {"face": "75/180", "upper": "0/180", "height": 20},
+        "joints": {"J1": {"plane": "60/120"}, "J2": {"plane": "60/240"}},
+        "strength": {"s": {"c": 20, "phi": 35, **law}}, "rock": {"unit_weight": 26},
+    }  # fmt: skip
+
+    def at(distance) -> sk.Result:
+        return sk.run({**design, "crack": {"plane": "85/180", "distance": distance, "water": "full"}})
+
+    assert [at(distance).status == "lifted" for distance in (0.5, 2.0)] == [True, False]
+    found = at("worst")
+    assert found.status == "lifted"
+    assert found.fos.limit is None
+    assert found.fos.closed_form is None
+    assert "W441" in [notice.code for notice in found.warnings]
+    assert 0.5 < found.design.crack.distance_m < 2.0
+
+
 def test_a_crack_that_does_not_matter_is_said() -> None:
     """W421: without cohesion and water F of a plane is tan φ / tan ψ wherever the crack is."""
     found = sk.run({**PLANE, "strength": {"s": {"c": 0, "phi": 37}}, "crack": {"distance": "worst"}})
@@ -257,10 +278,9 @@ def test_what_else_is_wrong() -> None:
             sk.load({**WEDGE, **more})
     with pytest.raises(DesignError, match="E198"):
         sk.load({**PLANE, "crack": {"depth": 4, "distance": "worst"}})
+    held = {"seismic": {"k": math.tan(math.radians(35)), "toward": 0}}  # along the plane, as much as the weight
     with pytest.raises(DesignError, match="E459"):
-        sk.load(
-            {**PLANE, "rock": {"unit_weight": 5}, "water": {"pressures": [900, 900]}, "crack": {"distance": "worst"}}
-        )
+        sk.load({**PLANE, "loads": held, "crack": {"distance": "worst"}})
 
 
 @pytest.mark.parametrize(("pond", "code"), [(-1.0, "W419"), (25.0, "W420")])
@@ -328,10 +348,10 @@ def test_a_table_over_the_contacts_of_a_bench() -> None:
     ({"mode": "table", "points": [[2, 0], [1, 1]]}, "E455"),
     ({"mode": "table", "points": [[0, 0], [1, 1]], "plane": "5/270@1m"}, "E198"),
     ({"mode": "table", "plane": "5/270@1m", "pressures": {"B1/base": 5}}, "E198"),
-    ({"mode": "full"}, "E179"), ({"mode": "table", "pond": 3}, "E142"),
+    ({"mode": "full"}, "E179"), ({"mode": "table", "depth": 3}, "E142"),
 ], ids=str)  # fmt: skip
 def test_tables_that_are_none_for_blocks(water, code) -> None:
-    """As for one block, and a pond is not known: no free face of many blocks takes water."""
+    """As for one block; blocks of any shape have no ground to lie below."""
     with pytest.raises(DesignError) as found:
         sk.load(section_of_blocks(water))
     assert code in found.value.codes

@@ -10,8 +10,9 @@ import pytest
 from benchmarks import populations
 from slopekit.geometry.patches import BEDROCK
 from slopekit.loads import PassiveBolts
+from slopekit.preie import proposal
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, BedForces, Drive
+from slopekit.preie.bed import Bed, BedForces, Drive, NewtonStep
 from slopekit.preie.blocks import Basis, BlocksLimit, limit_of_blocks, load_limit
 from slopekit.preie.bounds import static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
@@ -21,7 +22,15 @@ from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
 from tests.preie import path_oracle
-from tests.preie.block_scenes import Scene, active_passive, bench, boxes_in_space, random_bench, rectangles, stack
+from tests.preie.block_scenes import (
+    Scene,
+    active_passive,
+    bench,
+    boxes_in_space,
+    random_bench,
+    rectangles,
+    stack,
+)
 from tests.preie.path_oracle import model_of
 from tests.preie.sections import paper_wedge
 from tests.properties import test_not_unique as designs
@@ -292,6 +301,30 @@ SPACE = {
     "boxes": lambda: boxes_in_space((2, 2, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0, 1.0),
     "bench": lambda: bench(BENCH, scatter=3.0, seed=4).model(30.0),
 }
+
+
+def test_a_short_step_far_along_does_not_end_the_way() -> None:
+    """λ = 1 + 0.01 / √work from work 2,600 on, whose first step adds 1: λ hardly changes, and is not there yet."""
+
+    class Slow:
+        working = elastic_displacement = np.ones(1)
+        elastic_work = load_size = 1.0
+        drive = Drive(np.ones(1))
+        factorisations = 0
+
+        @staticmethod
+        def onward(_):
+            return np.ones(1)
+
+    def there(_bed, at, _before, _parameter, _viscosity, work):
+        forces = BedForces(*[np.zeros((1, 1))] * 8, 1.0, 0.0)
+        return NewtonStep(at, 1.0 + 0.01 / math.sqrt(work), forces, True, 1)
+
+    begun = there(None, np.full(1, 2.6e3), None, 1.0, 0.0, 2.6e3)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(proposal, "stepped", there)
+        limit = proposal._climbed(Slow(), begun)
+    assert limit.parameter == pytest.approx(1.0, abs=2e-6)
 
 
 @pytest.mark.parametrize("by", [0.5, 3.0])

@@ -34,7 +34,7 @@ def with_law(design, law):
     """A design with one law on all of its joints."""
     strength = Strength.by_law(law)
     if hasattr(design, "joints") and hasattr(design, "laws"):
-        return design.with_strengths(strength, strength)
+        return design.with_strengths([strength, strength])
     if hasattr(design, "strengths"):
         return replace(design, strengths=tuple((name, strength) for name, _ in design.strengths))
     return replace(design, strength=strength)
@@ -87,7 +87,7 @@ def test_a_straight_curve_is_mohr_coulomb(name, curved, straight) -> None:
     design = template(name)
     strength = Strength(straight.cohesion_kpa, straight.friction_angle_deg)
     if name == "wedge":
-        plain = design.with_strengths(strength, strength)
+        plain = design.with_strengths([strength, strength])
     elif hasattr(design, "strengths"):
         plain = replace(design, strengths=tuple((own, strength) for own, _ in design.strengths))
     else:
@@ -195,7 +195,7 @@ def test_support_takes_straight_laws_alone() -> None:
 def test_two_laws_on_one_wedge() -> None:
     """Each joint asks its own law; the closed form by hand, N being that of any strength."""
     one, two = ROUGH, PowerCurve(2.0, 0.75)
-    design = paper_wedge(ROUGH).with_strengths(Strength.by_law(one), Strength.by_law(two))
+    design = paper_wedge(ROUGH).with_strengths([Strength.by_law(one), Strength.by_law(two)])
     result = analyse(design)
     area, normal = result.geometry.areas_m2["J1"], np.array([result.forces.normal["J1"]])
     by_hand = float(area * (one.resistance(normal / area) + two.resistance(normal / area))[0]) / result.forces.driving

@@ -418,6 +418,15 @@ def test_what_has_to_be_said(found: Any) -> None:
     assert not any(berm.accepted for berm in unsure)
 
 
+def test_the_sheet_keeps_height_and_face_apart_and_counts_in_plain_digits() -> None:
+    """A face of 63.75° ran into the height; where PRE-IE looked at none at random, "at most 1e+02 %" was said."""
+    found = sk.bench_design(list(JOINTS), height=10, face=63.75, dip_direction=180, c=0, phi=32, n=500, confirm=0,
+                            near=0.05)  # fmt: skip
+    text = str(found.sheet)
+    assert "10 m 63.75°" in text
+    assert "at most 100 % of all" in text
+
+
 def test_sizes_of_the_survey_count_first(tmp_path: Path) -> None:
     """Columns of trace and spacing; how far it is from joint to joint along the bench follows from the spacings."""
     survey = tmp_path / "sizes.csv"

@@ -230,3 +230,10 @@ def test_an_unknown_case_is_refused_with_the_nearest(name, code) -> None:
     with pytest.raises(sk.DesignError) as error:
         sk.load(DESIGN, case=name)
     assert error.value.codes == ("E476",)
+
+
+def test_a_picture_is_of_one_case(found) -> None:
+    with pytest.raises(sk.DesignError) as error:
+        sk.plot(found, "scene")
+    assert error.value.codes == ("E477",)
+    assert sk.plot(found.cases["quake"])

@@ -183,6 +183,12 @@ def behind_the_crest(corners: dict[str, np.ndarray]) -> float:
     return abs(float(edge[0] * away[1] - edge[1] * away[0])) / float(np.linalg.norm(edge))
 
 
+def longest_trace(corners: dict[str, np.ndarray]) -> float:
+    crests = (corners["crest1"], corners["crest2"])
+    ends = [corners["toe"], corners["back"]]
+    return max(float(np.linalg.norm(crest - end)) for crest in crests for end in ends)
+
+
 @pytest.mark.parametrize("upper", ["0/180", "12/225"])
 @pytest.mark.parametrize(
     ("limit", "value", "size"),
@@ -190,6 +196,8 @@ def behind_the_crest(corners: dict[str, np.ndarray]) -> float:
         ("persistence", 30.0, lambda corners, volume: longest_edge(corners)),
         ("bench_width", 3.0, lambda corners, volume: behind_the_crest(corners)),
         ("max_volume", 20.0, lambda corners, volume: volume),
+        ("slope_length", 5.0, lambda corners, volume: np.linalg.norm(corners["crest2"] - corners["crest1"])),
+        ("trace_length", 15.0, lambda corners, volume: longest_trace(corners)),
     ],
 )  # fmt: skip
 def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
@@ -210,6 +218,32 @@ def test_limits_scale_wedges_down_to_them(limit, value, size, upper) -> None:
     slides = ~np.isnan(full.pairs.factor[removable])
     assert (less.pairs.factor[removable][slides] >= full.pairs.factor[removable][slides] * (1 - 1e-9)).all()
     assert less.to_dict()["scaled_down"][limit] == (scale < 1.0).sum()
+
+
+def test_larger_wedges_are_left_out_where_limits_filter() -> None:
+    """Those that scaling makes smaller form no wedge then; the others are as they were. E491 another word."""
+    joints, slope = survey(5, 30), {"face": "65/180", "height": 12, "c": 6, "phi": 30, "top": 0, "bench_width": 3}
+    scaled, left = sk.combos(joints, **slope), sk.combos(joints, **slope, limit_by="filter")
+    larger = scaled.pairs.is_removable & (scaled.pairs.shapes.scale < 1.0)
+    assert left.counts["beyond_limits"] == larger.sum() > 0
+    assert left.removable == scaled.removable - larger.sum() > 0
+    kept = left.pairs.is_removable
+    assert (left.pairs.shapes.scale == 1.0).all()
+    assert (left.pairs.shapes.sizes.setback_m[kept] <= 3.0).all()
+    assert left.pairs.factor[kept] == pytest.approx(scaled.pairs.factor[kept], nan_ok=True)
+    assert "left out, larger than that" in str(left.sheet)
+    with pytest.raises(DesignError) as raised:
+        sk.combos(joints, **slope, limit_by="cut")
+    assert [fault.code for fault in raised.value.faults] == ["E491"]
+
+
+def test_sizes_in_the_table_are_those_of_the_wedge_alone() -> None:
+    """Setback and width of the worst pairs, from `slopekit wedge` of the same planes."""
+    found = sk.combos(survey(5, 30), face="65/180", upper="12/225", c=6, phi=30, top=4, trace_length=9)
+    for pair in found.worst:
+        alone = sk.wedge(dips=pair.planes, face="65/180", upper="12/225", height=pair.height_m, c=6, phi=30)
+        assert pair.setback_m == pytest.approx(alone.geometry.setback_m, rel=1e-7)
+        assert pair.face_width_m == pytest.approx(alone.geometry.face_width_m, rel=1e-7)
 
 
 def test_without_cohesion_size_does_not_matter() -> None:

@@ -101,7 +101,7 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     for one in values["support"]["bolts"]:
         one["acts"] = acts
     asked, count, target = (2, 30, 1.6) if acts == "passive" else (8, 1_000, 1.6)
-    study = prob(load(values), count, confirm=asked, near=0.0, seed=2, target=target)
+    study = prob(load(values), count, confirm=asked, near=0.0, seed=2, fos=target)
     checked = study.confirmation
     assert (checked.settled, checked.disagree) == (checked.samples, 0)
     assert not {point.code for point in checked.points} - {""}
@@ -112,10 +112,10 @@ def test_both_methods_judge_the_same_bolts(values, acts) -> None:
     assert [notice.code for notice in study.warnings if notice.code == "W381"] == ["W381"]
     assert "samples by bolts without force: 0: " in str(study)
     assert study.to_dict()["bolts_without_force"]["samples"] == lost.samples
-    bare = prob(load(values | {"support": {"bolts": []}}), count, confirm=0, near=0.0, seed=2, target=target)
+    bare = prob(load(values | {"support": {"bolts": []}}), count, confirm=0, near=0.0, seed=2, fos=target)
     fixed = [{key: value for key, value in one.items() if key not in ("head", "length")}
              for one in values["support"]["bolts"]]  # fmt: skip
-    in_full = prob(load(values | {"support": {"bolts": fixed}}), count, confirm=0, near=0.0, seed=2, target=target)
+    in_full = prob(load(values | {"support": {"bolts": fixed}}), count, confirm=0, near=0.0, seed=2, fos=target)
     assert np.nanmean(bare.factor) < np.nanmean(study.factor) < np.nanmean(in_full.factor)
     assert in_full.all_samples.share <= study.all_samples.share <= bare.all_samples.share
 

@@ -119,6 +119,29 @@ SHELF = {
 }  # fmt: skip
 
 
+def test_directions_about_north_have_a_mean_about_north() -> None:
+    """Directions N(2°, 10°) lie about 2°; the factor falls as J1 turns away from the line, whatever the 360 in between.
+
+    Turned by 90°, where no direction passes 360, the same seed gives the same sds, coefficients and factors.
+    """
+
+    def at(turn: float) -> tuple[dict[str, float], dict[str, float]]:
+        found = prob(sk.load({
+            **default_wedge(), "slope": {"face": [60, turn], "upper": [10, turn], "height": 64.89},
+            "joints": {"J1": {"plane": {"dip": 45, "dip_direction": {"dist": "normal", "mean": turn + 2.0, "sd": 10}},
+                              "strength": "a"}, "J2": {"plane": [45, turn + 65.0], "strength": "b"}},
+        }), n=400, confirm=0, seed=3)  # fmt: skip
+        drawn = {one.path: one for one in found.variables}["joints.J1.plane.dip_direction"]
+        assert (drawn.least - turn) % 360.0 > 320.0
+        assert (drawn.most - turn) % 360.0 < 40.0
+        return {"mean": (drawn.mean - turn) % 360.0, "sd": drawn.sd}, dict(found.sensitivities)
+
+    north, east = at(0.0), at(90.0)
+    assert north[0] == pytest.approx({"mean": 2.0, "sd": 10.0}, abs=1.5)
+    assert north[0] == pytest.approx(east[0], abs=1e-9)
+    assert north[1] == pytest.approx(east[1], abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("values", "met"),
     [

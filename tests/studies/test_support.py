@@ -665,9 +665,9 @@ def test_the_command_refuses_and_says_so_in_its_exit_code() -> None:
     wrong = slopekit("support", plane, "--plunge", "-5", "--json")
     assert wrong.returncode == 2
     assert json.loads(wrong.stdout)["errors"][0]["code"] == "E321"
-    other = slopekit("support", str(path_of("topple")))
+    other = slopekit("support", str(path_of("bench")))
     assert other.returncode == 2
-    assert other.stderr.startswith("E320 support is for a wedge or a plane, this design is a topple")
+    assert other.stderr.startswith("E320 support is for a wedge, a plane or toppling columns, this design is a bench")
 
 
 def test_distributions_are_named_in_the_sheet() -> None:

@@ -30,6 +30,8 @@ def lint(
         return
     head = f"ok   {Path(design).name}: a {read.kind} design, sha {read.input_hash()[:6]}"
     typer.echo(f"{head} (whether it forms a block, run says)")
+    if read.partial is not None:
+        typer.echo(f"     partial factors: {read.partial.called}")
     for one in read.cases:
         rules = ", ".join(str(rule) for rule in one.design.rules) or "nothing"
         typer.echo(f"     case {one.name}: sets {one.in_words or 'nothing'}; asks for {rules}")

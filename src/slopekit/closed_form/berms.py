@@ -1,8 +1,10 @@
 """What berms catch and what they cost: catch width, inter-ramp angle, face angle after a loss, spill, over arrays.
 
-Sources: the modified Ritchie criterion (Ritchie 1963; for open pits Ryan & Pryor 2000; as given by Warren et al. 2025,
-SSIM 2025, Australian Centre for Geomechanics); spill as a cone or a prism at the angle of repose against the face
-(idea: Gibson, de Bruyn & Walker 2006, Int. Symp. on Stability of Rock Slopes, SAIMM), here integrated exactly.
+Sources: the modified Ritchie criterion, 0.2 H + 4.5 m, as given by Warren et al. (2025, SSIM 2025, Australian Centre
+for Geomechanics, doi 10.36487/ACG_repo/2535_04), after Ritchie (1963, Highway Research Record 17, 13-28) and Ryan &
+Pryor (2000) (m); spill as a cone or a prism at the angle of repose against the face, from the volume, its swell, the
+face and the angle of repose (Gibson, de Bruyn & Walker 2006, Int. Symp. on Stability of Rock Slopes, SAIMM; their
+formula is not taken), here integrated exactly. (m): remembered, not looked up.
 """
 
 import math

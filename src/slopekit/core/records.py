@@ -50,6 +50,11 @@ def _say_frozen(of: list[Any], frozen: bool) -> None:
         one.frozen = frozen
 
 
+def names_of(record: type) -> tuple[str, ...]:
+    """The names of a record's fields, in order."""
+    return tuple(one.name for one in dataclasses.fields(record))
+
+
 def _first_init(cls: type) -> Any:
     """An ``__init__`` that puts the compiled one in its place when the first record of ``cls`` is made."""
 

@@ -107,6 +107,11 @@ def _case(
     shown = tuple((path, _shown(below)) for path, below in (sets.items() if sets else ()))
     if accept is not None and accept.value:
         values.append(("acceptance.rules", accept))
+    elif any(
+        f"{path}.".startswith("analysis.partial_factors.") and below.value
+        for path, below in (sets.items() if sets else ())
+    ):  # the design's rules ask for a factor of safety, this for 1
+        values.append(("acceptance", None))
     said = "" if title is None or not title.text else f"{title.text}, "
     if not any(path == "title" for path, _ in values):
         values.append(("title", replace(title or node, value=f"{said}case {name}")))

@@ -306,6 +306,54 @@ class MeshFile:
     where: str = field(default="", compare=False, repr=False)
 
 
+def _factor(path: str, doc: str, least: bool = False) -> Any:
+    limits: dict[str, Any] = {"least": 0.0} if least else {"above": 0.0}
+    return number(path, "ratio", default=1.0, most=10.0, code="E478", role="setting", scatters=False, doc=doc, **limits)
+
+
+@dataclass(frozen=True, slots=True)
+class FactoredNumber:
+    """A number of a design with a partial factor: characteristic, factor (None: it follows), design value.
+
+    `divided` says that the factor divides, as those of strength do.
+    """
+
+    what: str
+    characteristic: float | None
+    factor: float | None
+    design: float | None
+    unit: str
+    divided: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PartialFactors:
+    """Factors on actions, strengths and resistance; `called` and `source` say whose, `table` what they made."""
+
+    ALSO: ClassVar[tuple[Field, ...]] = (
+        Field("set", "text", example="DA1-C2", left_out="all 1", doc="a set whose other factors are taken"),
+        Field("forces", "text", example="variable", left_out="permanent",
+              doc="what `loads.forces` are: `permanent` or `variable`"),
+    )  # fmt: skip
+
+    permanent_unfavourable: float = _factor("permanent_unfavourable", "weight and forces that drive; all water")
+    permanent_favourable: float = _factor("permanent_favourable", "weight and forces that hold", least=True)
+    variable_unfavourable: float = _factor("variable_unfavourable", "surcharge that drives")
+    variable_favourable: float = _factor("variable_favourable", "surcharge that holds", least=True)
+    tan_phi: float = _factor("tan_phi", "divides tan φ, and τ of a curved law")
+    c: float = _factor("c", "divides c and tension")
+    unit_weight: float = _factor("unit_weight", "of the rock")
+    resistance: float = _factor("resistance", "divides the strength of all joints once more, not that of bolts")
+    forces: str = "permanent"
+    called: str = ""
+    source: str = ""
+    table: tuple[FactoredNumber, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return asdict(self) | {"table": [asdict(row) for row in self.table]}
+
+
 @dataclass(frozen=True, slots=True)
 class CaseKeys:
     """What a load case says: which keys of the design it sets, by their paths, and what is accepted."""
@@ -375,6 +423,7 @@ def _slips_of_density(
 
 _OF_STUDIES = ("variables", "correlation", "source", "cases")
 _OF_PAGES = ("project",)
+_BESIDE = ("partial",)
 _OF_READING = ("crack_searched", "defaults", "assumed", "left_out", "read_as")
 
 
@@ -489,6 +538,10 @@ class Design:
         example="[1.0, 1.1, 1.2]", label="factor",
         doc="reduction factors, at most 200: displacements and failed pairs at each",
     )  # fmt: skip
+    partial: PartialFactors | None = group(
+        "analysis.partial_factors", PartialFactors, default=None, forms=(Leaf(example="DA1-C2"),), left_out="none",
+        doc="[partial factors](cases.md#partial-factors): `DA1-C1`, `DA1-C2`, `DA2`, `DA3`, a file, or its keys",
+    )  # fmt: skip
     assumed: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     defaults: tuple[str, ...] = field(default=(), compare=False)
     left_out: tuple[str, ...] = field(default=(), compare=False)
@@ -528,13 +581,23 @@ class Design:
 
     def at_residual(self) -> "Design":
         """The design with residual strength wherever there is one."""
-        found = {part.name: _at_residual(getattr(self, part.name)) for part in fields(self)}
+        return self.each_strength(Strength.at_residual)
+
+    def each_strength(self, change: Callable[[Strength], Strength]) -> "Design":
+        """The design with every strength changed."""
+        found = {part.name: _changed(getattr(self, part.name), change) for part in fields(self)}
         return replace(self, **found)
+
+    def beside(self) -> dict[str, Any]:
+        """What JSON has beside the inputs: whose design it is, its partial factors; nothing without them."""
+        project = self.project.given()
+        found: dict[str, Any] = {"project": project} if project else {}
+        return found if self.partial is None else found | {"partial_factors": self.partial.to_dict()}
 
     def inputs(self) -> dict[str, Any]:
         """Every input as plain JSON values, the defaults written out; of what scatters the value that a run takes."""
         document: dict[str, Any] = _plain(self._single())
-        for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES):
+        for key in (*_OF_READING, *_OF_STUDIES, *_OF_PAGES, *_BESIDE):
             document.pop(key, None)
         for key in self.UNSAID:
             if document.get(key, "") is None:
@@ -573,15 +636,15 @@ class LoadCase:
         return ", ".join(f"{path} {value}" for path, value in self.sets)
 
 
-def _at_residual(value: Any) -> Any:
+def _changed(value: Any, change: Callable[[Strength], Strength]) -> Any:
     if isinstance(value, Strength):
-        return value.at_residual()
-    return tuple(_at_residual(item) for item in value) if type(value) is tuple else value
+        return change(value)
+    return tuple(_changed(item, change) for item in value) if type(value) is tuple else value
 
 
 _IF_GIVEN = (
     "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
-    "surcharge_kpa",
+    "surcharge_kpa", "surcharges_kpa", "partial",
 )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
-from slopekit.design.common import Design
+from slopekit.design.common import Design, PartialFactors
 from slopekit.design.document import read_document
 from slopekit.design.fields import field_at, in_degrees, structure_of
 from slopekit.design.nodes import Document, Node, document_from
@@ -102,6 +102,7 @@ def design_of(document: Document, other_values: bool = False) -> Design:
     kind = kind_named(_kind(root))
     faults = check_structure(root, structure_of(kind.record, kind.record.REQUIRED), kind.name, _Others(kind.name))
     faults += _version(root)
+    wanted, partial = _partial(document, faults)
     unsound = {fault.where for fault in faults}
     try:
         design: Design = kind.read(Reader(document, kind.record, faults, other_values))
@@ -109,7 +110,25 @@ def design_of(document: Document, other_values: bool = False) -> Design:
         # what the structure has said of a place is not said again by the reader
         faults += [fault for fault in error.faults if fault.where not in unsound]
         raise DesignError(dict.fromkeys(faults or error.faults)) from None
+    if wanted is not None and partial is not None:
+        from slopekit.design.partial_factors import factored
+
+        design = factored(design, kind, partial, str(wanted.place))
     return replace(design, source=document)
+
+
+def _partial(document: Document, faults: list[Fault]) -> "tuple[Node | None, PartialFactors | None]":
+    """Where a design says its partial factors, and these."""
+    analysis = document.root.get("analysis")
+    if analysis is None or (node := analysis.get("partial_factors")) is None or node.value is None:
+        return None, None
+    from slopekit.design.partial_factors import read_factors  # most designs have none
+
+    try:
+        return node, read_factors(document, node)
+    except DesignError as error:
+        faults += [fault for fault in error.faults if fault not in faults]
+        return node, None
 
 
 def with_values(design: Design, values: Mapping[str, object]) -> Design:

@@ -1,10 +1,10 @@
-"""A water table, a pond at the toe and a load on the upper slope: what designs of one block in a slope say of them."""
+"""A water table, a pond at the toe and a load on the upper slope: what designs say of them, and how it is read."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import field
-from typing import Any
+from typing import Any, Protocol
 
-from slopekit.core.errors import DesignError, Fault
+from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.orientation import Plane, parse_plane
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
@@ -16,8 +16,9 @@ from slopekit.design.reader import Reader
 from slopekit.design.structure import Leaf, ListOf
 
 TABLE = "table"
+WORST = "worst"  # of places of a crack
 _STEEPEST_DEG = 80.0
-_TABLE_KEYS = ("depth", "points", "plane")
+_TABLE_KEYS = {"depth": "depth: 4 m", "points": "points: [[0, 0], [10, 4]]", "plane": "plane: 5/180@2m"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,51 @@ class TablePlane:
         return f"{self.plane}@{shown(self.level_m)}m"
 
 
+class GroundWater(Protocol):
+    """What a design says of ground water, whatever its kind."""
+
+    @property
+    def table_points_m(self) -> tuple[tuple[float, float], ...] | None:
+        """Places and elevations of a table through points."""
+
+    @property
+    def table_plane(self) -> TablePlane | None:
+        """A table that is a plane."""
+
+    @property
+    def pond_m(self) -> float | None:
+        """The elevation of open water."""
+
+    @property
+    def water_unit_weight_kn_m3(self) -> float:
+        """γ_w."""
+
+
+def table_in_words(design: GroundWater, along: str, at: str) -> list[str]:
+    """A table through points or a plane, and a pond, as the sheet prints them; `at`: where the plane is as high."""
+    said = []
+    if design.table_points_m is not None:
+        first, last = design.table_points_m[0], design.table_points_m[-1]
+        said.append(
+            f"water table through {len(design.table_points_m)} points, from {shown(first[1])} m at "
+            f"{shown(first[0])} m to {shown(last[1])} m at {shown(last[0])} m{along}"
+        )
+    elif design.table_plane is not None:
+        said.append(f"water table {design.table_plane.plane}, {shown(design.table_plane.level_m)} m {at}")
+    if design.pond_m is not None:
+        said.append(f"pond to {shown(design.pond_m)} m")
+    return said
+
+
+def table_depth() -> Any:
+    """Depth of a water table below the ground."""
+    return number(
+        "water.depth", "length", default=None, least=0.0, code="E454", axis="depth of the water table",
+        says="a table lies at or below the ground", example="4 m", left_out="no table",
+        doc="with `mode: table`: of the table below the ground, vertical",
+    )  # fmt: skip
+
+
 def table_points(place: str) -> Any:
     """Points of a water table by their places."""
     return text(
@@ -38,6 +84,31 @@ def table_points(place: str) -> Any:
         doc=f"with `mode: table`: {place}, ascending, and elevation; level beyond its ends",
         forms=(ListOf(ListOf(Leaf(), 2, 2), 2, example="[[0, 0], [10, 4], [30, 9]]"),),
         example="[[0, 0], [10, 4], [30, 9]]",
+    )  # fmt: skip
+
+
+def table_plane(over: str = "the toe") -> Any:
+    """A water table that is a plane."""
+    return text(
+        "water.plane", default=None, left_out="no table", example="5/180@2m",
+        doc=f"with `mode: table`: a plane, and its elevation over {over}",
+    )  # fmt: skip
+
+
+def pond() -> Any:
+    """Open water before the slope."""
+    return number(
+        "water.pond", "length", default=None, axis="level of the pond", example="3 m", left_out="no pond",
+        doc="elevation of open water at the toe; the table is as high at least",
+    )  # fmt: skip
+
+
+def surcharge() -> Any:
+    """A load on the upper slope."""
+    return number(
+        "loads.surcharge", "pressure", default=None, least=0.0, code="E458", axis="surcharge",
+        says="a surcharge presses: it is never negative", example="20 kPa", left_out="none",
+        doc="on the upper slope, downward, per plan area",
     )  # fmt: skip
 
 
@@ -50,25 +121,11 @@ class SlopeDesign(Design):
     place of a crack lies in its range, where it was looked for.
     """
 
-    table_depth_m: float | None = number(
-        "water.depth", "length", default=None, least=0.0, code="E454", axis="depth of the water table",
-        says="a table lies at or below the ground", example="4 m", left_out="no table",
-        doc="with `mode: table`: of the table below the ground, vertical",
-    )  # fmt: skip
+    table_depth_m: float | None = table_depth()
     table_points_m: tuple[tuple[float, float], ...] | None = table_points("distance from the toe into the slope")
-    table_plane: TablePlane | None = text(
-        "water.plane", default=None, left_out="no table", example="5/180@2m",
-        doc="with `mode: table`: a plane, and its elevation over the toe",
-    )  # fmt: skip
-    pond_m: float | None = number(
-        "water.pond", "length", default=None, axis="level of the pond", example="3 m", left_out="no pond",
-        doc="elevation of open water at the toe; the table is as high at least",
-    )  # fmt: skip
-    surcharge_kpa: float | None = number(
-        "loads.surcharge", "pressure", default=None, least=0.0, code="E458", axis="surcharge",
-        says="a surcharge presses: it is never negative", example="20 kPa", left_out="none",
-        doc="on the upper slope, downward, per plan area",
-    )  # fmt: skip
+    table_plane: TablePlane | None = table_plane()
+    pond_m: float | None = pond()
+    surcharge_kpa: float | None = surcharge()
     crack_searched: str = field(default="", compare=False)
 
     @property
@@ -76,19 +133,62 @@ class SlopeDesign(Design):
         """Whether water or surcharge are integrated over the faces of the block."""
         return self.water.mode == TABLE or bool(self.surcharge_kpa)
 
+    def ponded(self, face: int, upper: int) -> dict[int, str]:
+        """The free faces that a pond presses on, by name."""
+        wet = self.water.mode == TABLE and self.pond_m is not None
+        return {face: "face", upper: "upper slope"} if wet else {}
+
+    def ground_in_words(self) -> list[str]:
+        """Water table, pond and surcharge as the sheet prints them."""
+        said = []
+        if self.water.mode == TABLE:
+            if self.table_depth_m is not None:
+                said.append(f"water table {shown(self.table_depth_m)} m below the ground")
+            said += table_in_words(self, " into the slope", "at the toe")
+        if self.surcharge_kpa:
+            said.append(f"surcharge {shown(self.surcharge_kpa)} kPa on the plan of the upper slope")
+        return said
+
+    @property
+    def crack_in_words(self) -> str:
+        """Behind the place of the crack on the sheet."""
+        return " (the worst place by the closed form)" if self.crack_searched else ""
+
+    def ground_notices(self, toe_m: float, crest_m: float) -> Iterator[Notice]:
+        """What to know of the pond, by the elevations of toe and crest, and of a crack that was looked for."""
+        if self.water.mode == TABLE and self.pond_m is not None:
+            if self.pond_m <= toe_m:
+                yield Notice("W419", f"the pond stands at {shown(self.pond_m)} m, at or below the toe: it wets nothing")
+            elif self.pond_m > crest_m:
+                over = shown(round(self.pond_m - crest_m, 6))
+                yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
+        if self.crack_searched == "free":
+            yield Notice("W441", "with the crack here nothing holds the block, by the closed form: worse than any "
+                         "factor of safety")  # fmt: skip
+        elif self.crack_searched == "end":
+            yield Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
+                         "crest itself, or none at all")  # fmt: skip
+        elif self.crack_searched == "flat":
+            yield Notice("W421", "the place of the crack does not move the factor: none is worse than another")
+
 
 def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
     """The table, the pond and the surcharge by attribute, and the water where they say it all; None where they do not.
 
-    E198 for what excludes each other, E454 for a table that is not given, E455 for points that do not ascend.
+    Of the keys those that the kind has. E198 for what excludes each other, E454 for a table that is not given, E455 for
+    points that do not ascend.
     """
-    own = fields_of(SlopeDesign)
+    own = fields_of(reader.record)
     node = reader.at("water")
-    found: dict[str, Any] = {"surcharge_kpa": reader.field(own["surcharge_kpa"], reader.at("loads.surcharge"))}
+    found: dict[str, Any] = {}
+    if "surcharge_kpa" in own:
+        found["surcharge_kpa"] = reader.field(own["surcharge_kpa"], reader.at("loads.surcharge"))
     if node is None or not node.is_mapping:
         return found, None
-    said = [key for key in _TABLE_KEYS if node.get(key) is not None]
-    mode, pond = node.get("mode"), node.get("pond")
+    known = [key for key in _TABLE_KEYS if any(one.path == f"water.{key}" for one in own.values())]
+    said = [key for key in known if node.get(key) is not None]
+    mode = node.get("mode")
+    pond = node.get("pond") if "pond_m" in own else None
     is_table = mode is not None and mode.text == TABLE
     if not (is_table or said or pond is not None):
         return found, None
@@ -104,43 +204,19 @@ def read_ground_water(reader: Reader) -> tuple[dict[str, Any], Water | None]:
         reader.fault("E198", message, node.get(said[1]), "Keep one of them.")
     elif not said and pond is None:
         message = "water is a table, and nothing says where it lies"
-        reader.fault("E454", message, mode, "Add depth: 4 m, points: [[0, 0], [10, 4]], plane: 5/180@2m or pond: 3 m.")
+        *first, last = [*(_TABLE_KEYS[key] for key in known), *(["pond: 3 m"] if "pond_m" in own else [])]
+        reader.fault("E454", message, mode, f"Add {', '.join(first)} or {last}.")
     elif said and not is_table:
         reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), "Add mode: table.")
-    found["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
-    found["pond_m"] = reader.field(own["pond_m"], pond)
+    if "table_depth_m" in own:
+        found["table_depth_m"] = reader.field(own["table_depth_m"], node.get("depth"))
+    if "pond_m" in own:
+        found["pond_m"] = reader.field(own["pond_m"], pond)
     found["table_points_m"] = _points(reader, node.get("points"))
     below = node.get("plane")
     value = None if below is None else reader.value(below)
     found["table_plane"] = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
     return found, Water("table")
-
-
-def read_table(reader: Reader, example: str) -> dict[str, Any]:
-    """The table of many blocks by attribute; nothing where water is said in another way.
-
-    Parameters
-    ----------
-    example : of pressures, which exclude it
-    """
-    node = reader.at("water")
-    mode = None if node is None or not node.is_mapping else node.get("mode")
-    said = [] if node is None or not node.is_mapping else [key for key in ("points", "plane") if node.get(key)]
-    if node is None or mode is None or mode.text != TABLE:
-        if said and node is not None:
-            reader.fault("E454", f"water.{said[0]} is of a water table", node.get(said[0]), "Add mode: table.")
-        return {"table_points_m": None, "table_plane": None}
-    if node.get("pressures") is not None:
-        message = "water has a table and pressures: they exclude each other"
-        reader.fault("E198", message, node.get("pressures"), f"Keep one of them; pressures: {example}.")
-    if len(said) != 1:
-        message = "the water table has points and plane: they exclude each other" if said else (
-            "water is a table, and nothing says where it lies")  # fmt: skip
-        reader.fault("E198" if said else "E454", message, mode, "Give points: [[0, 0], [10, 4]] or plane: 5/180@2m.")
-    below = node.get("plane")
-    value = None if below is None else reader.value(below)
-    plane = None if value is None or below is None else reader.kept(_plane, value, str(below.place))
-    return {"table_points_m": _points(reader, node.get("points")), "table_plane": plane}
 
 
 def _points(reader: Reader, node: Node | None) -> tuple[tuple[float, float], ...] | None:

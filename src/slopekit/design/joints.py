@@ -77,7 +77,11 @@ def joints_of(reader: Reader, count: int) -> list[GivenJoint]:
     if len(entries) != count:
         if len(node.items()) != count:
             needed = "two joints" if count == 2 else "one joint"
-            reader.fault("E109", f"a {reader.kind} has {needed}, {len(node.items())} are given", node)
+            third = count == 2 and len(node.items()) == 3 and reader.kind == "wedge"
+            advice = (
+                "A third joint under the block stands by itself: basal: {plane: 20/180, height: 4 m}." if third else ""
+            )
+            reader.fault("E109", f"a {reader.kind} has {needed}, {len(node.items())} are given", node, advice)
         return []
     found = []
     for name, below in entries:

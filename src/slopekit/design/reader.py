@@ -158,7 +158,7 @@ class Reader:
         for name, field in fields_of(record).items():
             if field.measures == "group" or field.of is not None or field.each or (wanted and name not in wanted):
                 continue
-            if not field.is_attribute or shared.get(name) is field:
+            if not field.is_attribute or field.many == "names" or shared.get(name) is field:
                 continue
             found[name] = self.field(field, _below(holder or self.root, field.path), owner)
         return found

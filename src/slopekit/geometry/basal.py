@@ -89,6 +89,11 @@ def cut_basal_wedge(rock: BasalRockMass) -> Block:
         E441 nothing lies above the basal joint, E443 no closed block, E442 the block has no part of the face, E440 the
         basal joint does not bound it, E444 J1 or J2 does not, E207 the crack does not.
     """
+    for plane, name in ((J1, "J1"), (J2, "J2")):
+        sine = cross(rock.outward[plane], rock.outward[BASAL])
+        if math.sqrt(float(sine @ sine)) < SAME_DIRECTION:
+            message = f"{name} is parallel to the basal joint: they cannot both bound a block"
+            raise GeometryError([Fault("E444", message, "", "Give the basal joint another orientation.")])
     corners = _corners(rock)
     try:
         block = half_spaces_cut(rock.outward, rock.offsets, corners) if len(corners) else None

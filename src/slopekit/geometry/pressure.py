@@ -122,6 +122,20 @@ class Pressure:
             moment += areas / 12.0 @ (total[:, None] * corners.sum(axis=0) + (at[:, :, None] * corners).sum(axis=0))
         return thrust, moment / thrust if thrust > 0.0 else polygon.mean(axis=0)
 
+    def above(self, polygon: Floats) -> tuple[float, Floats]:
+        """By how much (m) the table stands above a flat convex polygon, and no pond does, at most, and where (3,)."""
+        worst, place = 0.0, np.zeros(3)
+        if self.pond is not None:
+            polygon = _clipped(polygon, np.array([0.0, 0.0, -1.0]), -self.pond, False)
+        for height in self.heights:
+            part = polygon
+            for normal, offset, is_open in height.borders:
+                part = _clipped(part, normal, offset, is_open)
+            over = height.at(part) - part[:, 2]
+            if len(over) and float(over.max()) > worst:
+                worst, place = float(over.max()), part[int(over.argmax())]
+        return worst, place
+
     def _parts(self, polygon: Floats) -> Iterator[tuple[Floats, Floats]]:
         """The wet parts of a polygon on which the pressure is linear, each with the pressures at its corners."""
         level = None if self.pond is None else Height(np.zeros(3), self.pond)

@@ -89,7 +89,7 @@ def cut_mass(ground: Cutter, body: Cutter) -> SlidingMass:
         what = "touches none of the slip surface" if not (on == SLIP).any() else "lies wholly within the ground"
         advice = "The slip surface must come out at the ground surface."
         raise GeometryError([Fault("E214", f"the mass {what}: it cannot move", "", advice)])
-    volume, moment = _volume(vertices, triangles)
+    volume, moment = volume_of(vertices, triangles)
     area = float(np.sqrt((_vector_areas(vertices, triangles[on == SLIP]) ** 2).sum(axis=1)).sum())
     others = tuple(part.volume() for part in parts[1:] if part.volume() > NUMERICAL_SLIVER * volume)
     return SlidingMass(
@@ -236,7 +236,7 @@ def _vector_areas(vertices: Floats, triangles: Ints) -> Floats:
     return np.asarray(np.cross(b - a, c - a) / 2.0, dtype=np.float64)
 
 
-def _volume(vertices: Floats, triangles: Ints) -> tuple[float, Floats]:
+def volume_of(vertices: Floats, triangles: Ints) -> tuple[float, Floats]:
     """Volume and first moment of a closed mesh, by tetrahedra from its first vertex."""
     apex = vertices[0]
     a, b, c = (vertices[triangles[:, k]] - apex for k in range(3))
@@ -305,7 +305,7 @@ def _refined(mass: SlidingMass, metric: Floats) -> SlidingMass:
     ])  # fmt: skip
     vertices = np.concatenate([mass.vertices, middle])
     on, facet = np.tile(mass.on, 4), np.tile(mass.facet, 4)
-    volume, moment = _volume(vertices, split)
+    volume, moment = volume_of(vertices, split)
     area = float(np.sqrt((_vector_areas(vertices, split[on == SLIP]) ** 2).sum(axis=1)).sum())
     return SlidingMass(frozen(vertices), split, on, facet, volume, frozen(moment / volume), area, mass.pieces)
 
@@ -325,7 +325,7 @@ def _snapped(mass: SlidingMass, metric: Floats) -> SlidingMass:
     along = np.einsum("nik,njk,nj->ni", axes, axes, gradient)
     vertices = mass.vertices.copy()
     vertices[rim] += _onto(vertices[rim], along, metric)[:, None] * along
-    volume, moment = _volume(vertices, mass.triangles)
+    volume, moment = volume_of(vertices, mass.triangles)
     return replace(mass, vertices=frozen(vertices), volume=volume, centroid=frozen(moment / volume))
 
 
@@ -391,4 +391,4 @@ def _pairs(points: Floats, normals: Floats, areas: Floats) -> NodePairs:
     )  # fmt: skip
 
 
-__all__ = ["END", "GROUND", "SLIP", "Normals", "SlidingMass", "analytic_mass", "cut_mass", "facet_pairs"]
+__all__ = ["END", "GROUND", "SLIP", "Normals", "SlidingMass", "analytic_mass", "cut_mass", "facet_pairs", "volume_of"]

@@ -1,28 +1,34 @@
 """A bench cut into blocks by joint sets."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import Line, Plane
+from slopekit.core.orientation import number as as_number
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, fields_of, group, number, orientation, point, text
-from slopekit.design.ground_water import read_table
+from slopekit.design.ground_water import read_ground_water, surcharge, table_depth
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength, no_closed_form
 from slopekit.kinds.many_blocks_design import MOST_BLOCKS, TableDesign, common, named_pressures, water_by
 from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
-from slopekit.kinds.table_on_patches import with_table
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.words import BLOCKS_STATUSES, size_number
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from slopekit.geometry.bench import ConvexBody
 
 MOST_SEED = 2**63 - 1
 
@@ -114,6 +120,8 @@ class BenchDesign(TableDesign):
     water: Water = water_by(
         Field("pressures", "pressure", 0.0, many="names", axis="water pressure", example="{S1: 5 kPa}")
     )
+    table_depth_m: float | None = table_depth()
+    surcharge_kpa: float | None = surcharge()
     max_blocks: int = count("cut.max_blocks", 1, MOST_BLOCKS, default=20000, doc="more are refused")
     min_volume_m3: float = number(
         "cut.min_volume", "volume", default=0.0, least=0.0, code="E138", says="a volume is never negative",
@@ -124,6 +132,13 @@ class BenchDesign(TableDesign):
     origin_m: tuple[float, float, float] = point(
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
     )
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharge as the sheet prints them."""
+        depth, load = self.table_depth_m, self.surcharge_kpa
+        first = [] if depth is None else [f"water table {as_number(depth)} m below the ground"]
+        last = [f"surcharge {as_number(load)} kPa on the plan of the upper slope"] if load else []
+        return [*first, *TableDesign.ground_in_words(self), *last]
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -153,7 +168,7 @@ def read_bench(reader: Reader) -> BenchDesign:
     own["sets"] = _sets(reader, by_name)
     toward = 0.0 if face is None else face.dip_direction_deg
     shared = common(reader, None, False, toward, [one.pressure_kpa for one in own["sets"]])
-    return reader.made(BenchDesign, shared, own, read_table(reader, "{S1: 5 kPa}"))
+    return reader.made(BenchDesign, shared, own, read_ground_water(reader)[0])
 
 
 def _sets(reader: Reader, by_name: dict[str, float]) -> tuple[JointSetInput, ...]:
@@ -210,10 +225,31 @@ def cut(design: BenchDesign) -> AssemblyScene:
         (f"{cut.fixed} of {cut.blocks} blocks reach the ends, the back or the bottom of the bench, where the rock goes "
          "on: bedrock, no unknowns",),
         tuple(notices), origin=np.array(design.origin_m),
+        crest=Crest(_up_the_face(design), design.face.normal(), design.upper.normal()),
     )  # fmt: skip
     advice = "Take closer joints or a longer and deeper bench."
-    scene = with_table(design, scene, -Line(design.face.dip_direction_deg, 0.0).vector())
+    if design.has_table or design.table_depth_m is not None or design.surcharge_kpa:
+        scene = _with_ground(design, scene, body)
     return with_loads(design, scene, design.face.dip_direction_deg, advice)
+
+
+def _with_ground(design: BenchDesign, scene: AssemblyScene, body: "ConvexBody") -> AssemblyScene:
+    """The water on contacts and free faces, and the surcharge."""
+    from slopekit.geometry.pressure import under_planes
+    from slopekit.kinds.table_on_patches import Outside, with_surcharge, with_water
+
+    normals, offsets = body.normals[:2], body.offsets[:2]
+    depth, into = design.table_depth_m, -Line(design.face.dip_direction_deg, 0.0).vector()
+    table = () if depth is None else under_planes(normals, offsets, depth)
+    outside = Outside((body.corners[[0, 1, 5, 4]], body.corners[[1, 2, 6, 5]]), normals, offsets, table)
+    return with_surcharge(with_water(design, scene, into, outside), design.surcharge_kpa, outside)
+
+
+def _up_the_face(design: BenchDesign) -> Floats:
+    """The crest straight up the dip of the face from the middle of the toe."""
+    dip, to = math.radians(design.face.dip_deg), math.radians(design.face.dip_direction_deg)
+    back = -design.height_m / math.tan(dip)
+    return np.array([math.sin(to) * back, math.cos(to) * back, design.height_m])
 
 
 def _notices(design: BenchDesign, scene: AssemblyScene, first: Failure, _: ClosedForm) -> Iterator[Notice]:

@@ -13,7 +13,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import MeshFile, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
-from slopekit.design.ground_water import read_table
+from slopekit.design.ground_water import read_ground_water
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
@@ -21,10 +21,9 @@ from slopekit.design.sections import strength_names
 from slopekit.design.structure import Leaf, ListOf, Named
 from slopekit.geometry.polygons import fault_of_polygon
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, no_closed_form, no_notices
-from slopekit.kinds.many_blocks_design import Point2, TableDesign, common, pressures, water_by
-from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
+from slopekit.kinds.many_blocks_design import NamedDesign, Point2, common, pressures, read_surcharges, water_by
+from slopekit.kinds.many_blocks_scene import AssemblyScene, with_ground, with_loads
 from slopekit.kinds.protocol import Carried
-from slopekit.kinds.table_on_patches import with_table
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last, names_in_runs, strength_in_words
 from slopekit.result import Result, Words
 
@@ -68,7 +67,7 @@ class BlockInput:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BlocksDesign(TableDesign):
+class BlocksDesign(NamedDesign):
     """The user's own blocks: all polygons of one section, or all meshes.
 
     Attributes
@@ -152,13 +151,13 @@ def read_blocks(reader: Reader) -> BlocksDesign:
     sound = tuple(block for block in blocks if block is not None)
     if shared["unit_weight_kn_m3"] is None:
         shared["unit_weight_kn_m3"] = _weight(reader, nodes, fixed, blocks)
-    table = read_table(reader, "{B1/B2: 5 kPa}")
     return reader.made(
         BlocksDesign,
         own,
         shared,
-        table,
+        read_ground_water(reader)[0],
         blocks=sound,
+        surcharges_kpa=read_surcharges(reader, moves),
         default_strength=default,
         interfaces=interfaces,
         pressures_kpa=water,
@@ -351,7 +350,7 @@ def cut(design: BlocksDesign) -> AssemblyScene:
             for block in design.blocks
         ]), notices=tuple(notices),
     )  # fmt: skip
-    return with_loads(design, with_table(design, scene, np.array([1.0, 0.0, 0.0])), 270.0)
+    return with_loads(design, with_ground(design, scene), 270.0)
 
 
 def _section(design: BlocksDesign, names: tuple[str, ...], fixed: Bools) -> AssemblyScene:

@@ -57,6 +57,22 @@ class ClosedForms:
 
 
 @dataclass(frozen=True, slots=True)
+class SizesOfMany:
+    """Sizes of the blocks of n designs, nan where there is none.
+
+    Attributes
+    ----------
+    columns : (n,) each, by key with its unit (`setback_m`); `scale` of lengths where limits of size make blocks smaller
+    names : what may make one smaller; by : index into them (n,); why : above 0 where a limit leaves it out (n,)
+    """
+
+    columns: Mapping[str, Floats]
+    names: Sequence[str]
+    by: NDArray[np.int8]
+    why: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
 class OnArrays(Generic[D]):
     """A closed form that takes many designs in one call.
 
@@ -67,6 +83,7 @@ class OnArrays(Generic[D]):
     closed_forms : designs by their arguments and the bolts that they share; each of the arguments is one number for all
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
+    sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
     """
 
     arguments: Callable[[D], Arguments]
@@ -75,6 +92,7 @@ class OnArrays(Generic[D]):
     of_strengths: Callable[[Sequence[Strength]], Arguments]
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
     bounds: Callable[[D], Bounds]
+    sizes: Callable[[D], SizesOfMany | None] | None = None
 
     def of(self, design: D) -> ClosedForm:
         """One design, on the secants of its strengths where these are curved.

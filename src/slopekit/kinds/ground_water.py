@@ -4,15 +4,14 @@ Both get the same pressures, integrated over the faces of the block: PRE-IE the 
 the mean pressure of each joint and the sum of the rest as a force. Moments are beyond it, as always.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from slopekit.core.arrays import Floats, cross
-from slopekit.core.errors import Fault, GeometryError, Notice
-from slopekit.core.orientation import number
+from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
-from slopekit.design.ground_water import TABLE, SlopeDesign
+from slopekit.design.ground_water import TABLE, GroundWater, SlopeDesign
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.pressure import Height, Pressure, in_strips, plane_table, under_planes
 from slopekit.kinds.closed_forms import Arguments
@@ -54,41 +53,51 @@ def pressure_of(design: SlopeDesign, ground: Ground) -> Pressure | None:
     """
     if design.water.mode != TABLE:
         return None
-    pond = None if design.pond_m is None else design.pond_m - ground.level
-    found = Pressure(_table(design, ground), pond, design.water_unit_weight_kn_m3)
-    _refuse_above(found, ground)
+    heights = heights_of(design, ground.axes, ground.into, ground.level, ground.in_section)
+    if design.table_depth_m is not None:
+        heights = under_planes(ground.normals, ground.offsets, design.table_depth_m)
+    found = pressure(design, heights, ground.level)
+    free = [ground.block.faces[face] for face in ground.free if face in ground.block.faces]
+    refuse_above(found, free, float(np.ptp(ground.block.corners[:, 2])), ground.axes)
     return found
 
 
-def _table(design: SlopeDesign, ground: Ground) -> tuple[Height, ...]:
-    if design.table_depth_m is not None:
-        return under_planes(ground.normals, ground.offsets, design.table_depth_m)
+def pressure(design: GroundWater, heights: tuple[Height, ...], level: float) -> Pressure:
+    """The pressure below a table, and a design's pond; `level`: elevation of the origin, m."""
+    return Pressure(heights, None if design.pond_m is None else design.pond_m - level, design.water_unit_weight_kn_m3)
+
+
+def heights_of(
+    design: GroundWater, axes: Floats, into: Floats, level: float, in_section: bool = False
+) -> tuple[Height, ...]:
+    """A table through points or one that is a plane, in local axes.
+
+    Parameters
+    ----------
+    axes : (3, 3) rows are the local axes in east, north, up; level : elevation of the origin, m
+    into : (3,) level unit vector that the places of points count along
+    """
     if design.table_points_m is not None:
         places, levels = zip(*design.table_points_m, strict=True)
-        return in_strips(ground.into, places, [level - ground.level for level in levels])
+        return in_strips(into, places, [one - level for one in levels])
     if design.table_plane is not None:
-        normal = ground.axes @ design.table_plane.plane.normal()
-        return plane_table(normal, design.table_plane.level_m - ground.level, ground.in_section)
+        return plane_table(axes @ design.table_plane.plane.normal(), design.table_plane.level_m - level, in_section)
     return ()
 
 
-def _refuse_above(water: Pressure, ground: Ground) -> None:
-    """E456 where the table stands above the ground over the block and no pond does."""
-    corners = np.concatenate([ground.block.faces[face] for face in ground.free if face in ground.block.faces])
-    size = float(np.ptp(ground.block.corners[:, 2]))
-    for height in water.heights:
-        within = np.ones(len(corners), dtype=bool)
-        for normal, offset, _ in height.borders:
-            within &= corners @ normal - offset <= _ABOVE * size
-        over = np.where(within, height.at(corners) - corners[:, 2], 0.0)
-        if water.pond is not None:
-            over = np.where(corners[:, 2] < water.pond, 0.0, over)
-        worst = int(over.argmax())
-        if over[worst] > _ABOVE * size:
-            x, y, z = corners[worst] @ ground.axes
-            message = f"the water table lies {over[worst]:.4g} m above the ground at ({x:.4g}, {y:.4g}, {z:.4g})"
-            advice = "Give a table at or below the ground; open water at the toe is a pond."
-            raise GeometryError([Fault("E456", message, "", advice)])
+def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Floats) -> None:
+    """E456 where the table stands above the ground and no pond does.
+
+    Parameters
+    ----------
+    free : polygons (k, 3) of the ground; size : m, of what it is the ground of; axes : as of `heights_of`
+    """
+    over, at = max((water.above(polygon) for polygon in free), key=lambda found: found[0], default=(0.0, np.zeros(3)))
+    if over > _ABOVE * size:
+        x, y, z = at @ axes
+        message = f"the water table lies {over:.4g} m above the ground at ({x:.4g}, {y:.4g}, {z:.4g})"
+        advice = "Give a table at or below the ground; open water at the toe is a pond."
+        raise GeometryError([Fault("E456", message, "", advice)])
 
 
 def pushes(design: SlopeDesign, ground: Ground) -> dict[str, PointForce]:
@@ -129,44 +138,6 @@ def for_closed_form(design: SlopeDesign, ground: Ground) -> tuple[Mapping[int, f
     }  # fmt: skip
     rest = [push.force for name, push in found.items() if name not in {f"water {face}" for face in ground.joints}]
     return means, np.sum([np.zeros(3), *rest], axis=0) @ ground.axes
-
-
-def in_words(design: SlopeDesign) -> list[str]:
-    """Water table, pond and surcharge as the sheet prints them."""
-    said = []
-    if design.water.mode == TABLE:
-        if design.table_depth_m is not None:
-            said.append(f"water table {number(design.table_depth_m)} m below the ground")
-        elif design.table_points_m is not None:
-            first, last = design.table_points_m[0], design.table_points_m[-1]
-            said.append(
-                f"water table through {len(design.table_points_m)} points, from {number(first[1])} m at "
-                f"{number(first[0])} m to {number(last[1])} m at {number(last[0])} m into the slope"
-            )
-        elif design.table_plane is not None:
-            said.append(f"water table {design.table_plane.plane}, {number(design.table_plane.level_m)} m at the toe")
-        if design.pond_m is not None:
-            said.append(f"pond to {number(design.pond_m)} m")
-    if design.surcharge_kpa:
-        said.append(f"surcharge {number(design.surcharge_kpa)} kPa on the plan of the upper slope")
-    return said
-
-
-def notices(design: SlopeDesign, toe_m: float, crest_m: float) -> Iterator[Notice]:
-    """What a reader must know of the pond, by the elevations of toe and crest."""
-    if design.water.mode != TABLE or design.pond_m is None:
-        return
-    if design.pond_m <= toe_m:
-        yield Notice("W419", f"the pond stands at {number(design.pond_m)} m, at or below the toe: it wets nothing")
-    elif design.pond_m > crest_m:
-        over = number(round(design.pond_m - crest_m, 6))
-        yield Notice("W420", f"the pond stands {over} m above the crest: is that a reservoir?")
-
-
-def ponded(design: SlopeDesign, face: int, upper: int) -> dict[int, str]:
-    """The free faces that a pond presses on, by name."""
-    wet = design.water.mode == TABLE and design.pond_m is not None
-    return {face: "face", upper: "upper slope"} if wet else {}
 
 
 def added(force: Arguments, rest: Floats) -> Arguments:

@@ -21,12 +21,20 @@ from slopekit.design.reader import Reader
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
 from slopekit.kinds.many_blocks_design import AssemblyDesign, TableDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Factors, Kind, carried_joint, compare
 from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.kinds.words import first_and_last, loads_part, size_number, strength_in_words, weight_in_words
+from slopekit.kinds.words import (
+    first_and_last,
+    loads_part,
+    size_in_words,
+    size_number,
+    strength_in_words,
+    weight_in_words,
+)
 from slopekit.loads import AssemblyLoads
 from slopekit.notices import SQUARE, common_notices
 from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
@@ -142,7 +150,7 @@ def kind_of_many_blocks(
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
-        table = design.table_in_words() if isinstance(design, TableDesign) else []
+        table = design.ground_in_words() if isinstance(design, TableDesign) else []
         wet, in_section = [*_water(pressures(design)), *table], geometry.thickness_m is not None
         return (
             slope(design, result),
@@ -189,7 +197,8 @@ def solved(own: Blocks[A], design: A) -> SolvedAssembly:
     with clock("solve"):
         ravelling = ravel(assembly, loads, joint_strength(scene.strengths), design.mechanisms)
     with clock("mechanisms"):
-        mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
+        moving = (mechanism(failure, scene) for failure in ravelling.failures)
+        mechanisms = tuple(with_sizes(moving, scene, design.gravity_m_s2))
     with clock("all_pairs"):
         all_pairs = None
         if design.criterion == "all-pairs" and mechanisms and mechanisms[0].fos:
@@ -358,11 +367,13 @@ def _forces(scene: AssemblyScene, loads: AssemblyLoads, parts: Sequence[Part]) -
         real = part.model.joint_pairs
         joint = patches.joint[part.patch][part.model.pair_contact[real]]
         normal += np.bincount(joint, part.limit.normal_force[real] * part.model.force_scale, count)
-    water = np.bincount(patches.joint, loads.water, count)
+    water = dict(zip(scene.joints, np.bincount(patches.joint, loads.water, count).tolist(), strict=True))
+    if scene.pond:
+        water["free faces"] = sum(float(np.linalg.norm(push.force)) for _, push in scene.pond)
     return Forces(
         float(loads.weights[~scene.assembly.fixed].sum()),
         {name: float(value) if known else None for name, value in zip(scene.joints, normal, strict=True)},
-        dict(zip(scene.joints, water.tolist(), strict=True)), None, None,
+        water, None, None,
     )  # fmt: skip
 
 
@@ -549,8 +560,18 @@ def _size(result: Result, with_areas: Container[str]) -> Section:
     return Section("SIZE", [
         f"{counted(moving, 'block')} that can move{bedrock}, {counted(findings.contacts, 'contact')}{groups}",
         f"height {height} m  volume {volume} m³  {weight_in_words(result)}",
+        *_fails_first(findings),
         *([f"contact area  {listed}"] if listed else []),
     ])  # fmt: skip
+
+
+def _fails_first(findings: Findings) -> list[str]:
+    """The size of the first mechanism."""
+    size = findings.mechanisms[0].size if findings.mechanisms else None
+    if size is None:
+        return []
+    of_all = f"height {size_number(size.height_m)} m  volume {size_number(size.volume_m3)} m³"
+    return [f"what fails first: {of_all}  {size_in_words(size.mass_t, size)}"]
 
 
 def _water(pressures: Sequence[tuple[str, float]]) -> list[str]:

@@ -8,8 +8,9 @@ from slopekit.core.orientation import number
 from slopekit.core.records import dataclass
 from slopekit.design import words
 from slopekit.design.common import Bolt, Design, Force, Seismic, Strength, Water, bolts_without, forces_without
-from slopekit.design.fields import Field, count, fields_of, group, text
-from slopekit.design.ground_water import TABLE, TablePlane, table_points
+from slopekit.design.fields import Field, count, fields_of, group
+from slopekit.design.fields import number as number_field
+from slopekit.design.ground_water import TABLE, TablePlane, pond, table_in_words, table_plane, table_points
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strength
@@ -17,6 +18,7 @@ from slopekit.design.structure import Leaf
 
 Point2 = tuple[float, float]
 MOST_BLOCKS = 200_000
+_MOST_NAMED = 6  # surcharges that the sheet prints
 _SECTION_TRENDS = (90.0, 270.0)
 _TREND_TOLERANCE = 1e-6
 _OFF_SECTION = 1e-9  # of a force, across the section: what rounding leaves of toward: 270/00
@@ -71,26 +73,59 @@ class AssemblyDesign(Design):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableDesign(AssemblyDesign):
-    """Many blocks that a water table may wet; `table_points_m` are places from the toe, or x, and elevations."""
+    """Many blocks that water table and pond may wet; `table_points_m` are places from the toe, or x, and elevations."""
 
     table_points_m: tuple[Point2, ...] | None = table_points("distance from the toe into the slope (blocks: x)")
-    table_plane: TablePlane | None = text(
-        "water.plane", default=None, left_out="no table", example="5/180@2m",
-        doc="with `mode: table`: a plane, and its elevation over the origin",
-    )  # fmt: skip
+    table_plane: TablePlane | None = table_plane("the origin")
+    pond_m: float | None = pond()
 
     @property
     def has_table(self) -> bool:
-        """Whether it has one."""
-        return self.table_points_m is not None or self.table_plane is not None
+        """Whether it has one, or a pond."""
+        return any(one is not None for one in (self.table_points_m, self.table_plane, self.pond_m))
 
-    def table_in_words(self) -> list[str]:
-        """The table as the sheet prints it."""
-        if self.table_points_m is not None:
-            (x0, z0), (x1, z1) = self.table_points_m[0], self.table_points_m[-1]
-            return [f"water table through {len(self.table_points_m)} points, from {number(z0)} m at {number(x0)} m to "
-                    f"{number(z1)} m at {number(x1)} m"]  # fmt: skip
-        return [] if self.table_plane is None else [f"water table {self.table_plane}, at the origin"]
+    def ground_in_words(self) -> list[str]:
+        """Table and pond as the sheet prints them."""
+        return table_in_words(self, "", "at the origin")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedDesign(TableDesign):
+    """Blocks with names: a surcharge stands on those that it names."""
+
+    surcharges_kpa: tuple[tuple[str, float], ...] = number_field(
+        "loads.surcharge", "pressure", default=(), least=0.0, code="E458", many="names", axis="surcharge",
+        says="a surcharge presses: it is never negative", example="{B1: 20 kPa}", left_out="none",
+        doc="by block: downward per plan area, on what of it looks up and touches no other",
+    )  # fmt: skip
+
+    def ground_in_words(self) -> list[str]:
+        """Table, pond and surcharges as the sheet prints them."""
+        listed = [f"{number(value)} kPa on {name}" for name, value in self.surcharges_kpa]
+        more = [f"{len(listed) - _MOST_NAMED} more"] if len(listed) > _MOST_NAMED else []
+        load = ["surcharge " + ", ".join([*listed[:_MOST_NAMED], *more])] if listed else []
+        return [*TableDesign.ground_in_words(self), *load]
+
+
+def read_surcharges(reader: Reader, blocks: Mapping[str, bool]) -> tuple[tuple[str, float], ...]:
+    """Surcharges by the names of blocks; E460 on a block that is not there or fixed.
+
+    Parameters
+    ----------
+    blocks : whether each moves, by name
+    """
+    field, node = fields_of(NamedDesign)["surcharges_kpa"], reader.at("loads.surcharge")
+    found = []
+    for name, below in node.items() if node is not None and node.is_mapping else ():
+        if not blocks.get(name, False):
+            message = (
+                f"a surcharge stands on {name}, {'which is fixed' if name in blocks else 'there is no such block'}"
+            )
+            moving = [one for one, moves in blocks.items() if moves]
+            reader.fault("E460", message, below, reader.nearest(name, moving))
+        elif below.value is not None and (value := reader.number(field, below, f"surcharge on {name}")):
+            found.append((name, value))
+    return tuple(found)
 
 
 def named_strengths(reader: Reader) -> tuple[tuple[str, Strength], ...]:
@@ -105,8 +140,8 @@ def pressures(reader: Reader, example: str) -> list[tuple[str, Node, float]]:
     if node is None or node.value is None:
         return []
     mode = node.get("mode") if node.is_mapping else None
-    if mode is not None and mode.text == TABLE and "table_plane" in fields_of(reader.record):
-        return []  # which `read_table` reads
+    if mode is not None and mode.text == TABLE:
+        return []  # which `read_ground_water` reads
     said = [key for key in ("mode", "fill", "pressures") if node.get(key) is not None]
     other = node if not node.is_mapping else node.get(said[0]) if said and said[0] != "pressures" else None
     if other is not None and (other.name == "fill" or other.text not in ("dry", None)):

@@ -11,7 +11,8 @@ from slopekit.core.orientation import Line
 from slopekit.core.records import dataclass
 from slopekit.design.common import Bolt, Force, Strength
 from slopekit.geometry.patches import BEDROCK, Assembly
-from slopekit.kinds.many_blocks_design import AssemblyDesign
+from slopekit.kinds.many_blocks_design import AssemblyDesign, NamedDesign
+from slopekit.kinds.sizes import Crest
 from slopekit.kinds.solver_inputs import point_force
 from slopekit.loads import NO_BOLTS, AssemblyLoads, PassiveBolts, PointForce, assembly_loads
 
@@ -27,8 +28,10 @@ class AssemblyScene:
         act, None in the middle of each
     seismic : (3,) parts of the weight; pushes : forces and active bolts on blocks by index
     bolts : the passive ones, bolt_names : as the design numbers them
+    pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
+    crest : of the slope, None where it is not known
     """
 
     assembly: Assembly
@@ -48,6 +51,9 @@ class AssemblyScene:
     bolts: PassiveBolts = NO_BOLTS
     bolt_names: tuple[str, ...] = ()
     water_points: Floats | None = None
+    pond: tuple[tuple[int, PointForce], ...] = ()
+    surcharge: tuple[tuple[int, PointForce], ...] = ()
+    crest: Crest | None = None
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:
@@ -74,6 +80,15 @@ def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, 
     return replace(scene, pushes=pushes, bolts=bolts, bolt_names=names, seismic=seismic)
 
 
+def with_ground(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
+    """A scene of blocks with names with its ground water, distances along x, and its surcharges. Raises E456, E461."""
+    if not (design.has_table or design.surcharges_kpa):
+        return scene
+    from slopekit.kinds.table_on_patches import with_surcharges, with_water
+
+    return with_surcharges(design, with_water(design, scene, np.array([1.0, 0.0, 0.0])))
+
+
 def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
     """All loads on the blocks of a scene."""
     return assembly_loads(
@@ -81,9 +96,10 @@ def scene_loads(scene: AssemblyScene) -> AssemblyLoads:
         scene.unit_weights,
         scene.seismic,
         scene.pressures,
-        scene.pushes,
+        (*scene.pushes, *scene.surcharge),
         scene.bolts,
         scene.water_points,
+        scene.pond,
     )
 
 

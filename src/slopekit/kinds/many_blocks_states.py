@@ -12,7 +12,7 @@ from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
 from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
-from slopekit.loads import AssemblyLoads
+from slopekit.loads import AssemblyLoads, line_of_action
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes, whole_model
@@ -233,6 +233,12 @@ def assembly_arrows(scene: AssemblyScene, loads: AssemblyLoads, solved: Sequence
         wet = np.flatnonzero((side >= 0) & (loads.water != 0.0))
         wet = wet[~assembly.fixed[side[wet]]]
         add("water", side[wet], sign * loads.water[wet, None] * patches.normals[wet], loads.water_at(assembly)[wet])
+    for block, push in scene.pond:
+        at = assembly.centroids[block] + line_of_action(push)
+        add("water", np.array([block]), push.force[None, :], at[None, :])
+    for block, push in scene.surcharge:
+        assert push.at is not None
+        add("surcharge", np.array([block]), push.force[None, :], push.at[None, :])
     for k, (block, push) in enumerate(scene.pushes, 1):
         at = assembly.centroids[block] if push.at is None else push.at
         add(f"force {k}", np.array([block]), push.force[None, :], at[None, :])

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Strength, Water
 from slopekit.design.fields import Field, group, number, orientation
-from slopekit.design.ground_water import TABLE, SlopeDesign, read_ground_water
+from slopekit.design.ground_water import TABLE, WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
@@ -26,7 +26,7 @@ from slopekit.design.sections import read_common, read_water
 from slopekit.extents import SectionGeometry
 from slopekit.geometry.section import CRACK, FACE, J1, UPPER, Section, line_pairs, plane_section
 from slopekit.kinds import ground_water, worst_crack
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block, other_strengths
 from slopekit.kinds.protocol import ClosedForm
@@ -35,6 +35,9 @@ from slopekit.kinds.words import loads_part, size_number, size_part, strength_in
 from slopekit.loads import Loads, PointForce, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.result import Result, Words
+
+if TYPE_CHECKING:
+    from slopekit.kinds import ground_water
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
 _OUTCOMES = (*("slides_on_J1" if name == "slides" else name for name in OUTCOMES), "E213")
@@ -114,7 +117,7 @@ def read_plane(reader: Reader) -> PlaneDesign:
     if said is not None and (reader.at("water") is not None if fills else water != Water()):
         reader.fault("E198", "crack.water and water both say how full it is", said, "Keep one of them.")
     common = read_common(reader)
-    searched = node is not None and (found := node.get("distance")) is not None and found.text == worst_crack.WORST
+    searched = node is not None and (found := node.get("distance")) is not None and found.text == WORST
     if searched and node is not None and node.get("depth") is not None:
         reader.fault("E198", "crack has depth and distance: worst: they exclude each other", node, "Keep one of them.")
     design: PlaneDesign = reader.made(
@@ -134,6 +137,7 @@ def _with_worst_crack(design: PlaneDesign, place: str) -> PlaneDesign:
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
     crest = design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
+
     return worst_crack.with_worst_crack(design, ON_ARRAYS, at, -float(whole.bottom[0]) - crest, place)
 
 
@@ -172,10 +176,16 @@ def cut(design: PlaneDesign) -> Cut:
     )
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, 2**refine)),
-        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes), left_out,
-        {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | ground_water.ponded(design, FACE, UPPER), FACE,
+        [Interface(J1, name, design.strength)], lambda: section_geometry(section, name, axes, _crest_x(design)),
+        left_out,
+        {J1: name} | ({CRACK: "crack"} if is_cracked else {}) | design.ponded(FACE, UPPER), FACE,
         design.refine, axes=axes,
     )  # fmt: skip
+
+
+def _crest_x(design: PlaneDesign) -> float:
+    """Where the crest is, out of the slope from the toe."""
+    return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
 
 def compared(design: PlaneDesign) -> ClosedForm:
@@ -220,11 +230,17 @@ def _axes(face: Plane) -> Floats:
 
 def _water(design: PlaneDesign, section: Section) -> dict[str, PointForce]:
     """The pushes on the plane and the crack."""
-    found = ground_water.pushes(design, _ground(design, section))
+    found: dict[str, PointForce] = {}
+    if design.is_cut_for_loads:
+        from slopekit.kinds import ground_water
+
+        found = ground_water.pushes(design, _ground(design, section))
     return found if design.water.mode == TABLE else found | _water_of_fill(design, section)
 
 
-def _ground(design: PlaneDesign, section: Section) -> ground_water.Ground:
+def _ground(design: PlaneDesign, section: Section) -> "ground_water.Ground":
+    from slopekit.kinds import ground_water
+
     upper, face = (math.radians(_signed_dip(plane, design.face)) for plane in (design.upper, design.face))
     normals = np.array([[math.sin(dip), 0.0, math.cos(dip)] for dip in (face, upper)])
     crest = [-design.height_m / math.tan(face) if design.face.dip_deg < 90.0 else 0.0, 0.0, design.height_m]
@@ -308,6 +324,8 @@ def arguments(design: PlaneDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0] if given else [None, None]
     force = force_on(design)
     if design.is_cut_for_loads:
+        from slopekit.kinds import ground_water
+
         means, rest = ground_water.for_closed_form(design, _ground(design, section_of(design)))
         force = ground_water.added(force, rest)
         if water.mode == TABLE:
@@ -400,7 +418,26 @@ def bounds(design: PlaneDesign) -> Bounds:
     return bounds_of(normals, offsets, within, np.zeros(3), (0,), (1, 2), height)
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds)
+def _sizes(design: PlaneDesign) -> SizesOfMany | None:
+    """Of the blocks of a design whose numbers may be arrays, per metre; None with a crack by its depth."""
+    crack = design.crack
+    if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
+        return None
+    from slopekit.closed_form.sizes import plane_sizes
+
+    dips = []
+    for plane in (design.joint, design.upper):
+        same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
+        dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
+    found = plane_sizes(
+        dips[0], design.face.dip_deg, dips[1], design.height_m, None if crack is None else crack.distance_m
+    )
+    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
+    none = np.zeros(len(found.area_m2), dtype=np.int8)
+    return SizesOfMany(columns, ("",), none, none)
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:
@@ -427,7 +464,7 @@ def _changes(design: PlaneDesign) -> list[tuple[str, PlaneDesign]]:
 
 
 def _notices(design: PlaneDesign) -> tuple[Notice, ...]:
-    notices = [*ground_water.notices(design, 0.0, design.height_m), *worst_crack.notices(design)]
+    notices = [*design.ground_notices(0.0, design.height_m)]
     for name, plane in ((design.joint_name, design.joint), ("the upper slope", design.upper)):
         apart = float(_strikes_apart(plane.dip_direction_deg, design.face.dip_direction_deg))
         if apart > _OUT and plane.dip_deg > 0.0:
@@ -462,13 +499,13 @@ def _slope(design: PlaneDesign, result: Result) -> Iterator[sheet.Section]:
     if geometry.crack_depth_m is not None and geometry.crack_distance_m is not None:
         off = geometry.crack_distance_m
         where = f"{off:.4g} m behind the crest" if off >= 0.0 else f"{-off:.4g} m in front of the crest"
-        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{worst_crack.in_words(design)}")
+        entries.append(f"crack vertical, {geometry.crack_depth_m:.4g} m deep, {where}{design.crack_in_words}")
     yield sheet.Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
     yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)", " per metre")
     crack = design.crack.water_m if design.crack is not None else None
     in_crack = [f"water {crack:.4g} m deep in the crack, falling to nothing at the toe"] if crack else []
-    own = ground_water.in_words(design)
+    own = design.ground_in_words()
     yield loads_part([*([] if design.water.mode == TABLE else water_in_words(design) or in_crack), *own], result)
 
 

@@ -9,6 +9,7 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.design.common import Design, Force, Strength
 from slopekit.extents import SectionGeometry
 from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.sizes import sizes_of_section
 from slopekit.loads import Loads, PointForce
 from slopekit.preie.contact import CloughDuncan, JointStiffness
 from slopekit.preie.model import JointStrength, build_model
@@ -85,8 +86,15 @@ def section_bedding(section: "Section", loads: Loads, given: Strength) -> Beddin
     )  # fmt: skip
 
 
-def section_geometry(section: "Section", name: str, axes: Floats | None = None) -> SectionGeometry:
-    """The geometry of a block in its section; `axes` (3, 3) rows are its axes in those of the user."""
+def section_geometry(
+    section: "Section", name: str, axes: Floats | None = None, crest_x: float | None = None
+) -> SectionGeometry:
+    """The geometry of a block in its section.
+
+    Parameters
+    ----------
+    axes : (3, 3) rows are its axes in those of the user; crest_x : of the crest of its slope, None where it has none
+    """
     areas = {name: section.length}
     if section.crack_depth is not None:
         areas["crack"] = section.crack_depth
@@ -94,4 +102,5 @@ def section_geometry(section: "Section", name: str, axes: Floats | None = None) 
     return SectionGeometry(
         section.block.volume, height, areas, section.outline, frozen(section.block.centroid[[0, 2]]),
         section.crack_depth, section.crack_distance, frozen(np.eye(3) if axes is None else axes),
+        None if crest_x is None else sizes_of_section(section.outline, crest_x, areas),
     )  # fmt: skip

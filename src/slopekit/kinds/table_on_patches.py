@@ -1,63 +1,239 @@
-"""A water table on the contacts of many blocks: the pressure integrated over each, with the point it acts through."""
+"""A water table, a pond and surcharges on many blocks: on each contact, and on what of a block touches no other.
 
+Free faces need no outlines of their own: they are the whole surface of a block less its contacts. The pond presses on
+the whole of a closed surface with γ_w times what lies under water, upward.
+"""
+
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, frozen
-from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.arrays import Bools, Floats, Ints, cross, frozen
+from slopekit.core.errors import Fault, GeometryError, Notice
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
 from slopekit.geometry.patches import Assembly
-from slopekit.geometry.pressure import Pressure, in_strips, plane_table
-from slopekit.kinds.many_blocks_design import TableDesign
+from slopekit.geometry.pressure import Height, Pressure
+from slopekit.kinds.ground_water import heights_of, pressure, refuse_above
+from slopekit.kinds.many_blocks_design import NamedDesign, TableDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene
+from slopekit.loads import PointForce
+
+_NOTHING = 1e-9  # of the water that a block displaces: a push of that size is rounding
+_IN_PLANE = 1e-6  # of the size of a block: its faces nearer than that lie in the upper slope
+_SLOPING = 1e-9  # of an area: a smaller plan is that of an upright face
 
 
-def with_table(design: TableDesign, scene: AssemblyScene, into: Floats) -> AssemblyScene:
-    """The scene with the water of the design's table on its contacts, where it has one.
+@dataclass(frozen=True, slots=True)
+class Outside:
+    """The ground over many blocks that were cut from a slope.
+
+    Attributes
+    ----------
+    faces : polygons (k, 3) of face and upper slope, that one last
+    normals, offsets : of these, outward; table : where it lies, of one by its depth
+    """
+
+    faces: tuple[Floats, Floats]
+    normals: Floats
+    offsets: Floats
+    table: tuple[Height, ...] = ()
+
+
+def with_water(
+    design: TableDesign, scene: AssemblyScene, into: Floats, outside: Outside | None = None
+) -> AssemblyScene:
+    """The scene with the water of a table and a pond on its contacts and free faces, where the design has them.
 
     Parameters
     ----------
     into : (3,) level unit vector that the distances of points count along, from the origin
+    outside : the ground; None: all that is known of it is that the highest block bears no water
 
     Raises
     ------
     GeometryError
-        E456 the table lies above the highest block.
+        E456 the table lies above the ground.
     """
-    if not design.has_table:
+    table = () if outside is None else outside.table
+    if not (design.has_table or table):
         return scene
-    level = float(scene.origin[2])
-    if design.table_points_m is not None:
-        places, levels = zip(*design.table_points_m, strict=True)
-        heights = in_strips(into, places, [one - level for one in levels])
-    else:
-        assert design.table_plane is not None
-        heights = plane_table(
-            design.table_plane.plane.normal(), design.table_plane.level_m - level, scene.assembly.in_section
-        )
-    water = Pressure(heights, None, design.water_unit_weight_kn_m3)
-    assembly = scene.assembly
-    corners = assembly.vertices if len(assembly.vertices) else assembly.patches.corners
+    level, assembly = float(scene.origin[2]), scene.assembly
+    table = table or heights_of(design, np.eye(3), into, level, assembly.in_section)
+    water = pressure(design, table, level)
+    if outside is not None:
+        highest = max(float(np.ptp(polygon[:, 2])) for polygon in outside.faces)
+        refuse_above(water, outside.faces, highest, np.eye(3))
+    elif table:
+        _refuse_over_highest(replace(water, pond=None), scene)
+    means, points = _on_patches(water, assembly, np.ones(len(assembly.patches), dtype=bool))
+    notices = scene.notices
+    if water.pond is not None and not (pond := _on_free_faces(Pressure((), water.pond, water.unit_weight), scene)):
+        told = f"the pond stands at {number(water.pond + level)} m: it wets no face of a block that can move"
+        notices = (*notices, Notice("W419", told))
+    return replace(
+        scene, pressures=frozen(means), water_points=frozen(points), notices=notices,
+        pond=pond if water.pond is not None else (),
+    )  # fmt: skip
+
+
+def _refuse_over_highest(water: Pressure, scene: AssemblyScene) -> None:
+    corners = scene.assembly.vertices
+    if scene.assembly.in_section:
+        corners = np.concatenate([np.insert(outline, 1, 0.0, axis=1) for outline in scene.outlines.values()])
     highest = corners[int(corners[:, 2].argmax())]
     head = float(water.at((highest - [0.0, 0.0, 1e-6])[None, :])[0])
     if head > 1e-4:
         message = f"the water table lies {head / water.unit_weight:.4g} m above the highest block"
         raise GeometryError([Fault("E456", message, "", "Give a table at or below the ground.")])
-    means, points = _on_patches(water, assembly)
-    return replace(scene, pressures=frozen(means), water_points=frozen(points))
 
 
-def _on_patches(water: Pressure, assembly: Assembly) -> tuple[Floats, Floats]:
-    """Mean pressures (k,) kPa and the points (k, 3) they act through."""
+def _on_patches(water: Pressure, assembly: Assembly, wanted: Bools) -> tuple[Floats, Floats]:
+    """Mean pressures (k,) kPa and the points (k, 3) they act through, of the patches that are wanted (k,)."""
     patches = assembly.patches
     means, points = np.zeros(len(patches)), patches.centroids.copy()
-    for k, (first, last) in enumerate(zip(patches.first[:-1], patches.first[1:], strict=True)):
-        polygon = patches.corners[first:last]
+    for k in np.flatnonzero(wanted).tolist():
+        polygon = patches.corners[patches.first[k] : patches.first[k + 1]]
         if len(polygon) == 2:  # of a section: its length, square to it the thickness
-            length = float(np.linalg.norm(polygon[1] - polygon[0]))
-            half = np.array([0.0, patches.areas[k] / length / 2.0, 0.0])
-            polygon = np.array([polygon[0] - half, polygon[1] - half, polygon[1] + half, polygon[0] + half])
+            polygon = _wide(polygon[0], polygon[1], patches.areas[k] / float(np.linalg.norm(polygon[1] - polygon[0])))
         thrust, at = water.on(polygon)
         if thrust:
             means[k], points[k] = thrust / patches.areas[k], at
     return means, points
+
+
+def _wide(start: Floats, end: Floats, thickness: float) -> Floats:
+    """The rectangle (4, 3) of a line in a section."""
+    half = np.array([0.0, thickness / 2.0, 0.0])
+    return np.array([start - half, end - half, end + half, start + half])
+
+
+def _surface(scene: AssemblyScene, block: int) -> Iterator[tuple[Floats, Floats]]:
+    """The flat pieces of the surface of a block with their outward unit normals; of a section without its two sides."""
+    assembly = scene.assembly
+    if not assembly.in_section:
+        for corners in assembly.vertices[assembly.triangles[assembly.triangle_block == block]]:
+            whole = cross(corners[1] - corners[0], corners[2] - corners[0])
+            if size := float(np.sqrt(whole @ whole)):
+                yield corners, whole / size
+        return
+    names = [name for name in scene.outlines if name != "bedrock"]
+    outline = scene.outlines[names[block % len(names)]]  # of its own row of columns
+    x, z = outline.T
+    turned = np.sign(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
+    y = float(assembly.centroids[block, 1])
+    for k in range(len(outline)):
+        start, end = np.array([x[k - 1], y, z[k - 1]]), np.array([x[k], y, z[k]])
+        run = end - start
+        if size := float(np.sqrt(run @ run)):
+            yield _wide(start, end, scene.thickness or 1.0), turned * np.array([run[2], 0.0, -run[0]]) / size
+
+
+def _of_block(assembly: Assembly, block: int) -> Iterator[tuple[int, Floats]]:
+    """The patches of a block with their normals out of it."""
+    patches = assembly.patches
+    for side, sign in ((patches.plus, -1.0), (patches.minus, 1.0)):
+        for k in np.flatnonzero(side == block).tolist():
+            yield k, sign * patches.normals[k]
+
+
+def _on_free_faces(pond: Pressure, scene: AssemblyScene) -> tuple[tuple[int, PointForce], ...]:
+    """What a pond does to blocks that can move, on all of their surface that is no contact."""
+    assembly = scene.assembly
+    patches = assembly.patches
+    level = pond.pond
+    assert level is not None
+    found = []
+    moving = np.flatnonzero(~assembly.fixed)
+    wet = [(k, corners) for k, corners in _corners_of(scene, moving) if float(corners[:, 2].min()) < level]
+    is_wet = np.zeros(len(assembly) + 1, dtype=bool)
+    is_wet[[k for k, _ in wet]] = True
+    means, points = _on_patches(pond, assembly, is_wet[patches.plus] | is_wet[patches.minus])
+    for block, corners in wet:
+        displaced = pond.unit_weight * float(assembly.volumes[block])
+        centre = assembly.centroids[block]
+        force, couple = np.zeros(3), np.zeros(3)
+        if float(corners[:, 2].max()) <= level:
+            force[2] = displaced
+        else:
+            for polygon, outward in _surface(scene, block):
+                thrust, at = pond.on(polygon)
+                force -= thrust * outward
+                couple -= thrust * cross(at - centre, outward)
+        for k, outward in _of_block(assembly, block):
+            push = means[k] * patches.areas[k] * outward
+            force += push
+            couple += cross(points[k] - centre, push)
+        if float(np.sqrt(force @ force)) > _NOTHING * displaced:
+            found.append((block, PointForce(force, None, couple)))
+    return tuple(found)
+
+
+def _corners_of(scene: AssemblyScene, blocks: Ints) -> Iterator[tuple[int, Floats]]:
+    """The corners of blocks, (k, 3)."""
+    assembly = scene.assembly
+    if assembly.in_section:
+        for block in blocks.tolist():
+            yield block, np.concatenate([polygon for polygon, _ in _surface(scene, block)])
+        return
+    order = np.argsort(assembly.triangle_block, kind="stable")
+    first = np.searchsorted(assembly.triangle_block[order], np.arange(len(assembly) + 1))
+    for block in blocks.tolist():
+        own = order[first[block] : first[block + 1]]
+        yield block, assembly.vertices[assembly.triangles[own].ravel()]
+
+
+def with_surcharge(scene: AssemblyScene, pressure_kpa: float | None, outside: Outside) -> AssemblyScene:
+    """The scene with a surcharge on what of its blocks lies in the upper slope."""
+    if not pressure_kpa:
+        return scene
+    assembly = scene.assembly
+    normal, offset = outside.normals[1], float(outside.offsets[1])
+    corners = assembly.vertices[assembly.triangles]
+    size = np.ptp(corners.reshape(-1, 3), axis=0).max()
+    on_top = (np.abs(corners @ normal - offset) <= _IN_PLANE * size).all(axis=1)
+    plan = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2.0 * on_top
+    loaded = []
+    for block in np.unique(assembly.triangle_block[plan > 0.0]).tolist():
+        if not assembly.fixed[block]:
+            own = (assembly.triangle_block == block) & (plan > 0.0)
+            loaded.append((block, _pressed(pressure_kpa, plan[own], corners[own].mean(axis=1))))
+    return replace(scene, surcharge=tuple(loaded))
+
+
+def with_surcharges(design: NamedDesign, scene: AssemblyScene) -> AssemblyScene:
+    """The scene with surcharges on what of the named blocks looks up and touches no other.
+
+    Raises
+    ------
+    GeometryError
+        E461 nothing of the block does.
+    """
+    assembly, given = scene.assembly, dict(design.surcharges_kpa)
+    loaded = []
+    for block, name in enumerate(scene.names):
+        if not given.get(name):
+            continue
+        plans, middles = [], []
+        for polygon, outward in _surface(scene, block):
+            if outward[2] > _SLOPING:
+                a, b, c = polygon[:1], polygon[1:-1], polygon[2:]
+                plans += (np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0 * outward[2]).tolist()
+                middles += list((a + b + c) / 3.0)
+        whole = sum(plans)
+        for k, outward in _of_block(assembly, block):
+            if outward[2] > _SLOPING:
+                plans.append(-float(assembly.patches.areas[k] * outward[2]))
+                middles.append(assembly.patches.centroids[k])
+        if not sum(plans) > _IN_PLANE * whole:
+            message = f"the surcharge on {name} has nothing to stand on: no part of it looks up and touches no other"
+            raise GeometryError([Fault("E461", message, "", "Name the block on top, or give a force.")])
+        loaded.append((block, _pressed(given[name], np.array(plans), np.array(middles))))
+    return replace(scene, surcharge=tuple(loaded))
+
+
+def _pressed(pressure_kpa: float, plans: Floats, middles: Floats) -> PointForce:
+    """A pressure on plan areas (k,) about their middles (k, 3)."""
+    total = float(plans.sum())
+    return PointForce(np.array([0.0, 0.0, -pressure_kpa * total]), plans @ middles / total)

@@ -14,18 +14,28 @@ from slopekit.closed_form.toppling import (
     toppling_factor_of_safety,
     toppling_table,
 )
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import DesignError, Notice
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.common import Water
 from slopekit.design.fields import Field, count, number
+from slopekit.design.ground_water import read_ground_water
 from slopekit.design.reader import Reader
 from slopekit.design.sections import strength_names
 from slopekit.findings import Column, Mechanism
 from slopekit.kinds.many_blocks import Blocks, carried_strengths, kind_of_many_blocks, named_strength
-from slopekit.kinds.many_blocks_design import MOST_BLOCKS, AssemblyDesign, Point2, common, pressures, water_by
-from slopekit.kinds.many_blocks_scene import AssemblyScene, with_loads
+from slopekit.kinds.many_blocks_design import (
+    MOST_BLOCKS,
+    NamedDesign,
+    Point2,
+    common,
+    pressures,
+    read_surcharges,
+    water_by,
+)
+from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
 from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
 from slopekit.preie.ravelling import Failure
@@ -40,7 +50,7 @@ _WESTWARD = 270.0  # columns rise toward +x and fall toward -x
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToppleDesign(AssemblyDesign):
+class ToppleDesign(NamedDesign):
     """Columns on a stepped base (Goodman & Bray 1976), numbered C1, C2, ... from the toe upward; per `thickness_m`.
 
     Attributes
@@ -159,7 +169,8 @@ def read_topple(reader: Reader) -> ToppleDesign:
     names = dict.fromkeys(column_names(len(heights), rows), True)
     shared = common(reader, names, True, _WESTWARD, water)
     return reader.made(
-        ToppleDesign, own, shared, base=base, sides=sides, pressures_kpa=water
+        ToppleDesign, own, shared, read_ground_water(reader)[0], base=base, sides=sides, pressures_kpa=water,
+        surcharges_kpa=read_surcharges(reader, names),
     )  # fmt: skip
 
 
@@ -217,7 +228,11 @@ def _from_slope(reader: Reader, own: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def cut(design: ToppleDesign) -> AssemblyScene:
-    """The columns with what acts on them. Raises GeometryError and DesignError as `with_loads`."""
+    """The columns with what acts on them. Raises GeometryError and DesignError as `with_ground` and `with_loads`."""
+    return with_loads(design, _columns_with_water(design), 270.0)
+
+
+def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     from slopekit.geometry.columns import BASE, RISER, column_assembly, column_outlines
 
     heights = np.array(design.heights_m)
@@ -235,17 +250,17 @@ def cut(design: ToppleDesign) -> AssemblyScene:
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
         shown, {}, tuple(left_out), (), thickness=design.thickness_m,
     )  # fmt: skip
-    return with_loads(design, scene, 270.0)
+    return with_ground(design, scene)
 
 
 def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
     """The closed form of a row of columns, and its table at the factor where the columns are at their limit."""
-    why = _why_not(design)
+    why = why_no_table(design)
     if why:
         return ClosedForm(None, "", why), ()
     base, sides = design.strength(design.base), design.strength(design.sides)
     try:
-        slope = _column_slope(design)
+        slope = column_slope(design)
         closed = toppling_factor_of_safety(slope)
         table = toppling_table(slope, (closed.factor or 1.0) * (1.0 + _BEYOND))
     except DesignError as error:
@@ -265,18 +280,28 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
         lifted = ", ".join(f"C{n + 1}" for n in np.flatnonzero(~table.base_holds)[:5])
         why = f"Goodman & Bray's forces are not admissible at {lifted} (lifted, or slipping back): not compared"
         return ClosedForm(closed.factor or None, closed.status, why), columns
+    onto = _slid_onto(table) if slope.loads is not None else []
+    if onto:
+        why = (
+            f"Goodman & Bray's P act at the tops of columns, and {onto[0]}, which slides, need not press there: it is "
+        )
+        return ClosedForm(closed.factor or None, closed.status, f"{why}above one that topples: not compared"), columns
     return ClosedForm(closed.factor or None, closed.status), columns
 
 
-def _why_not(design: ToppleDesign) -> str:
+def _slid_onto(table: TopplingTable) -> list[str]:
+    """Columns that slide above one that topples: water or a load on their tops drives them."""
+    topples = [k for k, mode in enumerate(table.modes) if mode == "topple"]
+    return [f"C{k + 1}" for k, mode in enumerate(table.modes) if mode == "slide" and topples and k > topples[0]]
+
+
+def why_no_table(design: ToppleDesign) -> str:
     """Why Goodman & Bray's method says nothing of a design."""
     sides, base = design.strength(design.sides), design.strength(design.base)
     if sides.law or base.law:
         return "the closed form (Goodman & Bray) knows one friction angle for all bases: not compared"
     if sides.cohesion_kpa:
         return "the closed form (Goodman & Bray) knows no cohesion on the sides of columns: not compared"
-    if any(design.pressures_kpa):
-        return "the closed form (Goodman & Bray) is without water here: not compared"
     if design.forces or design.bolts:
         return "the closed form (Goodman & Bray) is without forces and bolts on single columns: not compared"
     if sides.dilation_deg or base.dilation_deg:
@@ -302,15 +327,33 @@ def _known(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _column_slope(design: ToppleDesign) -> ColumnSlope:
+def column_slope(design: ToppleDesign) -> ColumnSlope:
     base, sides = design.strength(design.base), design.strength(design.sides)
     toward, k = design.seismic.trend_deg, design.seismic.coefficient
     return ColumnSlope(
         heights_m=design.heights_m, width_m=design.width_m, step_m=design.base_step_m,
         base_dip_deg=90.0 - design.dip_deg, unit_weight_kn_m3=design.unit_weight_kn_m3,
         friction_angle_deg=base.friction_angle_deg, side_friction_angle_deg=sides.friction_angle_deg,
-        cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k,
+        cohesion_kpa=base.cohesion_kpa, seismic=k if toward is None or toward > 180.0 else -k, loads=_loads(design),
     )  # fmt: skip
+
+
+def _loads(design: ToppleDesign) -> Floats | None:
+    """Water and surcharge on the columns as Goodman & Bray's method takes them (n, 3), from the same integrals.
+
+    Per metre: down along the bases, square into them, and the moment about the outer corner of each base.
+    """
+    if not (design.has_table or design.surcharges_kpa or any(design.pressures_kpa)):
+        return None
+    scene = _columns_with_water(design)
+    loads = scene_loads(replace(scene, unit_weights=np.zeros(len(scene.assembly))))
+    count = len(design.heights_m)
+    forces, moments = loads.forces[:count] / design.thickness_m, loads.moments[:count, 1] / design.thickness_m
+    dip = math.radians(90.0 - design.dip_deg)
+    down, into = np.array([-math.cos(dip), 0.0, -math.sin(dip)]), np.array([math.sin(dip), 0.0, -math.cos(dip)])
+    along, off = forces @ down, forces @ into
+    turning = along * np.array(design.heights_m) / 2.0 - off * design.width_m / 2.0 - moments  # +y turns into the slope
+    return np.column_stack([along, off, turning])
 
 
 def _notices(_: ToppleDesign, __: AssemblyScene, ___: Failure, closed: ClosedForm) -> Iterator[Notice]:
@@ -373,8 +416,8 @@ KIND = kind_of_many_blocks(
     "topple", ToppleDesign, read_topple, OWN, _slope,
     lambda design: list(zip(("bases", "sides"), design.pressures_kpa, strict=True)),
     figures={  # Goodman & Bray's table at full strength; the result has it where the columns are at their limit
-        "toe_force_kn": lambda design, _: toe_force_required(_column_slope(design)),
-        "column_force_kn": lambda design, n: float(toppling_table(_column_slope(design)).force_kn[int(n or 1) - 1]),
+        "toe_force_kn": lambda design, _: toe_force_required(column_slope(design)),
+        "column_force_kn": lambda design, n: float(toppling_table(column_slope(design)).force_kn[int(n or 1) - 1]),
     },
     # riser and base share a strength: they differ in water alone
     carried=Carried(

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
+from slopekit.block_scene import BlockSizes, Sizes
 from slopekit.core.orientation import Line
 from slopekit.core.sheet import Section
 from slopekit.design.common import Bolt, Design, Force, Strength
@@ -22,6 +23,7 @@ BLOCKS_STATUSES: Mapping[str, str] = {
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
 _NUMBERS = re.compile(r"([0-9]+)")
 _FEW_BOLTS = 6
+_FEW_TRACES = 6
 
 T = TypeVar("T")
 
@@ -87,7 +89,36 @@ def first_and_last(items: Sequence[T], first: int, last: int) -> tuple[Sequence[
 def size_part(result: Result, heights: str, per: str = "") -> Section:
     """Height, volume and weight of one block; `per` stands behind the volume."""
     volume = f"volume {size_number(result.geometry.volume_m3)} m³{per}"
-    return Section("SIZE", [f"{heights}  {volume}  {weight_in_words(result)}"])
+    own = size_in_words(result.mass_t, result.size, per) if result.size is not None else ""
+    return Section("SIZE", [
+        f"{heights}  {volume}  {weight_in_words(result)}", *([result.design.in_own_names(own)] if own else []),
+    ])  # fmt: skip
+
+
+def size_in_words(mass_t: float, sizes: Sizes | BlockSizes, per: str = "") -> str:
+    """Mass, width, setback and traces of what fails, those that there are.
+
+    >>> size_in_words(12.5, Sizes(5.0, 8.0, 2.0, {"J1": {"face": 6.0, "upper": 3.0}, "J2": {"face": 7.25}}))
+    'mass 12.5 t  face width 8 m  setback 2 m  traces on face + upper slope J1 6 + 3 m, J2 7.25 + 0 m'
+    """
+    parts = [f"mass {_short(mass_t)} t{per}"] if mass_t else []
+    if sizes.face_width_m is not None:
+        parts.append(f"face width {_short(sizes.face_width_m)} m")
+    if sizes.setback_m is not None:
+        parts.append(f"setback {_short(sizes.setback_m)} m")
+    traces = [
+        f"{name} {_short(own.get('face', 0.0))} + {_short(own.get('upper', 0.0))} m"
+        for name, own in sizes.trace_lengths_m.items() if "face" in own or "upper" in own
+    ]  # fmt: skip
+    shown, rest, _ = first_and_last(traces, _FEW_TRACES, 0)
+    listed = ", ".join([*shown, *([f"... and {rest} more"] if rest else [])])
+    parts += [f"traces on face + upper slope {listed}"] if listed else []
+    return "  ".join(parts)
+
+
+def _short(value: float) -> str:
+    """Four digits."""
+    return size_number(float(f"{value:.4g}"))
 
 
 def loads_part(own: list[str], result: Result, x_is_east: bool = False, most: int | None = None) -> Section:

@@ -1,7 +1,8 @@
 """Where a tension crack lowers the closed form's factor most: `crack: {distance: worst}`.
 
-A sweep of the whole range finds the valley, ever narrower sweeps its bottom. For a dry plane below level ground Hoek &
-Bray (1981, ch. 7) give it in closed form: b_c / H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f.
+A sweep of the whole range finds the valley, ever narrower sweeps its bottom. A place where nothing holds the block (it
+is lifted, or falls) has no factor and is worse than any that has one: the farthest of them is taken. For a dry plane
+below level ground Hoek & Bray (1981, ch. 7) give it in closed form: b_c / H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f.
 """
 
 import math
@@ -12,15 +13,15 @@ from typing import Any, TypeVar
 import numpy as np
 
 from slopekit.core.arrays import Floats
-from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
+from slopekit.core.errors import DesignError, Fault, GeometryError
 from slopekit.design.ground_water import SlopeDesign
 from slopekit.kinds.closed_forms import OnArrays
 
-WORST = "worst"
 _MANY, _FEW = 401, 31
 _NARROWER = 11
 _ENDS = 1e-6  # of the range: nearer to its ends there is no crack
 _FLAT = 1e-9
+_FREE = ("lifted", "falls")
 
 D = TypeVar("D", bound=SlopeDesign)
 
@@ -28,11 +29,12 @@ D = TypeVar("D", bound=SlopeDesign)
 def lowest(
     factor_at: Callable[[Floats], Floats], reach: float, count: int, rounds: int = 8
 ) -> tuple[float, float, str]:
-    """The place in (0, reach) with the lowest factor, that factor, and whether it is "inside", at an "end" or "flat".
+    """The place in (0, reach) with the lowest factor, that factor, and where: "inside", at an "end", "flat", "free".
 
     Parameters
     ----------
-    factor_at : factors at places (n,), nan where there is none; count : places of the first sweep
+    factor_at : factors at places (n,), nan where there is none, -inf where nothing holds the block ("free")
+    count : places of the first sweep
     rounds : narrower sweeps, each a fifth of the one before
 
     >>> place, _, where = lowest(lambda x: (x - 2.0) ** 2 + 1.0, 10.0, 50)
@@ -41,8 +43,11 @@ def lowest(
     """
     places = np.linspace(_ENDS, 1.0 - _ENDS, count) * reach
     factors = factor_at(places)
-    if not np.isfinite(factors).any():
+    if np.isnan(factors).all():
         return math.nan, math.nan, "none"
+    free = np.flatnonzero(np.isneginf(factors))
+    if free.size:
+        return float(places[free[-1]]), -math.inf, "free"
     k = int(np.nanargmin(factors))
     where = "end" if k in (0, count - 1) else "inside"
     if np.nanmax(factors) - np.nanmin(factors) <= _FLAT * abs(float(factors[k])):
@@ -75,15 +80,20 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float],
 
     def one(distance: float) -> float:
         try:
-            return on_arrays.of(at(design, distance)).factor or math.nan
+            found = on_arrays.of(at(design, distance))
         except GeometryError:
             return math.nan
+        if found.status in _FREE:
+            return -math.inf
+        return math.nan if found.factor is None else found.factor
 
     def factors(places: Floats) -> Floats:
         if not together:
             return np.array([one(float(place)) for place in places])
         arguments: dict[str, Any] = on_arrays.arguments(first) | {"crack_distance_m": places}
-        found: Floats = np.asarray(on_arrays.closed_forms(arguments, on_arrays.bolts(first)).factor, dtype=np.float64)
+        forms = on_arrays.closed_forms(arguments, on_arrays.bolts(first))
+        free = np.isin(forms.outcome, [number for number, name in enumerate(forms.names) if name in _FREE])
+        found: Floats = np.where(free, -math.inf, forms.factor)
         return np.broadcast_to(found, places.shape)
 
     distance, _, where = lowest(factors, reach, *((_MANY, 10) if together else (_FEW, 5)))
@@ -91,18 +101,3 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float],
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])
     return replace(at(design, distance), crack_searched=where)
-
-
-def notices(design: SlopeDesign) -> list[Notice]:
-    """What a reader must know of a place that was looked for."""
-    if design.crack_searched == "end":
-        return [Notice("W421", "the factor is lowest at an end of the range of the crack: a crack there is at the "
-                       "crest itself, or none at all")]  # fmt: skip
-    if design.crack_searched == "flat":
-        return [Notice("W421", "the place of the crack does not move the factor: none is worse than another")]
-    return []
-
-
-def in_words(design: SlopeDesign) -> str:
-    """Behind the place of the crack on the sheet."""
-    return " (the worst place by the closed form)" if design.crack_searched else ""

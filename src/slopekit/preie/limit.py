@@ -20,7 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Bools, Floats
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.preie.bound import static_bound
 from slopekit.preie.limit_state import (
@@ -37,6 +37,7 @@ from slopekit.preie.tolerances import FARTHEST, MOMENTS, NO_FORCE, NO_NUMBER, NO
 from slopekit.strength.mohr_coulomb import line
 
 _STRIDE = 1.05  # steps of λ on the way to the first loss
+_BEYOND = 1e-3  # of a bracket: so far on either side of where a straight line across it meets zero
 _MOST_TRIES = 40  # bonds let go and found again
 
 
@@ -251,21 +252,29 @@ def forces_only_limit(model: Model) -> Limit:
 
         model = averaged(model)
     held = model if model.unknowns == model.translations else model.without_rotation()
-    normals, which = np.unique(held.normal_rows.round(12), axis=0, return_inverse=True)
+    normals, first, which = np.unique(held.normal_rows.round(12), axis=0, return_index=True, return_inverse=True)
     which = which.ravel()
     share = held.control_area / np.bincount(which, held.control_area)[which]
     columns = np.concatenate([normals, held.bolt_rows]).T
+    # all that slips along one normal slips alike
+    cohesion: Floats = np.bincount(which, held.cohesion).astype(np.float64)
+    tan_friction: Floats = np.bincount(which, held.tan_friction * share).astype(np.float64)
+    tangents = held.rows[first, 1:]
+    pattern: Ints | None = None
 
-    def at(reduction: float) -> _Resultant:
+    def at(reduction: float, near: bool = True) -> _Resultant:
+        nonlocal pattern
         upper = np.concatenate([np.full(len(normals), np.inf), reduction * held.bolt_capacity])
-        pushes, rest = bounded_least_squares(columns, -held.load, upper)
+        pushes, rest = bounded_least_squares(columns, -held.load, upper, pattern=pattern if near else None)
+        pattern = np.where(pushes <= 0.0, 0, np.where(pushes >= upper, 2, 1))
         pushes, pulls = pushes[: len(normals)], pushes[len(normals) :]
         driving = math.sqrt(float(rest @ rest))
-        touching: Bools = (pushes > 0.0)[which]
-        normal = pushes[which] * share
-        strength = line(touching * held.cohesion, held.tan_friction, normal)
-        slip = held.slip(rest) / driving if driving > NO_FORCE else np.ones(len(share))
-        return _Resultant(-rest, driving, float(strength @ slip), normal, touching, pulls)
+        touching = pushes > 0.0
+        strength = line(touching * cohesion, tan_friction, pushes)
+        slips = np.ones(len(normals))
+        if driving > NO_FORCE:
+            slips = np.sqrt(((tangents @ rest) ** 2).sum(axis=1)) / driving
+        return _Resultant(-rest, driving, float(strength @ slips), pushes[which] * share, touching[which], pulls)
 
     def limit(outcome: Outcome, factor: float | None, push: _Resultant) -> Limit:
         bond = push.touching.astype(np.float64)
@@ -293,7 +302,7 @@ def forces_only_limit(model: Model) -> Limit:
 
 
 def _first_loss(
-    at: Callable[[float], _Resultant],
+    at: Callable[..., _Resultant],
     limit: Callable[[Outcome, float | None, _Resultant], Limit],
     capacity: float,
     bare: float,
@@ -320,12 +329,25 @@ def _first_loss(
         high, low = low, low / (2.0 if low > 30.0 * bare > 0.0 else _STRIDE)
         if low < 1.0 / FARTHEST:
             return limit(Outcome.NO_DRIVING_FORCE, None, at(low))
-    for _ in range(200):
+
+    def lacks(push: _Resultant, reduction: float) -> float:
+        return push.driving - reduction * push.resisting
+
+    at_low, at_high = lacks(at(low), low), lacks(at(high), high)
+    for count in range(200):
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
-        low, high = (low, middle) if stands(at(middle), middle) else (middle, high)
-    return limit(Outcome.SLIDES, 1.0 / high, at(low))
+        if count % 3 and at_low > 0.0 > at_high:  # a straight line, then a little beyond where it meets zero
+            line_zero = low + at_low / (at_low - at_high) * (high - low)
+            beyond = _BEYOND * (high - low) if count % 3 == 1 else -_BEYOND * (high - low)
+            middle = min(max(line_zero + beyond, math.nextafter(low, high)), math.nextafter(high, low))
+        push = at(middle)
+        if stands(push, middle):
+            high, at_high = middle, lacks(push, middle)
+        else:
+            low, at_low = middle, lacks(push, middle)
+    return limit(Outcome.SLIDES, 1.0 / high, at(low, near=False))
 
 
 def _stands_without_strength(model: Model) -> bool:

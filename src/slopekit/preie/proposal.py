@@ -51,7 +51,11 @@ def proposed(bed: Bed, bond: Floats, ratio: float) -> PathLimit | None:
 
 
 def _climbed(bed: Bed, step: NewtonStep) -> PathLimit | None:
-    """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far."""
+    """From a state of the elastic joints on to ever more work, λ free; None where Newton's method does not get far.
+
+    λ goes like the limit plus a part of 1 / work, so a step that adds a part of the work has to change λ by no more
+    than that part of what may be off: after a short one λ is always the same.
+    """
     working = bed.working
     grows, fails, gained, far = 3.0, 0, bed.elastic_work, float(np.abs(bed.elastic_displacement).max())
     while True:
@@ -66,14 +70,14 @@ def _climbed(bed: Bed, step: NewtonStep) -> PathLimit | None:
                 return None
             continue
         changed = abs(ahead.parameter / step.parameter - 1.0)
+        ratio = more / float(working @ step.at)
         before, step = step, ahead
-        if changed < STEADY and step.taken <= 3 and float(np.abs(step.at).max()) > _FAR * far:
+        steady = changed < STEADY * min(ratio - 1.0, 1.0)
+        if steady and step.taken <= 3 and float(np.abs(step.at).max()) > _FAR * far:
             break
         gained *= grows
         grows = min(grows * grows, 10.0)
         if float(np.abs(step.at).max()) > FARTHEST * _FAR * far:
             return None
-    # λ goes like the limit plus a part of 1 / work
-    ratio = float(working @ step.at) / float(working @ before.at)
     settled = step.parameter + (step.parameter - before.parameter) / (ratio - 1.0)
     return result_of(bed, PathOutcome.SETTLED, settled, None, step.at, step.at - before.at, step.forces)

@@ -30,7 +30,7 @@ class Axes:
 
     Attributes
     ----------
-    joints : how many they count as: (Σ w)² / Σ w² where weights correct a bias (Kish 1965), so that weights, which
+    joints : how many they count as: (Σ w)² / Σ w² where weights correct a bias (Kish 1965 (m)), so that weights, which
         add no joints, do not narrow the limits
     mean : (3,) downward unit vector; eigenvalues : (3,) of the orientation tensor, largest first, they add up to 1
     resultant : length of the mean of the axes on the side of the mean, 1 where all are alike
@@ -65,7 +65,8 @@ class Axes:
         """Whether the axes scatter more one way than the other, so that Fisher's K says the mean of two scatters.
 
         The sphericity of two coordinates about their mean, W = 4 λ1 λ2 / (λ1 + λ2)² with the two lesser eigenvalues,
-        has P(W < w) = w^((N - 2) / 2) where they are alike (Mauchly 1940); less than 1 % is taken as another shape.
+        has P(W < w) = w^((N - 2) / 2) where they are alike (Mauchly 1940, as in Pillai &
+        Nagarsenker 1971, Ann. Math. Stat. 42, 764-767; the tail (m)); less than 1 % is taken as another shape.
         """
         second, third = float(self.eigenvalues[1]), float(max(self.eigenvalues[2], 0.0))
         if self.joints < _FEW + 1 or second < _SAME**2:

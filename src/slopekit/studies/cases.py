@@ -182,7 +182,6 @@ class Cases(Shown):
         elif first.margin is not None:
             found.append(Section("GOVERNS", [self.governing]))
         found.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
-        found.append(Section("MORE", ["--case NAME has the whole of one case; -o DIR those of all"]))
         return Sheet(head(self.design, f"{self.what}, {len(rows)} load cases"), found, {own_name: table})
 
     def files(self) -> dict[str, str]:
@@ -199,7 +198,7 @@ class Cases(Shown):
         return {
             "slopekit": __version__, "study": "cases", "of": self.what, "kind": self.design.kind,
             "title": self.design.title, "input_sha256": self.design.input_hash(), "inputs": self.design.inputs(),
-            **({"project": project} if (project := self.design.project.given()) else {}),
+            **self.design.beside(),
             "governing": self.governing, "accepted": self.accepted, "exit_code": self.exit_code,
             "sets": {case.name: dict(case.sets) for case in self.design.cases},
             **({} if self.for_all is None else {"for_all": json_of(self.for_all.to_dict())}),

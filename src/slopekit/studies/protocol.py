@@ -86,7 +86,7 @@ class Outcome(Shown):
         return {
             "slopekit": __version__, "study": self.name, "kind": design.kind, "title": design.title,
             "input_sha256": design.input_hash(), "inputs": design.inputs(),
-            **({"project": project} if (project := design.project.given()) else {}),
+            **design.beside(),
         }  # fmt: skip
 
     def words(self) -> dict[str, Any]:

@@ -26,14 +26,15 @@ _DAMAGED = (KeyError, IndexError, TypeError, ValueError, AttributeError, Arithme
 _NUMBER = re.compile(r"^(none|-)$|^[-+<>]? ?[\d(∞-][\d.,e+∞ ()-]*( %| kN| mm| kPa)?$")
 #: Sections of the sheet by the part of the page that has them, in its order. What says the slope differs by kind.
 _SECTIONS = {
-    "factors": ("FoS",), "rules": ("ACCEPT",), "bolts": ("BOLTS",), "forces": ("FORCES",),
+    "factors": ("FoS",), "rules": ("ACCEPT", "FACTORED"), "bolts": ("BOLTS",), "forces": ("FORCES",),
     "moments": ("ROTATION", "MOVES"), "assembly": ("NEXT", "BY BLOCK", "TABLE"), "checks": ("CHECKS",),
     "searches": ("STRENGTH", "COHESION", "ALL PAIRS", "SERIES", "COLUMNS", "METHODS", "GOVERNS"),
 }  # fmt: skip
 _SLOPE = ("PLANES", "SURFACE", "SETS", "COLUMNS", "BLOCKS", "SIZE", "LOADS")
 #: The tables of a section by its label, as the page calls them one after the other.
 _CAPTIONS = {
-    "FoS": ("Factors of safety",), "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
+    "FoS": ("Factors of safety",), "FACTORED": ("Partial factors",),
+    "BOLTS": ("Schedule",), "FORCES": ("On the joints", "As a whole"),
     "MOVES": ("What governs",), "NEXT": ("Mechanisms in order",), "BY BLOCK": ("Factor by block",),
     "TABLE": ("Goodman & Bray's columns",),
     "ALL PAIRS": ("All-pairs search",), "SERIES": ("By strength reduction factor",), "COLUMNS": ("Methods of columns",),
@@ -141,7 +142,7 @@ def report_of(
         "views": [text.replace("<", "\\u003c") for text in views.data],
         "shared": [(whose, together.folded(some)) for whose, some in shared],
         "inputs_table": None if is_one else _inputs_that_differ(several, short),
-        "one_design": together.same_design(several),
+        "one_design": together.same_design(several), "of_cases": len(given) == 1 and not is_one,
     })  # fmt: skip
     seen = tuple(picture.what for article in articles for picture in article["pictures"])
     return Report(html, seen, tuple(missing), tuple(notices))

@@ -27,7 +27,7 @@ _SYMBOLS = {
 _GROUPS = {
     "Rock and water": ("unit_weight_kn_m3", "density_kg_m3", "gravity_m_s2", "water", "water_unit_weight_kn_m3",
                        "table_depth_m", "table_points_m", "table_plane", "pond_m", "pressures_kpa"),
-    "Loads and support": ("seismic", "surcharge_kpa", "forces", "bolts", "load_kn", "load_at_m"),
+    "Loads and support": ("seismic", "surcharge_kpa", "surcharges_kpa", "forces", "bolts", "load_kn", "load_at_m"),
     "Analysis": ("criterion", "rules", "agree_within", "stop_when", "factors", "mechanisms", "seed", "refine", "pairs",
                  "stiffness", "max_blocks", "min_volume_m3", "contact_tolerance_m"),
 }  # fmt: skip

@@ -39,7 +39,7 @@ def parts(entries: Iterable[Any], captions: Sequence[str] = ()) -> Iterator[Tabl
 def _cell(shown: str, value: Any) -> str:
     """A cell as it is shown; every digit of a number is for machines.
 
-    >>> _cell("155.62933590893244", 155.62933590893244), _cell("1.0000", 1.0), _cell("2.5", 2.5)
+    >>> _cell("155.629335909", 155.629335909), _cell("1.0000", 1.0), _cell("2.5", 2.5)
     ('155.63', '1.0000', '2.5')
     """
     return f"{value:.5g}" if isinstance(value, float) and shown == str(value) and len(shown) > _DIGITS else shown

@@ -16,6 +16,7 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.findings import MOTIONS
 from slopekit.kinds import status_text
+from slopekit.views.dimensions import dimensions, lines
 from slopekit.views.layers import (
     BLOCK,
     DARK,
@@ -159,7 +160,9 @@ def _scene(stage: Stage, _: Asked) -> Picture:
     if stage.is_curved and not (stage.document.get("inputs") or {}).get("profile_m"):
         seen.notes.append("the ground is a mesh of its own: it is not drawn")
     seen.bolts()
-    return seen.picture("scene")
+    measured = dimensions(stage)
+    seen.layers += lines(stage, measured)
+    return seen.picture("scene", labels=[*((one.at, one.text) for one in measured), *names(stage)])
 
 
 def _exploded(stage: Stage, asked: Asked) -> Picture:

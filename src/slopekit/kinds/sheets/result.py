@@ -37,6 +37,10 @@ def sheet_of(result: Result) -> Sheet:
     head = f"slopekit {__version__}   {result.kind}   sha {result.design.input_hash()[:6]}{title}"
     slope = tuple(kind_of(result.design).slope(result.design, result))
     own = _sections(result) if result.findings is None else sections_of_many(result, result.findings)
+    if result.design.partial is not None:
+        from slopekit.kinds.sheets.partial_factors import partial_factors
+
+        slope = (*slope, partial_factors(result.design.partial))
     if not result.design.bolts:  # most designs have none: they load nothing of it
         return Sheet(head, (*slope, *own))
     from slopekit.core.codec import json_of

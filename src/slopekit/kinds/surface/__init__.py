@@ -14,8 +14,10 @@ from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.orientation import Line
+from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
+from slopekit.design.ground_water import table_in_words
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
@@ -92,6 +94,8 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     if status in ("slides_on_J1", "slides_up") and _turns(solved.limit.velocity):
         status = "rotates"
     pressed = {NAME: 0.0 if "water" not in loads.parts else float(np.linalg.norm(loads.parts["water"]))}
+    if "pond" in loads.parts:
+        pressed["ground"] = float(np.linalg.norm(loads.parts["pond"]))
     forces = forces_of(made, solved, pressed, driven=status != "rotates")
     moves = solved.limit.outcome is not Outcome.NO_DRIVING_FORCE
     of_cut = _notices(design, cut, _misfit(design, slip) if moves else 0.0, slip.left_as_it_was and moves)
@@ -230,6 +234,10 @@ def _loads(design: SurfaceDesign, cut: _Mass) -> Loads:
         shares = pairs.control_areas[:, None] * pairs.normals * design.water.pressures_kpa[0]
         couple = np.cross(pairs.points - mass.centroid, shares).sum(axis=0)
         pushes["water"] = PointForce(shares.sum(axis=0), None, couple)
+    elif design.is_cut_for_loads:
+        from slopekit.kinds.surface.water import pushes_of
+
+        pushes = pushes_of(design, mass, cut.origin)
     return block_loads(
         _block(mass), design.unit_weight_kn_m3, {}, _seismic(design),
         [point_force(force, cut.origin) for force in design.forces], active, passive, pushes,
@@ -259,10 +267,12 @@ def _closed_forms(
     design: SurfaceDesign, cut: _Mass
 ) -> tuple[ClosedForm, dict[str, float | None], list[Notice]]:  # fmt: skip
     """The exact answer where there is one (φ = 0, turning about an axis), and the methods of columns."""
-    plain = not (design.forces or design.bolts) and design.strength.law is None
+    plain = not (design.forces or design.bolts or design.pond_m is not None) and design.strength.law is None
     rest: list[Notice] = []
     if design.strength.law is not None:
         rest.append(Notice("W324", "the methods of columns are left out: they take one cohesion and friction angle"))
+    elif design.pond_m is not None:
+        rest.append(Notice("W324", "the methods of columns are left out: they know no pond"))
     elif not plain:
         rest.append(Notice("W324", "the methods of columns are left out: they know no forces and bolts"))
     try:
@@ -327,6 +337,10 @@ def _columns(design: SurfaceDesign, cut: _Mass, notes: list[Notice]) -> dict[str
     if made.overhung_share > _OVERHUNG:
         share = f"{made.overhung_share * 100:.1f} % of the weight hangs under the slip surface"
         notes.append(Notice("W324", f"{share}: the columns carry it, that part of the surface holds nothing in them"))
+    if design.is_cut_for_loads:
+        from slopekit.kinds.surface.water import water_of
+
+        made = replace(made, pore_pressure=water_of(design).at(made.base_points))
     if design.water.mode == "pressures":
         made = replace(made, pore_pressure=np.full_like(made.weights, design.water.pressures_kpa[0]))
     along, axis = np.array([_falls(design), 0.0]), np.array([x, y, z])
@@ -387,6 +401,9 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> li
             f"{sum(cut.mass.pieces):.4g} m³ are left out"
         )
         notices.append(Notice("W322", message))
+    lowest = float(cut.mass.vertices[:, 2].min() + cut.origin[2])
+    if design.pond_m is not None and design.pond_m <= lowest:
+        notices.append(Notice("W419", f"the pond stands at {shown(design.pond_m)} m, below the mass: it wets nothing"))
     if float(np.abs(cut.origin).max()) > _FAR_M:
         message = "map coordinates: computed about the slip surface and put back, no digits lost"
         if cut.grain:
@@ -493,8 +510,16 @@ def _slope(design: SurfaceDesign, result: Result) -> tuple[Section, ...]:
     return (
         Section("SURFACE", entries),
         size_part(result, heights),
-        loads_part(water_in_words(design), result, x_is_east=True),
+        loads_part(_water_in_words(design), result, x_is_east=True),
     )
+
+
+def _water_in_words(design: SurfaceDesign) -> list[str]:
+    if not design.is_cut_for_loads:
+        return water_in_words(design)
+    depth = design.table_depth_m
+    first = [] if depth is None else [f"water table {shown(depth)} m below the ground"]
+    return [*first, *table_in_words(design, " (x)", "at the origin")]
 
 
 WORDS = Words(

@@ -7,6 +7,15 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design.common import Design, MeshFile, Strength, Water
 from slopekit.design.fields import Field, fields_of, group, number, text
+from slopekit.design.ground_water import (
+    TABLE,
+    TablePlane,
+    pond,
+    read_ground_water,
+    table_depth,
+    table_plane,
+    table_points,
+)
 from slopekit.design.named_files import mesh_file
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
@@ -127,6 +136,15 @@ class SurfaceDesign(Design):
     )
     slip: Slip = group("slip", Slip, example="{shape: sphere, centre: [40, 0, 40], radius: 40}")
     strength: Strength
+    table_depth_m: float | None = table_depth()
+    table_points_m: tuple[tuple[float, float], ...] | None = table_points("x")
+    table_plane: TablePlane | None = table_plane("the origin")
+    pond_m: float | None = pond()
+
+    @property
+    def is_cut_for_loads(self) -> bool:
+        """Whether water is integrated over the surface."""
+        return self.water.mode == TABLE
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -147,7 +165,12 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     profile = _profile(reader, reader.at("slope.profile"))
     slip = _slip(reader, node, _mesh(reader, node, "shape"))
     strength = read_strengths(reader, [("slip", None, node or reader.root)])[0]
-    water, at = read_water(reader, ["slip"])
+    wet, table = read_ground_water(reader)
+    depth = reader.at("water.depth")
+    if profile is None and depth is not None and wet.get("table_depth_m") is not None:
+        message = "the water table lies below the ground, and the ground is a mesh"
+        reader.fault("E462", message, depth, "Give its points or a plane.")
+    water, at = (table, None) if table is not None else read_water(reader, ["slip"])
     if water.mode == "full":
         message = "how full a curved surface is says no pressure"
         reader.fault("E119", message, at, "Write water: {pressures: 5 kPa}.")
@@ -160,7 +183,7 @@ def read_surface(reader: Reader) -> SurfaceDesign:
         message = "the seismic load has no direction, and a mesh of the ground does not say which way it falls"
         reader.fault("E122", message, reader.at("loads.seismic"), "Write seismic: {k: 0.1, toward: 90}.")
     return reader.made(
-        SurfaceDesign, common, profile_m=profile, ground_mesh=ground, slip=slip, strength=strength, water=water
+        SurfaceDesign, common, wet, profile_m=profile, ground_mesh=ground, slip=slip, strength=strength, water=water
     )
 
 

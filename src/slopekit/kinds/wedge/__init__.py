@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,27 +13,32 @@ from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
 from slopekit.design.common import Strength
-from slopekit.extents import WedgeGeometry
+from slopekit.extents import Scaled, WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
 from slopekit.kinds import ground_water, worst_crack
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, force_on, passive_bolts
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
 from slopekit.kinds.one_block_states import Bedding
 from slopekit.kinds.protocol import STRENGTH_INPUTS, Carried, CarriedJoint, ClosedForm
 from slopekit.kinds.secants import changed_laws
+from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign, read_wedge
 from slopekit.kinds.words import line_in_words, loads_part, size_number, size_part, strength_in_words, water_in_words
-from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
 from slopekit.result import Result, Words
 
+if TYPE_CHECKING:
+    from slopekit.kinds import ground_water
+
 JOINTS = ((J1, "J1"), (J2, "J2"))
 _NEARLY_PARALLEL_DEG = 5.0
+_OUTCOMES = (*OUTCOMES, "E486", "E487")  # the last two by limits of size
 _FAR_M = 1e4  # coordinates beyond this are a map's
 
 
@@ -55,7 +60,7 @@ def cut(design: WedgeDesign) -> Cut:
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, strengths, strict=True)],
         lambda: _geometry(design, rock, block), _left_out(design, block),
         {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-        | ground_water.ponded(design, FACE, UPPER),
+        | design.ponded(FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
@@ -75,9 +80,38 @@ def _rock_mass(design: WedgeDesign) -> RockMass:
     joints = np.array([plane.normal() for plane in design.joints])
     crack = design.crack
     return wedge_rock_mass(
-        joints, design.face.normal(), design.upper.normal(), design.height_m,
+        joints, design.face.normal(), design.upper.normal(), _height(design),
         crack.plane.normal() if crack else None, crack.distance_m if crack else 0.0,
     )  # fmt: skip
+
+
+def _height(design: WedgeDesign) -> float:
+    """Of the wedge itself: where limits of size make it smaller, less than the slope's."""
+    if design.limits is None:
+        return design.height_m
+    from slopekit.kinds.wedge import limits
+
+    height: float = limits.fitted_height(design)
+    return height
+
+
+def _scaled(design: WedgeDesign) -> Scaled | None:
+    if design.limits is None:
+        return None
+    from slopekit.kinds.wedge import limits
+
+    return limits.scaled(design)
+
+
+def _heights(design: WedgeDesign) -> tuple[Any, Any]:
+    """The same of a design whose numbers may be arrays, and which are left out; None where nothing limits them."""
+    if design.limits is None:
+        return design.height_m, None
+    from slopekit.kinds.wedge import limits
+
+    found = limits.fitted(design)
+    heights, why = np.asarray(design.height_m) * found.scale, found.why.astype(np.float64)
+    return (heights, why) if len(why) > 1 else (float(heights[0]), float(why[0]))
 
 
 def strengths_of(design: WedgeDesign) -> list[Strength]:
@@ -98,18 +132,29 @@ def _loads(design: WedgeDesign, rock: RockMass, block: Block) -> Loads:
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), seismic,
         [point_force(force, origin) for force in design.forces], active, passive,
-        ground_water.pushes(design, _ground(design, rock, block)),
+        _pushes(design, rock, block),
     )  # fmt: skip
 
 
-def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> ground_water.Ground:
+def _pushes(design: WedgeDesign, rock: RockMass, block: Block) -> dict[str, PointForce]:
+    """Ground water and surcharge, integrated over the faces; plain wedges do not pay for them."""
+    if not design.is_cut_for_loads:
+        return {}
+    from slopekit.kinds import ground_water
+
+    return ground_water.pushes(design, _ground(design, rock, block))
+
+
+def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.Ground":
+    from slopekit.kinds import ground_water
+
     return ground_water.Ground(
         block, (J1, J2, CRACK), (FACE, UPPER), rock.normals[[FACE, UPPER]], rock.offsets[[FACE, UPPER]], np.eye(3),
         -Line(design.face.dip_direction_deg, 0.0).vector(), design.origin_m[2],
     )  # fmt: skip
 
 
-def _ground_of(design: WedgeDesign) -> ground_water.Ground:
+def _ground_of(design: WedgeDesign) -> "ground_water.Ground":
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
@@ -148,7 +193,8 @@ def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, Water
 
 def arguments(design: WedgeDesign) -> Arguments:
     """What Hoek & Bray's wedge is given of a design, but for its passive bolts."""
-    columns: Arguments = {}
+    height, left_out = _heights(design)
+    columns: Arguments = {"height_m": height, "left_out": left_out}
     planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
     for name, plane in planes.items():
         columns |= {f"{name}_dip_deg": plane.dip_deg, f"{name}_dip_direction_deg": plane.dip_direction_deg}
@@ -157,6 +203,8 @@ def arguments(design: WedgeDesign) -> Arguments:
     pressures: list[float | None] = [*water.pressures_kpa, 0.0, 0.0, 0.0, 0.0] if given else [None] * 4
     force = force_on(design)
     if design.is_cut_for_loads:
+        from slopekit.kinds import ground_water
+
         ground = _ground_of(design)
         means, rest = ground_water.for_closed_form(design, ground)
         force = ground_water.added(force, rest)
@@ -168,7 +216,7 @@ def arguments(design: WedgeDesign) -> Arguments:
             "basal_height_m": basal.height_m, "pressure3": pressures.pop(2),
         }  # fmt: skip
     return columns | force | {
-        "height_m": design.height_m, **_of_strengths(strengths_of(design)),
+        **_of_strengths(strengths_of(design)),
         "unit_weight_kn_m3": design.unit_weight_kn_m3, "fill": 0.0 if given else water.fill,
         "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3, "crack_fill": water.crack_fill,
         "pressure1": pressures[0], "pressure2": pressures[1], "pressure5": pressures[2],
@@ -196,6 +244,7 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
 
         return basal.closed_forms(arguments, bolts)
     given = dict(arguments)
+    why = given.pop("left_out")
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     wedges = hoek_bray_wedges(
@@ -205,7 +254,12 @@ def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]])
             force_kn=None if force[0] is None else force,
         )
     )  # fmt: skip
-    return ClosedForms(OUTCOMES, wedges.outcome, wedges.factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
+    outcome, factor = wedges.outcome, wedges.factor
+    if why is not None:
+        from slopekit.kinds.wedge import limits
+
+        outcome, factor = limits.without(outcome, factor, why, len(OUTCOMES), OUTCOMES.index("E201"))
+    return ClosedForms(_OUTCOMES, outcome, factor, list(wedges.normal_kn), list(wedges.areas_m2[:2]))
 
 
 def bounds(design: WedgeDesign) -> Bounds:
@@ -218,7 +272,7 @@ def bounds(design: WedgeDesign) -> Bounds:
     first, second, face, upper = normals = [upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes]
     with np.errstate(divide="ignore", invalid="ignore"):
         line, traces = np.cross(first, second), [np.cross(joint, face) for joint in (first, second)]
-        crest1 = traces[0] * (np.atleast_1d(design.height_m) / traces[0][:, 2])[:, None]
+        crest1 = traces[0] * (np.atleast_1d(_heights(design)[0]) / traces[0][:, 2])[:, None]
         offset = (upper * crest1).sum(axis=-1)
         crest2, back = (way * (offset / (upper * way).sum(axis=-1))[:, None] for way in (traces[1], line))
         within, offsets = (crest1 + crest2 + back) / 4.0, [0.0, 0.0, 0.0, offset]
@@ -233,7 +287,20 @@ def bounds(design: WedgeDesign) -> Bounds:
     return bounds_of(normals, offsets, within, np.array(design.origin_m), (J1, J2), (FACE, UPPER), size)
 
 
-ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds)
+def _sizes(design: WedgeDesign) -> SizesOfMany | None:
+    """Of the wedges of a design whose numbers may be arrays; with a basal joint or a crack they are not known."""
+    if design.basal is not None or design.crack is not None:
+        return None
+    from slopekit.kinds.wedge import limits
+
+    found = limits.fitted(design)
+    columns = {key: getattr(found.sizes, key) for key in ("volume_m3", "height_m", "face_width_m", "setback_m")}
+    if design.limits is not None:
+        columns["scale"] = found.scale
+    return SizesOfMany(columns, limits.LIMITED_BY, found.by, found.why)
+
+
+ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes)
 
 
 def closed_form(design: WedgeDesign) -> ClosedForm:
@@ -259,6 +326,7 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
     except GeometryError:
         return replace(design, crack=None)  # which says the same where it is cut
     trace = rock.back - rock.crest1
+
     return worst_crack.with_worst_crack(design, ON_ARRAYS, at, math.sqrt(float(trace @ trace)), place)
 
 
@@ -310,6 +378,9 @@ def _geometry(design: WedgeDesign, rock: RockMass, block: Block) -> WedgeGeometr
         math.sqrt(float(back @ back)), {name: frozen(point + origin) for name, point in corners.items()},
         frozen(block.centroid + origin),
         {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
+        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
+                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
+        _scaled(design),
     )  # fmt: skip
 
 
@@ -333,8 +404,18 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
 
         yield from basal.notices(design)
     water, joints, toe = design.water, len(design.strengths), design.origin_m[2]
-    yield from ground_water.notices(design, toe, toe + design.height_m)
-    yield from worst_crack.notices(design)
+    yield from design.ground_notices(toe, toe + _height(design))
+    if (scaled := _scaled(design)) is not None and scaled.by is not None:
+        places = [
+            name for name, has_any in (
+                ("points of forces", any(force.at_m is not None for force in design.forces)),
+                ("heads of bolts", any(bolt.head_m is not None for bolt in design.bolts)),
+                ("the water table or pond", water.mode == "table" or design.pond_m is not None),
+            ) if has_any
+        ]  # fmt: skip
+        if places:
+            yield Notice("W435", f"{', '.join(places)} are taken from the toe of the wedge as its limits of size leave "
+                         "it, not from the toe of the slope")  # fmt: skip
     if design.crack and water.mode == "pressures" and len(water.pressures_kpa) <= joints and water.crack_fill is None:
         only = "J1 and J2 only (a third" if joints == 2 else "the joints only (a fourth"
         yield Notice("W319", f"the crack is dry: pressures were given for {only} is the crack's)")
@@ -380,7 +461,7 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         area = size_number(geometry.areas_m2["crack"])
         entries.append(
             f"crack {design.crack.plane}  {design.crack.plane.in_words()}, {design.crack.distance_m:.4g} m behind the "
-            f"crest along J1{worst_crack.in_words(design)}  area {area} m²"
+            f"crest along J1{design.crack_in_words}  area {area} m²"
         )
     if design.basal is not None:
         entries.append(basal.line_entry(geometry))
@@ -390,9 +471,14 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         entries.append(f"line of intersection {line_in_words(line)}, {length} m long, daylights at the toe")
     yield Section("PLANES", entries)
     total = size_number(geometry.total_height_m)
-    yield size_part(result, f"height {size_number(design.height_m)} m (total {total} m)")
+    size = size_part(result, f"height {size_number(float(f'{_height(design):.6g}'))} m (total {total} m)")
+    if design.limits is not None:
+        from slopekit.kinds.wedge import limits
+
+        size = replace(size, entries=[*size.entries, *limits.in_words(design)])
+    yield size
     wet = [] if design.water.mode == "table" else water_in_words(design)
-    yield loads_part([*wet, *ground_water.in_words(design)], result)
+    yield loads_part([*wet, *design.ground_in_words()], result)
 
 
 def _carried(inputs: Mapping[str, Any], _: Sequence[str]) -> dict[str, CarriedJoint]:

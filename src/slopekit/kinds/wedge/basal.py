@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,17 +26,20 @@ from slopekit.geometry.basal import (
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import wedge_rock_mass
-from slopekit.kinds import ground_water
 from slopekit.kinds.closed_forms import ClosedForms
 from slopekit.kinds.held_bolts import Bounds, upward
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.one_block_states import Bedding
+from slopekit.kinds.sizes import Crest, sizes_of_faces
 from slopekit.kinds.solver_inputs import bolt_forces, joint_strength, point_force
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.words import line_in_words, size_number
-from slopekit.loads import Loads, WaterPressure, block_loads, check_bolt
+from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
+
+if TYPE_CHECKING:
+    from slopekit.kinds import ground_water
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
 _IDS = tuple(joint for joint, _ in JOINTS)
@@ -67,7 +70,7 @@ def cut(design: WedgeDesign) -> Cut:
         [Interface(joint, name, own) for (joint, name), own in zip(JOINTS, design.strengths, strict=True)],
         lambda: _geometry(design, rock, block), tuple(left),
         {face: name for face, name in (*JOINTS, (CRACK, "crack")) if face in block.faces}
-        | ground_water.ponded(design, FACE, UPPER),
+        | design.ponded(FACE, UPPER),
         FACE, design.refine, origin=np.array(design.origin_m),
     )  # fmt: skip
 
@@ -97,17 +100,27 @@ def _loads(design: WedgeDesign, rock: BasalRockMass, block: Block) -> Loads:
     return block_loads(
         block, design.unit_weight_kn_m3, _water(design, rock, block), given.coefficient * Line(trend, 0.0).vector(),
         [point_force(force, origin) for force in design.forces], active, passive,
-        ground_water.pushes(design, _ground(design, rock, block)),
+        _pushes(design, rock, block),
     )  # fmt: skip
 
 
-def ground_of(design: WedgeDesign) -> ground_water.Ground:
+def _pushes(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[str, PointForce]:
+    if not design.is_cut_for_loads:
+        return {}
+    from slopekit.kinds import ground_water
+
+    return ground_water.pushes(design, _ground(design, rock, block))
+
+
+def ground_of(design: WedgeDesign) -> "ground_water.Ground":
     """The block in its slope, for water and surcharge on its faces."""
     rock = _rock_mass(design)
     return _ground(design, rock, cut_basal_wedge(rock))
 
 
-def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> ground_water.Ground:
+def _ground(design: WedgeDesign, rock: BasalRockMass, block: Block) -> "ground_water.Ground":
+    from slopekit.kinds import ground_water
+
     return ground_water.Ground(
         block, (*_IDS, CRACK), (FACE, UPPER), np.array([rock.outward[face] for face in (FACE, UPPER)]),
         np.array([rock.offsets[face] for face in (FACE, UPPER)]), np.eye(3),
@@ -149,6 +162,8 @@ def _geometry(design: WedgeDesign, rock: BasalRockMass, block: Block) -> WedgeGe
         _shared_edge(block.faces[J1], block.faces[J2]), {name: frozen(at + origin) for name, at in corners.items()},
         frozen(block.centroid + origin),
         {PLANE_NAMES[plane]: frozen(polygon + origin) for plane, polygon in block.faces.items()},
+        sizes_of_faces({PLANE_NAMES[plane]: polygon for plane, polygon in block.faces.items()}, areas,
+                       Crest(rock.crest1, design.face.normal(), design.upper.normal())),
     )  # fmt: skip
 
 
@@ -202,6 +217,7 @@ def _shared_edge(one: Floats, other: Floats) -> float:
 def closed_forms(arguments: Mapping[str, Any], bolts: Sequence[Sequence[float]]) -> ClosedForms:
     """Designs by the closed form of three joints; see `kinds.wedge.closed_forms`."""
     given = dict(arguments)
+    del given["left_out"]  # of limits of size, which it has not
     pressures = [given.pop(name) for name in ("pressure1", "pressure2", "pressure3", "pressure5")]
     force = [given.pop(name) for name in ("force_east", "force_north", "force_up")]
     wedges = basal_wedges(

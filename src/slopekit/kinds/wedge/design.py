@@ -9,22 +9,23 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.orientation import Plane, parse_plane
+from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.units import is_unit_of, unit_of
 from slopekit.design import words
 from slopekit.design.common import Residual, Strength, Water
-from slopekit.design.fields import Field, group, more_than_nothing, number, orientation, point
-from slopekit.design.ground_water import SlopeDesign, read_ground_water
+from slopekit.design.fields import Field, fields_of, group, more_than_nothing, number, orientation, point, text
+from slopekit.design.ground_water import WORST, SlopeDesign, read_ground_water
 from slopekit.design.joints import JOINTS, GivenJoint, joints_of, refinements, strengths_of
 from slopekit.design.nodes import Document, Node, Place, from_python
 from slopekit.design.reader import Reader
 from slopekit.design.sections import given_water, read_common, read_strength, read_water
+from slopekit.design.structure import is_distribution
 
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
 #: Where a crack lowers the closed form most.
-WORST = "worst"
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -71,6 +72,40 @@ class Basal:
     )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class SizeLimits:
+    """How large a wedge may be, m and m³; None, or no joints, without a limit. See `kinds.wedge.limits`."""
+
+    trace_length_m: tuple[float | None, ...] = number(
+        "trace_length", "length", default=(), above=0.0, code="E488", label="trace length", each=True,
+        left_out="no limit", doc="the longer trace of a joint, on face or upper slope: one for both, or by name",
+    )  # fmt: skip
+    persistence_m: tuple[float | None, ...] = number(
+        "persistence", "length", default=(), above=0.0, code="E488", label="persistence", each=True,
+        left_out="no limit", doc="the longest edge of a joint in the wedge, alike",
+    )  # fmt: skip
+    slope_length_m: float | None = number(
+        "slope_length", "length", default=None, above=0.0, code="E488", label="slope length", left_out="no limit",
+        axis="slope length", doc="of the wedge along the crest",
+    )  # fmt: skip
+    bench_width_m: float | None = number(
+        "bench_width", "length", default=None, above=0.0, code="E488", label="bench width", left_out="no limit",
+        axis="bench width", doc="how far behind the crest the wedge reaches, horizontally and square to it",
+    )  # fmt: skip
+    max_volume_m3: float | None = number(
+        "max_volume", "volume", default=None, above=0.0, code="E488", label="max volume", left_out="no limit",
+        axis="largest volume",
+    )  # fmt: skip
+    min_volume_m3: float | None = number(
+        "min_volume", "volume", default=None, above=0.0, code="E488", label="min volume", left_out="no limit",
+        axis="smallest volume", doc="a smaller wedge counts as none (E487)",
+    )  # fmt: skip
+    by: str = text(
+        "by", default="scale", words=("scale", "filter"), code="E491", left_out="scale", example="scale",
+        doc="`scale`: a larger wedge is made smaller, same shape, at the crest; `filter`: it counts as none (E486)",
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
@@ -84,7 +119,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
-    UNSAID: ClassVar[tuple[str, ...]] = ("basal",)
+    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits")
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -100,6 +135,7 @@ class WedgeDesign(SlopeDesign):
     tension_kpa: tuple[float, ...] = (0.0, 0.0)
     basal: Basal | None = group("basal", Basal, default=None, left_out="no basal joint")
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
+    limits: SizeLimits | None = group("limits", SizeLimits, default=None, left_out="no limits of size")
     refine: int = refinements()
     origin_m: tuple[float, float, float] = point(
         "slope.origin", default=(0.0, 0.0, 0.0), doc="map coordinates of the toe"
@@ -122,9 +158,9 @@ class WedgeDesign(SlopeDesign):
         """The same wedge with other strengths on its joints."""
         return replace(self, **_by_joint(strengths))
 
-    def at_residual(self) -> "WedgeDesign":
-        """The wedge with residual strength wherever there is one."""
-        return self.with_strengths([one.at_residual() for one in self.strengths])
+    def each_strength(self, change: Callable[[Strength], Strength]) -> "WedgeDesign":
+        """The wedge with every strength changed."""
+        return self.with_strengths([change(one) for one in self.strengths])
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -184,7 +220,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     sound = [one or Strength(0.0, 0.0) for one in strengths]
     design: WedgeDesign = reader.made(
         WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        water=water, basal=basal, **_by_joint(sound),
+        water=water, basal=basal, limits=_limits(reader, names, also), **_by_joint(sound),
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design
@@ -211,6 +247,50 @@ def _basal(reader: Reader, node: Node | None, names: Sequence[str]) -> tuple[Bas
             reader.fault("E447", f"basal.{key} is missing", node, "Write basal: {plane: 20/180, height: 5 m}.")
     joint = GivenJoint("basal", own["plane"], node.get("strength"), node, {})
     return (None if None in own.values() else Basal(**own)), [joint]
+
+
+def _limits(reader: Reader, names: Sequence[str], also: Sequence[str]) -> SizeLimits | None:
+    """Limits of size: E488 a limit that is none, E489 of no joint, E490 beside what bounds the wedge, E491 a word."""
+    node = reader.at("limits")
+    if node is None or not node.is_mapping or not node.items():
+        return None
+    if also:
+        message = f"limits of size and {' and '.join(also)}: a wedge that keeps its shape cannot have both"
+        advice = "Leave limits out: the height, basal joint and crack bound the wedge."
+        reader.fault("E490", message, node, advice)
+    own = reader.fields(SizeLimits, node)
+    fields = fields_of(SizeLimits)
+    for key in ("trace_length_m", "persistence_m"):
+        own[key] = _of_joints(reader, fields[key], node.get(fields[key].path), names)
+    least, most = own["min_volume_m3"], own["max_volume_m3"]
+    if least is not None and most is not None and least > most:
+        message = f"min_volume is {shown(least)} m³, more than max_volume {shown(most)} m³: nothing would be left"
+        reader.fault("E488", message, node.get("min_volume"))
+    return SizeLimits(**own)
+
+
+def _of_joints(reader: Reader, field: Field, node: Node | None, names: Sequence[str]) -> tuple[float | None, ...]:
+    """A number for both joints, or one for each by name or in a list."""
+    if node is None or node.value is None:
+        return ()
+    if node.is_mapping and not is_distribution(node):
+        given: dict[str, float | None] = {}
+        for name, below in node.items():
+            if name not in names:
+                reader.fault("E489", f"{field.in_words} of {name}: there is no such joint", below,
+                             reader.nearest(name, names))  # fmt: skip
+            elif below.value is not None:
+                given[name] = reader.number(field, below, f"{field.in_words} of {name}")
+        return tuple(given.get(name) for name in names)
+    if isinstance(node.value, list):
+        if len(node.elements) > len(names):
+            message = f"{len(node.elements)} values of {field.in_words}, there are {len(names)} joints"
+            reader.fault("E489", message, node)
+            return ()
+        each = [reader.number(field, below, f"{field.in_words} of {name}")
+                for name, below in zip(names, node.elements, strict=False)]  # fmt: skip
+        return (*each, *[None] * (len(names) - len(each)))
+    return (reader.number(field, node),) * len(names)
 
 
 def _without_joints(reader: Reader, under: int) -> list[Strength | None]:

@@ -17,7 +17,6 @@ none. Largest: the toe is that of the bench, and a joint too short makes the blo
 """
 
 import math
-from dataclasses import fields
 from typing import Final
 
 import numpy as np
@@ -30,7 +29,7 @@ from slopekit.closed_form.tolerances import REACHES
 from slopekit.closed_form.wedge import OUTCOMES as WEDGE_OUTCOMES
 from slopekit.closed_form.wedge import WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.studies.bench_design.trials import Trials
 
 MODES: Final = ("wedge", "plane", "toppling")
@@ -109,7 +108,7 @@ def bench_of(ground: Ground, trials: Trials, height_m: float, face_dip_deg: floa
         part(ground, trials, height_m, face_dip_deg) for part in (_wedges, _planes, _columns)
     ]  # fmt: skip
     forms, fails, factor, block, setback, volume, spill, width = (
-        np.stack([getattr(part, name) for part in parts]) for name in _names_of(_Part)
+        np.stack([getattr(part, name) for part in parts]) for name in names_of(_Part)
     )
     lost = np.where(fails, setback, -1.0)
     governs = np.where(fails.any(axis=0), lost.argmax(axis=0), -1)
@@ -135,7 +134,7 @@ class _Part:
     def of(cls, n: int, those: Ints, **values: Floats | Bools) -> "_Part":
         """Values of some trials; all others form nothing."""
         found: dict[str, np.ndarray] = {}
-        for name in _names_of(cls):
+        for name in names_of(cls):
             is_said = name in ("forms", "fails")
             found[name] = np.zeros(n, dtype=bool) if is_said else np.full(n, np.nan if name == "factor" else 0.0)
             found[name][those] = True if name == "forms" else values[name]
@@ -268,12 +267,8 @@ def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target:
     return np.where(slides, factor, np.nan), fails
 
 
-def _names_of(part: type[_Part]) -> list[str]:
-    return [one.name for one in fields(part)]
-
-
 def _nothing() -> dict[str, Floats]:
-    return {name: np.empty(0) for name in _names_of(_Part)}
+    return {name: np.empty(0) for name in names_of(_Part)}
 
 
 def _beside(directions_deg: Floats, toward_deg: float) -> Floats:

@@ -21,6 +21,7 @@ from slopekit.design.common import Seismic
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import Ground
+from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import range_of
@@ -144,15 +145,18 @@ class BenchInputs:
 def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> BenchInputs:
     """Read and check what `bench_design` is given, by the names of its parameters; every fault at once."""
     faults = Faults()
-    listed: JointList | None = faults.of(
-        partial(joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"), True)
+    numbers = {name: faults.of(partial(_number, name, given[name], option(name))) for name in _NUMBERS}
+    reading = partial(
+        joint_list, given["joints"], given["convention"], given["skip_bad"], 2, option("convention"), True
     )
+    if is_sets(given["joints"]):
+        reading = partial(joints_of_sets, given["joints"], int(numbers["seed"] or 0))
+    listed: JointList | None = faults.of(reading)
     read = {
         name: faults.of(partial(_values, name, given[name], option))
         for name in ("height", "face", "berm")
     }  # fmt: skip
     toward = faults.of(partial(_toward, given["dip_direction"], option("dip_direction")))
-    numbers = {name: faults.of(partial(_number, name, given[name], option(name))) for name in _NUMBERS}
     toe = given["toe"] or TOES[0]
     if toe not in TOES:
         faults.append(

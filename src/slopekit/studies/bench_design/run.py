@@ -24,9 +24,9 @@ from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of
 from slopekit.studies.bench_design.said import notices_of
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
+from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
-from slopekit.studies.surveys import AJointList, Convention, SkipBad, survey_head
+from slopekit.studies.surveys import Convention, SkipBad, survey_head
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -113,7 +113,13 @@ class BenchDesigns(Outcome):
 
 @study
 def bench_design(
-    joints: AJointList,
+    joints: Annotated[
+        Any,
+        Argument(
+            "A joint list (CSV, .xlsx, Dips, CloudCompare), or a YAML file of joint sets as slopekit sets writes them.",
+            "JOINTS",
+        ),
+    ],
     *,
     height: Annotated[Any, Option("Bench heights, m: 10,15 or 10:20:3 (how many) or 10:20:+5 (in steps).")] = None,
     face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
@@ -170,7 +176,7 @@ def bench_design(
     Notes
     -----
     Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
-    `slopekit.combos` takes.
+    `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E418 to E421).
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)

@@ -99,7 +99,7 @@ def _size_columns(width: int = 7) -> list[Column[Any]]:
     return [
         Column("height", lambda row: row.height_m, "height_m", "m", ".4g", width,
                text=lambda row: f"{row.height_m:.4g} m"),
-        Column("face", lambda row: row.face_dip_deg, "face_dip_deg", "°", ".4g", 6,
+        Column("face", lambda row: row.face_dip_deg, "face_dip_deg", "°", ".4g", 7,
                text=lambda row: f"{row.face_dip_deg:.4g}°"),
     ]  # fmt: skip
 
@@ -226,7 +226,7 @@ def _pre_ie(found: BenchDesigns) -> list[str]:
         f"{number(100.0 * said.within)} % of the target",
         f"{said.agree} agree, {said.disagree} disagree, {said.not_compared} not compared{largest}",
         f"judged otherwise: {said.unsafe} fail by PRE-IE alone, {said.safe} by the closed form alone; of those at "
-        f"random {said.other_at_random}, at most {100.0 * said.other_at_most:.2g} % of all",
+        f"random {said.other_at_random}, at most {number(float(f'{100.0 * said.other_at_most:.2g}'))} % of all",
     ]  # fmt: skip
     if said.governed:
         rows.append(f"moments govern in {said.governed} of {said.at_random} at random")

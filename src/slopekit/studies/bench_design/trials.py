@@ -1,8 +1,8 @@
 """Places along a bench where two joints of a survey meet: drawn from the survey itself, with its own weights.
 
 A trial is such a place: two different joints, each drawn as often as it was measured, and where on the face their line
-daylights. The survey's own luck is bootstrapped (Efron 1979): the joints are drawn again from the joints, which weighs
-the trials anew and needs no new ones.
+daylights. The survey's own luck is bootstrapped (Efron 1979, Ann. Stat. 7, 1-26 (m)): the joints are drawn again from
+the joints, which weighs the trials anew and needs no new ones.
 """
 
 import numpy as np
@@ -83,7 +83,7 @@ def share_of(
     Parameters
     ----------
     among : of which it is a share, all where None; surveys : (s,) the same share in other surveys
-    lengths : (n,) makes it a share of length; as many trials count then as would scatter alike (Kish 1965)
+    lengths : (n,) makes it a share of length; as many trials count then as would scatter alike (Kish 1965 (m))
     """
     of = len(cases) if among is None else int(among.sum())
     count = int(cases.sum()) if among is None else int((cases & among).sum())

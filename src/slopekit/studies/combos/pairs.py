@@ -11,27 +11,27 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
 from slopekit.core.orientation import Plane, number
-from slopekit.core.records import dataclass
+from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
 from slopekit.kinds.wedge.design import WedgeDesign
+from slopekit.kinds.wedge.limits import scale_within
 from slopekit.studies.surveys import range_of
 
-#: What made a wedge smaller.
-LIMITED_BY = ("", "persistence", "bench width", "max volume")
 _PARALLEL = 1e-6  # as in geometry.rockmass
 HEIGHT_M = 15.0
 TOP, ALL = 10, "all"
@@ -45,8 +45,8 @@ NOT_REMOVABLE: Mapping[str, str] = {
     "E206": "along_the_face", "E207": "no_crack", "E208": "no_wedge", "E209": "no_crest",
 }  # fmt: skip
 #: What may become of a pair.
-PAIR_OUTCOMES = (*(NOT_REMOVABLE.get(name, name) for name in OUTCOMES), "below_min_volume")
-TOO_SMALL = len(OUTCOMES)
+PAIR_OUTCOMES = (*(NOT_REMOVABLE.get(name, name) for name in OUTCOMES), "below_min_volume", "beyond_limits")
+TOO_SMALL, TOO_LARGE = len(OUTCOMES), len(OUTCOMES) + 1
 NEVER = ("no_crack", "no_crest")  # pairs have no crack, and the crest is looked at before
 _STATUSES = OUTCOMES.index("E201")  # below it: a wedge is there
 _SLIDES = tuple(OUTCOMES.index(f"slides_{way}") for way in ("on_both", "on_J1", "on_J2", "up"))
@@ -61,15 +61,21 @@ class SizeLimits:
 
     Attributes
     ----------
+    trace_length_m : the longer trace of a joint, on the face or the upper slope
     persistence_m : the longest edge that the face of a joint has in a wedge: traces and line of intersection
+    slope_length_m : of a wedge along the crest
     bench_width_m : how far behind the crest a wedge reaches, horizontally and square to the crest
     max_volume_m3 : wedges are scaled down to it; min_volume_m3 : smaller ones are left out
+    by : scale, a larger wedge is made smaller; filter, it is left out
     """
 
     persistence_m: float | None = None
     bench_width_m: float | None = None
     max_volume_m3: float | None = None
     min_volume_m3: float | None = None
+    trace_length_m: float | None = None
+    slope_length_m: float | None = None
+    by: str = "scale"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +87,8 @@ class PairShapes:
     first, second : (m,) indices of the joints, in the order in which the height is that of the first one's trace
     height_m : (m,) of that trace at the wedge's own size, 0 or less where neither trace climbs to the crest
     scale : (m,) of lengths, 1 for the full slope; limited_by : (m,) indices into `LIMITED_BY`
+    is_left_out : (m,) larger than a limit, where limits filter
+    sizes : at that size, nan where they cut no wedge
     """
 
     first: Ints
@@ -88,6 +96,8 @@ class PairShapes:
     height_m: Floats
     scale: Floats
     limited_by: NDArray[np.int8]
+    is_left_out: Bools
+    sizes: WedgeSizes
 
 
 def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
@@ -109,14 +119,13 @@ def crest_offset(face: Plane, upper: Plane, height_m: float) -> float:
 
 
 def pair_shapes(
-    normals: Floats, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
+    joints: JointList, first: Ints, second: Ints, face: Plane, upper: Plane, height_m: float, limits: SizeLimits
 ) -> PairShapes:
     """The size of the wedge of every pair; of pairs that cut no wedge it means nothing.
 
     Parameters
     ----------
-    normals : (n, 3) upward, of the joints; first, second : (m,) indices
-    height_m : vertical, up the dip of the face from the toe to the crest
+    first, second : (m,) indices of the joints; height_m : vertical, up the dip of the face from the toe to the crest
 
     Raises
     ------
@@ -124,45 +133,26 @@ def pair_shapes(
         As `crest_offset`.
     """
     offset = crest_offset(face, upper, height_m)
-    top = upper.normal()
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        traces = np.cross(normals, face.normal())
-        climb = traces @ top
+        traces = np.cross(joints.normals(), face.normal())
+        climb = traces @ upper.normal()
         flat = (np.abs(climb) < _PARALLEL) | (np.abs(traces[:, 2]) < _PARALLEL)
-        crests = traces * np.where(flat, 0.0, offset / climb)[:, None]
-        heights = crests[:, 2]
-        swap = (heights[first] <= 0.0) & (heights[second] > 0.0)
-        one, two = np.where(swap, second, first), np.where(swap, first, second)
-        scale, by = np.ones(len(one)), np.zeros(len(one), dtype=np.int8)
-        if limits.persistence_m or limits.bench_width_m or limits.max_volume_m3:
-            line = np.cross(normals[one], normals[two])
-            back = line * (offset / (line @ top))[:, None]
-            for kind, factor in enumerate(_factors(crests, one, two, back, face, top, height_m, limits), 1):
-                less = factor < scale
-                scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
-    return PairShapes(one, two, heights[one] * scale, scale, by)
-
-
-def _factors(
-    crests: Floats, one: Ints, two: Ints, back: Floats, face: Plane, top: Floats, height_m: float, limits: SizeLimits
-) -> list[Floats]:
-    """How much smaller each limit makes each wedge, in the order of `LIMITED_BY`."""
-    none = np.full(len(one), np.inf)
-    found = [none, none, none]
-    if limits.persistence_m:
-        lengths = _length(crests)
-        longest = np.maximum(lengths[one], lengths[two])
-        for edge in (back, crests[one] - back, crests[two] - back):
-            longest = np.maximum(longest, _length(edge))
-        found[0] = limits.persistence_m / longest
-    if limits.bench_width_m:
-        edge = np.cross(face.normal(), top)
-        across = np.array([-edge[1], edge[0], 0.0]) / math.hypot(edge[0], edge[1])
-        found[1] = limits.bench_width_m / np.abs((back - _crest_point(face, height_m)) @ across)
-    if limits.max_volume_m3:
-        volume = np.abs(np.einsum("ij,ij->i", crests[one], np.cross(crests[two], back))) / 6.0
-        found[2] = np.cbrt(limits.max_volume_m3 / volume)
-    return found
+        heights = (traces * np.where(flat, 0.0, offset / climb)[:, None])[:, 2]
+    swap = (heights[first] <= 0.0) & (heights[second] > 0.0)
+    one, two = np.where(swap, second, first), np.where(swap, first, second)
+    dips, ways = joints.dips_deg, joints.dip_directions_deg
+    sizes = wedge_sizes(
+        dips[one], ways[one], dips[two], ways[two], face.dip_deg, face.dip_direction_deg, upper.dip_deg,
+        upper.dip_direction_deg, height_m, up_the_face=True,
+    )  # fmt: skip
+    scale, by = scale_within(
+        sizes, trace_m=(limits.trace_length_m,) * 2, persistence_m=(limits.persistence_m,) * 2,
+        slope_length_m=limits.slope_length_m, bench_width_m=limits.bench_width_m, max_volume_m3=limits.max_volume_m3,
+    )  # fmt: skip
+    left_out = np.zeros(len(one), dtype=bool)
+    if limits.by == "filter":
+        left_out, scale = scale < 1.0, np.ones(len(one))
+    return PairShapes(one, two, heights[one] * scale, scale, by, left_out, sizes.scaled(scale))
 
 
 def _crest_point(face: Plane, height_m: float) -> Floats:
@@ -170,11 +160,6 @@ def _crest_point(face: Plane, height_m: float) -> Floats:
     dip, direction = math.radians(face.dip_deg), math.radians(face.dip_direction_deg)
     back = math.cos(dip) / math.sin(dip) if face.dip_deg > 0.0 else math.inf
     return height_m * np.array([-math.sin(direction) * back, -math.cos(direction) * back, 1.0])
-
-
-def _length(vectors: Floats) -> Floats:
-    length: Floats = np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
-    return length
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +203,11 @@ class PairInputs:
         """SHA-256 of the inputs and the joints with their strengths."""
         planes = [(plane.dip_deg, plane.dip_direction_deg) for plane in (self.slope.face, self.slope.upper)]
         strengths = [self.cohesion_kpa.tolist(), self.friction_deg.tolist()]
-        exact = [self.to_dict(), planes, self.joints.rows(), strengths]
+        inputs = self.to_dict()
+        for key, unsaid in (("trace_length_m", None), ("slope_length_m", None), ("by", "scale")):
+            if inputs["limits"][key] == unsaid:
+                del inputs["limits"][key]
+        exact = [inputs, planes, self.joints.rows(), strengths]
         return hashlib.sha256(json.dumps(exact, sort_keys=True).encode()).hexdigest()
 
 
@@ -290,7 +279,7 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
     faults, found = Faults(), dict[str, float | None]()
     for key, kind, unit in (
         ("persistence", "length", "_m"), ("bench_width", "length", "_m"), ("max_volume", "volume", "_m3"),
-        ("min_volume", "volume", "_m3"),
+        ("min_volume", "volume", "_m3"), ("trace_length", "length", "_m"), ("slope_length", "length", "_m"),
     ):  # fmt: skip
         value = given.get(key)
         if value is not None:
@@ -300,8 +289,12 @@ def _limits(given: Mapping[str, Any], option: Callable[[str], str]) -> SizeLimit
     if least is not None and most is not None and least > most:
         message = f"min volume {number(least)} m³ is more than max volume {number(most)} m³: nothing would be left"
         faults.append(Fault("E334", message, option("min_volume")))
+    by = "scale" if given.get("limit_by") is None else str(given["limit_by"]).strip().lower()
+    if by not in ("scale", "filter"):
+        advice = "scale makes larger wedges smaller, filter leaves them out."
+        faults.append(Fault("E491", f"limits of size go by {by!r}, it is scale or filter", option("limit_by"), advice))
     faults.refuse()
-    return SizeLimits(**found)
+    return SizeLimits(**found, by=by)
 
 
 def _top(value: object, option: str) -> int | None:
@@ -369,9 +362,14 @@ def evaluated(joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesio
     ]
     if len(parts) == 1:
         return parts[0]
-    shapes = PairShapes(
-        *(np.concatenate([getattr(part.shapes, one.name) for part in parts]) for one in fields(PairShapes))
-    )
+    plain = {
+        name: np.concatenate([getattr(part.shapes, name) for part in parts])
+        for name in names_of(PairShapes) if name != "sizes"
+    }  # fmt: skip
+    sizes = {
+        name: np.concatenate([getattr(part.shapes.sizes, name) for part in parts]) for name in names_of(WedgeSizes)
+    }
+    shapes = PairShapes(**plain, sizes=WedgeSizes(**sizes))
     rest = ("outcome", "factor", "volume_m3", "trend_deg", "plunge_deg")
     return Pairs(shapes, *(np.concatenate([getattr(part, name) for part in parts]) for name in rest))
 
@@ -380,7 +378,7 @@ def _part(
     joints: JointList, slope: WedgeDesign, limits: SizeLimits, cohesion: Floats, friction: Floats, first: Ints,
     second: Ints,
 ) -> Pairs:  # fmt: skip
-    shapes = pair_shapes(joints.normals(), first, second, slope.face, slope.upper, slope.height_m, limits)
+    shapes = pair_shapes(joints, first, second, slope.face, slope.upper, slope.height_m, limits)
     one, two = shapes.first, shapes.second
     climbs = shapes.height_m > 0.0
     dips, ways = joints.dips_deg, joints.dip_directions_deg
@@ -398,6 +396,7 @@ def _part(
     )  # fmt: skip
     outcome, volume = found.outcome.copy(), found.volume_m3
     outcome[~climbs & (outcome < _STATUSES)] = _NO_CORNER
+    outcome[(outcome < _STATUSES) & shapes.is_left_out] = TOO_LARGE
     if limits.min_volume_m3:
         outcome[(outcome < _STATUSES) & (volume < limits.min_volume_m3)] = TOO_SMALL
     factor = np.where(np.isin(outcome, _SLIDES), found.factor, np.nan)

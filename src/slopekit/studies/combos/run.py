@@ -24,7 +24,8 @@ from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
-from slopekit.studies.combos.pairs import LIMITED_BY, NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
+from slopekit.kinds.wedge.limits import LIMITED_BY
+from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
 from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
@@ -39,7 +40,7 @@ class PairCheck(Factors):
     Attributes
     ----------
     index : among all pairs; names, planes : of its joints
-    height_m : at the trace of the first joint; volume_m3, scale, limited_by, trend_deg, plunge_deg : of the wedge
+    height_m : at the trace of the first joint; volume_m3 to plunge_deg : of the wedge
     """
 
     index: int
@@ -47,6 +48,8 @@ class PairCheck(Factors):
     planes: tuple[Plane, Plane]
     height_m: float
     volume_m3: float
+    face_width_m: float
+    setback_m: float
     scale: float
     limited_by: str
     trend_deg: float
@@ -74,6 +77,7 @@ class PairCheck(Factors):
             "fos": {"limit": self.limit, "closed_form": self.closed_form}, "closed_form_status": self.closed_status,
             "difference": self.difference, "agree": self.agree, "moments_govern": self.moments_govern,
             "settled": self.settled, "volume_m3": self.volume_m3, "height_m": self.height_m, "scale": self.scale,
+            "face_width_m": self.face_width_m, "setback_m": self.setback_m,
             "limited_by": self.limited_by or None, "line": {"trend_deg": self.trend_deg, "plunge_deg": self.plunge_deg},
         }  # fmt: skip
 
@@ -250,10 +254,13 @@ def combos(
     seismic: Annotated[Any, Option("Pseudo-static coefficient, K or K@TREND.")] = None,
     fos: Annotated[Any, Option("Target: exit code 1 where a removable pair lies below.")] = None,
     top: Annotated[Any, Option("How many of the worst PRE-IE looks at, or all [10].")] = None,
+    slope_length: Annotated[Any, Option("Longest stretch of the crest that a wedge takes, m.")] = None,
+    trace_length: Annotated[Any, Option("Longest trace of a joint, on face or upper slope, m.")] = None,
     persistence: Annotated[Any, Option("Longest edge of a joint in a wedge, m.")] = None,
     bench_width: Annotated[Any, Option("How far behind the crest wedges reach, m.")] = None,
     max_volume: Annotated[Any, Option("Wedges are scaled down to it, m3.")] = None,
     min_volume: Annotated[Any, Option("Smaller wedges are left out, and counted, m3.")] = None,
+    limit_by: Annotated[Any, Option("scale or filter: larger wedges are made smaller, or left out [scale].")] = None,
     agree_within: Annotated[Any, Option("Largest difference of the two methods [1%].")] = None,
     gravity: Annotated[Any, Option("[9.81 m/s2]")] = None,
     water_unit_weight: Annotated[Any, Option("[9.81 kN/m3]")] = None,
@@ -272,7 +279,7 @@ def combos(
     ------
     DesignError
         Every fault: of the list, of the slope as for a wedge, E332 a strength that a joint needs, E334 limits of size,
-        E335 top, E336 fos, E339 two values where pairs have no order.
+        E335 top, E336 fos, E491 neither scale nor filter, E339 two values where pairs have no order.
     GeometryError
         E209 the slope has no crest.
 
@@ -313,7 +320,8 @@ def _looked_at(asked: PairInputs, pairs: Pairs, crew: Crew, desk: Desk) -> tuple
     found = tuple(
         PairCheck(
             **record, index=int(k), names=design.joint_names, planes=design.joints, height_m=design.height_m,
-            volume_m3=float(pairs.volume_m3[k]), scale=float(pairs.shapes.scale[k]),
+            volume_m3=float(pairs.volume_m3[k]), face_width_m=float(pairs.shapes.sizes.face_width_m[k]),
+            setback_m=float(pairs.shapes.sizes.setback_m[k]), scale=float(pairs.shapes.scale[k]),
             limited_by=LIMITED_BY[pairs.shapes.limited_by[k]], trend_deg=float(pairs.trend_deg[k]),
             plunge_deg=float(pairs.plunge_deg[k]),
         )

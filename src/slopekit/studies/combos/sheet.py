@@ -9,8 +9,9 @@ import numpy as np
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, counted, factor_text
 from slopekit.kinds import kind_named
+from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.kinds.words import WEIGHT_ONLY, size_number
-from slopekit.studies.combos.pairs import LIMITED_BY, NOT_REMOVABLE, PAIR_OUTCOMES
+from slopekit.studies.combos.pairs import NOT_REMOVABLE, PAIR_OUTCOMES
 from slopekit.studies.combos.run import Combos, PairCheck, Target
 from slopekit.studies.surveys import head, partners_entry, survey_entry
 
@@ -104,6 +105,8 @@ def _every_pair(found: Combos) -> Table[int]:
         Column("line", lambda k: f"{pairs.trend_deg[k] % 360.0:03.0f}/{pairs.plunge_deg[k]:.1f}", width=12),
         Column("trend", of_wedge(pairs.trend_deg), "trend", "°", exact=".4f"),
         Column("plunge", of_wedge(pairs.plunge_deg), "plunge", "°", exact=".4f"),
+        Column("setback m", of_wedge(shapes.sizes.setback_m), "setback_m", "m", exact=".6g"),
+        Column("face width m", of_wedge(shapes.sizes.face_width_m), "face_width_m", "m", exact=".6g"),
         Column("scale", of_wedge(shapes.scale), "scale", exact=".6g"),
         Column("made smaller by", lambda k: LIMITED_BY[shapes.limited_by[k]] if is_wedge[k] else "", "limited_by"),
     ], ranked + np.flatnonzero(~pairs.is_removable).tolist(), shown,
@@ -151,18 +154,22 @@ def _limits(found: Combos) -> list[str]:
     parts = [
         f"{name} {size_number(value)} {unit}"
         for name, value, unit in (
-            ("persistence", limits.persistence_m, "m"), ("bench width", limits.bench_width_m, "m"),
+            ("trace length", limits.trace_length_m, "m"), ("persistence", limits.persistence_m, "m"),
+            ("slope length", limits.slope_length_m, "m"), ("bench width", limits.bench_width_m, "m"),
             ("max volume", limits.max_volume_m3, "m³"), ("min volume", limits.min_volume_m3, "m³"),
         )
         if value is not None
     ]  # fmt: skip
     if not parts:
         return ["none: every wedge reaches from the toe of the slope to its crest"]
+    given = (limits.trace_length_m, limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
+             limits.max_volume_m3)  # fmt: skip
+    if limits.by == "filter":
+        return [", ".join(parts), f"left out, larger than that: {counted(found.counts['beyond_limits'], 'pair')}"]
     removable = found.pairs.is_removable
-    given = {1: limits.persistence_m, 2: limits.bench_width_m, 3: limits.max_volume_m3}
     scaled = [
         f"{int((removable & (found.pairs.shapes.limited_by == kind)).sum())} by {LIMITED_BY[kind]}"
-        for kind, value in given.items() if value is not None
+        for kind, value in enumerate(given, 1) if value is not None
     ]  # fmt: skip
     return [", ".join(parts), *([f"made smaller, same shape, at the crest: {', '.join(scaled)}"] if scaled else [])]
 
@@ -175,6 +182,7 @@ def _outcomes(found: Combos) -> Table[tuple[str, int]]:
         ("  slide on one joint", counts["slides_on_J1"] + counts["slides_on_J2"]),
         *((f"  {words}", counts[status]) for status, words in _PLURAL.items() if counts[status]),
         *([] if least is None else [(f"smaller than {size_number(least)} m³", counts["below_min_volume"])]),
+        *([] if found.given.limits.by == "scale" else [("larger than the limits of size", counts["beyond_limits"])]),
         ("not removable", sum(counts[name] for name in _WHY)),
         *((f"  {why} ({_CODES[name]})", counts[name]) for name, why in _WHY.items() if counts[name]),
     ]  # fmt: skip

@@ -11,6 +11,7 @@ from slopekit.core.records import dataclass
 
 _LEAST_IN_REPLICATES = 5  # cases of the rarer kind that each replicate needs for their scatter to mean something
 _MOST_BINS = 60
+_DIRECTIONS = ("dip_direction", "trend")  # the last word of their paths
 _QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
@@ -163,6 +164,28 @@ class Drawn:
 
 
 def drawn_of(path: str, values: Floats) -> Drawn:
-    """What was drawn of a number: (n,) values."""
+    """What was drawn of a number: (n,) values. Of a direction the mean is the mean direction, the sd about it.
+
+    >>> found = drawn_of("joints.J1.plane.dip_direction", np.array([350.0, 20.0]))
+    >>> round(found.mean, 9), round(found.sd, 9), round(found.least, 9), round(found.most, 9)
+    (5.0, 21.213203436, 350.0, 20.0)
+    """
+    values = unwrapped(path, values)
     sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
-    return Drawn(path, float(values.mean()), sd, float(values.min()), float(values.max()))
+    of = [float(value) for value in (values.mean(), values.min(), values.max())]
+    mean, least, most = [value % 360.0 for value in of] if _is_direction(path) else of
+    return Drawn(path, mean, sd, least, most)
+
+
+def unwrapped(path: str, values: Floats) -> Floats:
+    """Values (n,) of a direction without the jump from 360 to 0, within 180° of their mean; others as they are."""
+    if not _is_direction(path):
+        return values
+    turned = np.radians(values)
+    middle = math.degrees(math.atan2(float(np.sin(turned).mean()), float(np.cos(turned).mean()))) % 360.0
+    found: Floats = middle + (values - middle + 180.0) % 360.0 - 180.0
+    return found
+
+
+def _is_direction(path: str) -> bool:
+    return path.rpartition(".")[2] in _DIRECTIONS

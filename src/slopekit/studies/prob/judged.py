@@ -13,7 +13,7 @@ from slopekit.core.arrays import Bools, Floats
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.studies.points import Point, falls_short
-from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation
+from slopekit.studies.prob.estimates import Share, clopper_pearson, rank_correlation, unwrapped
 from slopekit.studies.prob.sampling import Samples
 
 IMPOSSIBLE = "impossible"
@@ -81,7 +81,7 @@ def sensitivities(samples: Samples, factor: Floats) -> tuple[tuple[str, float], 
         return ()
     has_one = has_one[:: -(-len(has_one) // _RANKED)]
     found = [
-        (path, rank_correlation(samples.values[has_one, column], factor[has_one]))
+        (path, rank_correlation(unwrapped(path, samples.values[has_one, column]), factor[has_one]))
         for column, path in enumerate(samples.names)
     ]
     known = [(path, value) for path, value in found if value is not None]

@@ -48,7 +48,8 @@ from slopekit.studies.prob.judged import (
 )
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
 from slopekit.studies.prob.sampling import samples as drawn
-from slopekit.studies.prob.vectorised import vectorised
+from slopekit.studies.prob.sizes import SampleSizes, sizes_of_samples
+from slopekit.studies.prob.vectorised import Vectorised, vectorised
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -126,6 +127,7 @@ class Probability(Outcome):
     journals : of a run with a folder, kept until its results are written
     bolts : how often they give no force; None where no bolt has a head
     survey : P(forms) and P(fails | forms) where the joints come from a survey, else None
+    sizes : how large it is what the samples form; None where it is not known
     """
 
     name: ClassVar[str] = "prob"
@@ -152,6 +154,7 @@ class Probability(Outcome):
     journals: tuple[Journal, ...] = field(default=(), compare=False)
     bolts: WithoutForce | None = None
     survey: FromSurvey | None = None
+    sizes: SampleSizes | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -241,6 +244,7 @@ class Probability(Outcome):
             ],
             "pre_ie": json_of(self.confirmation),
             **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
+            "sizes": None if self.sizes is None else self.sizes.to_dict(),
             "defaults": list(self.design.defaults),
             "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
@@ -319,6 +323,10 @@ def prob(
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
     crew = checked_crew(jobs, scheduler, executor)
+    if design.partial is not None:
+        message = "a probability of failure takes the strengths as they scatter, not over partial factors"
+        advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
+        raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
     given, source = design, None
     if survey is not None:
         design, source = surveyed(design, survey, draw, method, seed, desk.named("survey"))
@@ -331,7 +339,9 @@ def prob(
     at_work = _AtWork(design, asked, crew, desk)
     with clock("factors"):
         judged = _judge(samples, at_work)
-        bolts = without_force(design, _holding(samples, design), judged.forms)
+        fast = vectorised(design, samples.values, samples.settings)
+        bolts = without_force(design, _holding(samples, design, fast), judged.forms)
+        sizes = sizes_of_samples(design, fast, samples.values, _Settings(samples), judged.forms, judged.fails)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
@@ -347,7 +357,7 @@ def prob(
         (*notices_of(asked.target, judged, samples, all_samples, confirmation), *notices_of_bolts(bolts),
          *_not_used(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
-        None if source is None else source.outcome(judged, asked.seed, confidence),
+        None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
     )  # fmt: skip
     if desk.folder is None:
         found.done()
@@ -468,11 +478,10 @@ def _judge(samples: Samples, at_work: _AtWork) -> Judged:
     return Judged(names, outcome, factor, fails, evaluator, points)
 
 
-def _holding(samples: Samples, design: Design) -> Bools:
+def _holding(samples: Samples, design: Design, fast: Vectorised | None) -> Bools:
     """Which bolts (b, n) hold the block of each sample."""
     if not has_heads(design):
         return np.ones((len(design.bolts), len(samples.values)), dtype=bool)
-    fast = vectorised(design, samples.values, samples.settings)
     return holding(design, _Settings(samples)) if fast is None else fast.holds(samples.values)
 
 

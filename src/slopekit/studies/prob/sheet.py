@@ -15,6 +15,7 @@ from slopekit.studies.points import Point
 from slopekit.studies.prob.estimates import Drawn, Share, Summary
 from slopekit.studies.prob.judged import Confirmation
 from slopekit.studies.prob.run import Probability
+from slopekit.studies.prob.sizes import SHARES, LimitedSamples, Spread
 from slopekit.studies.words import head, status_words
 
 _ROWS, _BAR, _MOST_INPUTS = 16, 50, 20
@@ -26,6 +27,7 @@ NO_BLOCK = {
     "E442": "basal joint does not daylight", "E443": "basal joint closes no block", "E444": "a joint bounds no block",
     "E206": "a joint parallel to the face", "E207": "crack outside the block", "E208": "no volume",
     "E209": "face and upper slope make no crest", "E211": "a bolt misses the block", "E212": "a bolt is too short",
+    "E486": "larger than its limits of size", "E487": "smaller than the least volume",
     "E213": "strikes across the slope", "impossible": "a value that no design can have",
 }  # fmt: skip
 _SAMPLING = {"monte-carlo": "Monte Carlo", "latin-hypercube": "Latin hypercube", "sobol": "Sobol"}
@@ -48,6 +50,7 @@ def sheet_of(study: Probability) -> Sheet:
             Section("HISTOGRAM", [_histogram(summary, asked.target)]),
         )),
         Section("MATTERS", [_matters(study)]),
+        Section("SIZE", _sizes(study)),
         Section("BOLTS", _bolts(study)),
         Section("PRE-IE", _pre_ie(study)),
         Section("ACCEPT", _accept(study)),
@@ -91,6 +94,8 @@ def _every_sample(study: Probability) -> Table[int]:
         Column("FoS", study.factor.item, "fos_closed_form" if study.asked.by == "closed-form" else "fos_limit"),
         Column("fails", lambda row: int(study.fails[row]), "fails"),
     ]
+    if study.sizes is not None:
+        columns += [Column(key, _item_of(column), key) for key, column in study.sizes.columns.items()]
     if checked is not None:
         also = dict(zip(checked.index.tolist(), checked.points, strict=True))
         columns += [
@@ -105,6 +110,10 @@ def _every_sample(study: Probability) -> Table[int]:
 
 def _cell_of(values: Floats, column: int) -> Callable[[int], float]:
     return lambda row: values.item(row, column)
+
+
+def _item_of(column: Floats) -> Callable[[int], float]:
+    return lambda row: float(column[row])
 
 
 def _of(points: Mapping[int, Point], say: Callable[[Point], Any]) -> Callable[[int], Any]:
@@ -145,6 +154,50 @@ def _leading(study: Probability) -> list[str]:
         return []
     return [f"{_percent(lead.probability)} by {lead.by}, limits {_percent(lead.low)} to {_percent(lead.high)}: "
             "judge by this; counted by the closed form, which is too low:"]  # fmt: skip
+
+
+def _sizes(study: Probability) -> list[Entry]:
+    """How large it is what the samples form and what fails, and what limits made of it."""
+    found = study.sizes
+    if found is None or not found.forming:
+        return [] if found is None else [*_limited(found.limits)]
+    rows = [(key, of, among[key]) for key in found.forming
+            for of, among in (("that form", found.forming), ("that fail", found.failing)) if key in among]  # fmt: skip
+    per = " per m" if "face_width_m" not in found.forming else ""
+
+    def words(row: tuple[str, str, Spread]) -> str:
+        return _SIZES[row[0]] + (per if row[0] == "volume_m3" else "")
+
+    def quantile(share: float) -> Callable[[tuple[str, str, Spread]], float]:
+        return lambda row: row[2].quantiles[share]
+
+    columns: list[Column[tuple[str, str, Spread]]] = [
+        Column("of samples", itemgetter(1), "of", width=-12),
+        Column("size", itemgetter(0), "size", text=words, width=-19),
+        *(Column(f"{share * 100:g} %", quantile(share), f"q{share:g}", show=_four, width=11) for share in SHARES),
+        Column("largest", lambda row: row[2].most, "max", show=_four, width=11),
+    ]
+    return [Table(columns, rows), *_limited(found.limits)]
+
+
+def _four(value: float) -> str:
+    """Four digits, without an exponent where a person would not write one."""
+    return number(float(f"{value:.4g}"))
+
+
+def _limited(limits: LimitedSamples | None) -> list[str]:
+    if limits is None:
+        return []
+    by = ", ".join(f"{count} by {name}" for name, count in limits.scaled_by.items())
+    said = [f"{counted(limits.scaled, 'sample')} made smaller" + (f": {by}" if by else "")] * (limits.by == "scale")
+    said += [f"{counted(limits.filtered, 'sample')} left out, larger than a limit"] * (limits.by == "filter")
+    said += [f"{counted(limits.too_small, 'sample')} left out, smaller than the least volume"] * bool(limits.too_small)
+    none = limits.filtered + limits.too_small
+    return [f"limits of size: {'; '.join(said)}" + (" (those left out form no wedge)" if none else "")]
+
+
+_SIZES = {"volume_m3": "volume / m³", "height_m": "height / m", "face_width_m": "face width / m",
+          "setback_m": "setback / m"}  # fmt: skip
 
 
 def _bolts(study: Probability) -> list[str]:
@@ -295,9 +348,10 @@ def _agreement(checked: Confirmation) -> str:
 
 
 def _judgement(checked: Confirmation, study: Probability) -> list[str]:
+    most = number(float(f"{100.0 * checked.other_at_most:.2g}"))
     told = (
         f"judged otherwise: {checked.unsafe} fail by PRE-IE only, {checked.safe} by the closed form only; of all "
-        f"samples at most {checked.other_at_most * 100:.2g} % ({study.asked.confidence * 100:g} % confidence, from "
+        f"samples at most {most} % ({study.asked.confidence * 100:g} % confidence, from "
         "those at random)"
     )
     if checked.probability is None:

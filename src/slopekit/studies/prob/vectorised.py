@@ -20,7 +20,7 @@ from slopekit.design.fields import field_at, fields_of
 from slopekit.design.files import with_values
 from slopekit.design.reader import strength_of
 from slopekit.kinds import kind_of
-from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays
+from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany
 from slopekit.kinds.held_bolts import held
 from slopekit.studies.prob.bolts import as_laid_out, standing
 
@@ -49,6 +49,15 @@ class Vectorised:
             return found
         # nothing that scatters is an argument: all samples are alike
         return ClosedForms(found.names, np.repeat(found.outcome, len(values)), np.repeat(found.factor, len(values)))
+
+    def sizes(self, values: Floats) -> SizesOfMany | None:
+        """The sizes of the blocks of every sample."""
+        found = None if self.on_arrays.sizes is None else self.on_arrays.sizes(self._scattered(values))
+        if found is None:
+            return None
+        count = len(values)
+        columns = {key: np.broadcast_to(column, count) for key, column in found.columns.items()}
+        return SizesOfMany(columns, found.names, np.broadcast_to(found.by, count), np.broadcast_to(found.why, count))
 
     def holds(self, values: Floats) -> Bools:
         """Which bolts (b, n) hold the block of each sample."""

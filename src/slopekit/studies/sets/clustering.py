@@ -1,7 +1,7 @@
 """Joint sets among poles: fuzzy K-means on the sphere, the number of sets by likelihood, joints of no set left alone.
 
-Fuzzy K-means as of Hammah & Curran (1998, Rock Mech. Rock Eng. 31, 1-19): the distance of a pole x from the mean v of
-a set is its sine, d² = 1 - (x · v)²; x belongs to set i with the share u_i = d_i⁻² / Σ d_k⁻² (fuzziness 2),
+Fuzzy K-means as of Hammah & Curran (1998, Int. J. Rock Mech. Min. Sci. 35, 889-905): the distance of a pole x from the
+mean v of a set is its sine, d² = 1 - (x · v)²; x belongs to set i with the share u_i = d_i⁻² / Σ d_k⁻² (fuzziness 2),
 and the mean of a set is the first eigenvector of Σ w u² x xᵀ. Several starts, of which the least Σ w u² d² is kept.
 
 A joint is of the set it has the greatest share in, unless it is likelier one of those that lie anywhere: where the
@@ -11,9 +11,9 @@ mixture gives the number of sets: the least
 
     BIC = -2 ln L + p ln N,    p = 4 m (mean, K and part of each of m sets)
 
-(Schwarz 1978, Ann. Stat. 6, 461-464); 0 sets are joints without any order. Beside it stands the index of Xie & Beni
-(1991), which Hammah & Curran (2000, IEEE PAMI 22, 1467-1472) compare with others: it knows neither no set nor one
-alone; docs/studies.md counts how often each finds the number that was drawn.
+(Schwarz 1978, Ann. Stat. 6, 461-464 (m)); 0 sets are joints without any order. Beside it stands the index of Xie & Beni
+(1991) (m), which Hammah & Curran (2000, IEEE PAMI 22, 1467-1472 (m)) compare with others: it knows neither no set
+nor one alone; (m): remembered, not looked up. docs/studies.md counts how often each finds the number that was drawn.
 """
 
 import math
@@ -93,7 +93,7 @@ def girdle_of(poles: Floats, weights: Floats) -> tuple[Floats, float]:
     """The axis (3,), downward, of the great circle nearest to poles, and the BIC of poles scattered about it.
 
     Their density times 2π is exp(-κ t²) / ∫ exp(-κ t²) dt from 0 to 1, t the cosine to the axis (Watson 1965,
-    Biometrika 52, 193-201), κ = 1 / (2 mean t²) where they are near it; three parameters.
+    Biometrika 52, 193-201 (m)), κ = 1 / (2 mean t²) where they are near it; three parameters.
 
     >>> turn = np.linspace(0.0, 3.0, 50)[:, None]
     >>> poles = np.cos(turn) * [1.0, 0.0, 0.0] + np.sin(turn) * [0.0, 0.0, -1.0] + [0.0, 0.01, 0.0]

@@ -93,7 +93,7 @@ def traces_of(joints: Sequence[Joint], confidence: float) -> Traces | None:
     """The traces of a set; None where the list has none.
 
     Lengths whose ends are hidden are at least so long. With exponential lengths, n of them whole, the likeliest mean
-    is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502). Long traces meet a scanline more often than
+    is Σ l / n (Epstein & Sobel 1953, J. Am. Stat. Assoc. 48, 486-502 (m)). Long traces meet a scanline more often than
     short ones: that is not corrected.
     """
     with_trace = [joint for joint in joints if joint.trace_m is not None]

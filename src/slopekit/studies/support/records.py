@@ -405,6 +405,8 @@ def bolt_words(bolt: Bolt) -> dict[str, Any]:
         words["head"] = list(bolt.head_m)
     if bolt.length_m is not None:
         words["length"] = bolt.length_m
+    if bolt.block is not None:
+        words["block"] = bolt.block
     return words
 
 
@@ -431,6 +433,8 @@ def snippet(bolts: Sequence[Bolt]) -> str:
             line += f", head: [{head}]"
         if bolt.length_m is not None:
             line += f", length: {bolt.length_m:.10g} m"
+        if bolt.block is not None:
+            line += f", block: {bolt.block}"
         if len(line) > 98 and bolt.head_m is not None:
             before, after = line.split(", head", 1)
             lines.append(before + ",")

@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import numpy as np
 
@@ -52,6 +52,8 @@ from slopekit.studies.support.search import (
 _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
 _ROUGH = 1e-3  # on coarse node pairs
+_NEAR = 0.02  # of the target: a first answer so near is as good as a rough search
+_MOST_WITH_MOMENTS = 2.0  # times the force that the closed form needs: where moments govern the search begins there
 _MOST_GROUPS = 9  # passive bolts that PRE-IE takes one by one; more of them stand together in groups
 _MOST_PUT_BACK = 50  # bolts that are put back as they are written; more of them get a unit more of the last digit
 _RAISED, _MORE, _MOST_MORE = 8, 1.0001, 1.1  # times that their forces are raised; by so much at least, at most
@@ -82,13 +84,15 @@ def support(
 ) -> Support:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
-    For a wedge or a plane. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
+    For a wedge or a plane; of toppling columns the force on the toe block, on the crest, and on the column that needs
+    least. Bolts that the design has stay and count. Exit codes: 0 reached (or nothing is needed),
     1 not reached, 4 the methods disagree.
 
     Raises
     ------
     DesignError
-        E320 for other kinds, E321 for what is not understood. GeometryError where no block can be formed.
+        E320 for other kinds, E321 for what is not understood, E387 to E389 for columns. GeometryError where no block
+        can be formed.
 
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
@@ -101,6 +105,13 @@ def support(
         fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
     )  # fmt: skip
+    if design.kind == "topple":
+        from slopekit.kinds.topple import ToppleDesign
+        from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
+
+        if isinstance(design, ToppleDesign):
+            # typed as what wedges and planes get: a caller with columns knows his design
+            return cast(Support, support_of_columns(design, options, began))
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
     search = _Search(site, options, bare, bare_limit)
@@ -239,18 +250,34 @@ class _Search:
 
     # -- PRE-IE ---------------------------------------------------------------------------------------------
 
-    def _least(self, ask: "_Asked", guess: float, most: float, slope: float | None = None) -> Found:
+    def _least(
+        self, ask: "_Asked", guess: float, most: float, slope: float | None = None, within: float = _WITHIN
+    ) -> Found:
         at_zero = self.bare_limit.level
         if at_zero >= self.target:
             return Found(0.0, self.bare_limit, 0.0, None, None)
-        within, first = min(_WITHIN, 4e-7 / self.target), ask(guess)
-        if slope is None and not first.level >= self.target * (1.0 - _WITHIN):
-            # moments govern, and each answer takes long: look on coarse node pairs first
-            rough = least_force(ask.coarsely, self.target, _ROUGH, guess, at_zero, most)
-            if rough.force is None:  # finer ones seldom give more: ask them once, where the coarse gave most
-                return least_force(ask, self.target, within, guess, at_zero, most, upward=[rough.best_force])
-            guess, slope = rough.force, rough.slope
+        within = min(within, 4e-7 / self.target) if within == _WITHIN else within
+        if slope is None:
+            guess = min(guess * self._with_moments(), most)
+            first = ask(guess).level
+            near = self.bare_limit.moments_govern and abs(first / self.target - 1.0) < _NEAR
+            if near and first > at_zero:
+                slope = (first - at_zero) / guess
+            elif not first >= self.target * (1.0 - _WITHIN):
+                # moments govern, and each answer takes long: look on coarse node pairs first
+                rough_target = max(self.target * (1.0 - _ROUGH), 0.5 * (at_zero + self.target))
+                rough = least_force(ask.coarsely, rough_target, _ROUGH, guess, at_zero, most)
+                if rough.force is None:  # finer ones seldom give more: ask them once, where the coarse gave most
+                    return least_force(ask, self.target, within, guess, at_zero, most, upward=[rough.best_force])
+                guess, slope = rough.force, rough.slope
         return least_force(ask, self.target, within, guess, at_zero, most, slope)
+
+    def _with_moments(self) -> float:
+        """How much more force it takes where moments govern, if each level rises alike: 1 where they do not."""
+        lacks, lacks_alone = self.target - self.bare_limit.level, self.target - self.bare.level
+        if not self.bare_limit.moments_govern or not lacks_alone > 0.0:
+            return 1.0
+        return min(max(lacks / lacks_alone, 1.0), _MOST_WITH_MOMENTS)
 
     def _need(self, found: Found, where: str) -> Need:
         answer, notice = found.answer, None
@@ -275,21 +302,29 @@ class _Search:
         options, site = self.options, self.site
         direction = site.local(line.vector())
         first: float | None = None
+        asked: tuple[Floats, Ints, _Asked] | None = None
         wanted, guess, slope, rounds = force, force, rate, 0
+        at_once = (1, _MOST_GROUPS) if ways.passive else (1,)
         while True:
             laid = layout(site, direction, wanted, options.capacity, options.spacing)
             if isinstance(laid, Notice):
                 return Pattern(None, (laid,), asked=force, first=first)
-            for most in (1, _MOST_GROUPS) if ways.passive else (1,):
+            for most in at_once:
                 heads, counts = groups(site, laid, direction, most)
-                ask = _Asked(self._with_heads(ways, line, direction, heads, counts))
+                if asked is None or not (np.array_equal(heads, asked[0]) and np.array_equal(counts, asked[1])):
+                    asked = heads, counts, _Asked(self._with_heads(ways, line, direction, heads, counts))
+                ask = asked[2]
                 first = ask(force).level if first is None else first
-                found = self._least(ask, guess, math.inf, slope)
+                within = _ROUGH if most != at_once[-1] and ask(guess).moments_govern else _WITHIN
+                found = self._least(ask, guess, math.inf, slope, within)
+                if found.force is not None and within != _WITHIN and not found.answer.moments_govern:
+                    found = self._least(ask, found.force, math.inf, found.slope)
                 if found.force is None:
                     break
                 guess, slope = found.force, found.slope
                 if not found.answer.moments_govern:
                     break  # it slides without turning: every bolt is drawn out alike, wherever its head is
+                at_once = at_once[-1:] if most == at_once[-1] else at_once  # the next layout begins there
             rounds += 1
             fits = found.force is not None and 0.9 * wanted < found.force <= wanted * (1.0 + 1e-9)
             if found.force is None or fits or rounds == _LAYOUTS:

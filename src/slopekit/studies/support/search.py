@@ -166,7 +166,7 @@ def site_of(design: Design) -> Site:
     """
     kind = kind_of(design)
     if not kind.has_site or kind.closed_form is None:
-        message = f"support is for a wedge or a plane, this design is a {design.kind}"
+        message = f"support is for a wedge, a plane or toppling columns, this design is a {design.kind}"
         advice = (
             "sweep and solve change the bolts of any design: slopekit solve my.yaml support.bolts.0.force --fos 1.5"
         )

@@ -1,0 +1,285 @@
+"""Partial factors: a design with every strength divided and every action multiplied by its own factor.
+
+The design itself is factored, so both methods, every study and every picture see the design values. Its factor of
+safety is then the over-design factor: 1 is enough. A factor on the resistance divides the strength of the joints once
+more, which divides that factor of safety alike.
+
+>>> from slopekit.design.files import load
+>>> plane = {"slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12}, "rock": {"unit_weight": 26},
+...          "joints": {"J1": {"plane": "35/180"}}, "strength": {"s": {"c": 25, "phi": 37}},
+...          "analysis": {"partial_factors": "DA1-C2"}}
+>>> design = load(plane)
+>>> design.strength.cohesion_kpa, round(design.strength.friction_angle_deg, 3)
+(20.0, 31.083)
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from difflib import get_close_matches
+from functools import cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from slopekit.core.errors import DesignError, Fault, Faults, GeometryError
+from slopekit.core.units import quantity
+from slopekit.design.common import Design, FactoredNumber, PartialFactors, Residual, Rule, Strength
+from slopekit.design.fields import fields_of
+from slopekit.design.nodes import Document, Node
+from slopekit.strength.reduced import Reduced
+
+_SHIPPED = Path(__file__).with_name("factors")
+_SAME = 1e-12
+_FILES = (".yaml", ".yml")
+_NUMBERS = {own.path: name for name, own in fields_of(PartialFactors).items() if own.is_number}
+
+
+def read_factors(document: Document, node: Node) -> PartialFactors:
+    """The factors that a design asks for: a set by its name, of a file, or its own.
+
+    Raises
+    ------
+    DesignError
+        E478 a number that is no factor, E479 no such set, with the nearest, E480 a file that holds no factors, and
+        those of reading it.
+    """
+    if node.text is not None:
+        return _set_of(document, node.text, node)
+    faults = Faults()
+    base, named = PartialFactors(), node.get("set")
+    if named is not None and named.text is not None:
+        base = faults.of(lambda: _set_of(document, named.text or "", named)) or base
+    own = _numbers(node, faults)
+    forces = node.get("forces")
+    if forces is not None and forces.text is not None:
+        if forces.text not in ("permanent", "variable"):
+            message = f"forces are {forces.text}, they are permanent or variable"
+            faults.append(Fault("E478", message, str(forces.place)))
+        own["forces"] = forces.text
+    faults.refuse()
+    if own and base.called:
+        return replace(base, **own, called=f"{base.called}, with factors of its own")
+    return replace(base, **own, called=base.called or "its own factors")
+
+
+def _numbers(node: Node, faults: Faults) -> dict[str, Any]:
+    """The factors of a group of keys by attribute."""
+    found: dict[str, Any] = {}
+    for path, name in _NUMBERS.items():
+        below = node.get(path)
+        if below is None or below.text is None:
+            continue
+        with faults.kept():
+            where = str(below.place)
+            value = quantity(below.text, "ratio", path, where)
+            found[name] = fields_of(PartialFactors)[name].checked(value, f"the partial factor {path}", where)
+    return found
+
+
+def _set_of(document: Document, text: str, node: Node) -> PartialFactors:
+    """`DA1-C2`, `eurocode-7 DA1-C2`, `my.yaml`, `my.yaml NAME`."""
+    first, _, rest = text.strip().partition(" ")
+    where = str(node.place)
+    if first.lower().endswith(_FILES):
+        file = Path(first)
+        path = file if file.is_absolute() or document.path is None else document.path.parent / file
+        return _chosen(_sets(path), rest.strip(), file.name, where)
+    shipped = {path.stem: path for path in sorted(_SHIPPED.glob("*.yaml"))}
+    if first.lower() in shipped:
+        return _chosen(_sets(shipped[first.lower()]), rest.strip(), first, where)
+    every = {name: one for path in shipped.values() for name, one in _shipped(path).items()}
+    return _chosen(every, text.strip(), "slopekit", where)
+
+
+def _chosen(sets: Mapping[str, PartialFactors], name: str, of: str, where: str) -> PartialFactors:
+    if not name and len(sets) == 1:
+        return next(iter(sets.values()))
+    folded = {key.lower(): one for key, one in sets.items()}
+    if name.lower() in folded:
+        return folded[name.lower()]
+    near = get_close_matches(name.upper(), sets, n=1)
+    advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(sets)}; or a file: my-factors.yaml."
+    message = f"{name} is no set of partial factors of {of}" if name else f"{of} has several sets of partial factors"
+    raise DesignError([Fault("E479", message, where, advice)])
+
+
+@cache
+def _shipped(path: Path) -> Mapping[str, PartialFactors]:
+    return _sets(path)
+
+
+def _sets(path: Path) -> Mapping[str, PartialFactors]:
+    """The sets of a file by name: all under `sets`, or one that is the file itself."""
+    from slopekit.design.document import load_document
+
+    root = load_document(path).root
+    faults, found = Faults(), dict[str, PartialFactors]()
+    title, source, date = (_text(root.get(key)) for key in ("title", "source", "date"))
+    sets = root.get("sets")
+    groups = dict(sets.items()) if sets is not None else {title or path.stem: root}
+    for name, node in groups.items():
+        known = set(_NUMBERS) | ({"title", "source", "date"} if sets is None else set())
+        for key, below in node.items():
+            if key not in known:
+                near = get_close_matches(key, _NUMBERS, n=1)
+                advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_NUMBERS)}."
+                faults.append(Fault("E480", f"{key} is no partial factor", str(below.key_place), advice))
+        numbers = _numbers(node, faults)
+        if not numbers:
+            message = f"{name} of {path.name} holds no partial factor"
+            faults.append(Fault("E480", message, str(node.place), f"Known: {', '.join(_NUMBERS)}."))
+        called = name if not title or name == title else f"{title}: {name}"
+        found[name] = PartialFactors(**numbers, called=called, source=", ".join(filter(None, (source, date))))
+    if not groups:
+        message = f"{path.name} has no sets of partial factors"
+        faults.append(Fault("E480", message, str(root.place), "Write sets: {NAME: {tan_phi: 1.25, c: 1.25}}"))
+    faults.refuse()
+    return found
+
+
+def _text(node: Node | None) -> str:
+    return "" if node is None or node.text is None else node.text
+
+
+# -- the design with them ---------------------------------------------------------------------------------------------
+
+
+def factored(design: Design, kind: Any, given: PartialFactors, where: str = "") -> Design:
+    """The design with its design values, and what has become of each number.
+
+    Weight, forces and surcharge are taken unfavourable or favourable, all of each alike, whichever gives the lower
+    closed form; where a kind has none, unfavourable. Water is permanent and unfavourable. The seismic force is that of
+    the weight without its factor. Bolts have theirs already or are strength.
+
+    Raises
+    ------
+    DesignError
+        E481 a kind whose actions are not told apart, E482 a curved law with two factors.
+    """
+    if design.kind == "footing":
+        message = "a footing has no partial factors here: whether its load is permanent or variable, nothing says"
+        raise DesignError([Fault("E481", message, where, "Give the design load and the design strength themselves.")])
+    if abs(given.tan_phi - given.c) > _SAME and any(one.law is not None for one in kind.strengths(design)):
+        message = "a curved strength has no c and phi of its own: its partial factors tan_phi and c must be equal"
+        raise DesignError([Fault("E482", message, where, "Eurocode 7 has 1.25 for both.")])
+    rules = design.rules or (Rule("fos", ">=", 1.0),)
+    tried = [
+        (_level(made, kind), made)
+        for made in (_with(design, kind, given, *one) for one in _combinations(design, kind, given))
+    ]  # fmt: skip
+    return replace(min(tried, key=lambda pair: pair[0])[1], rules=rules)
+
+
+def _combinations(design: Design, kind: Any, given: PartialFactors) -> Iterator[tuple[float, float, float]]:
+    """Factors of weight, forces and surcharge; the unfavourable ones first."""
+    permanent = (given.permanent_unfavourable, given.permanent_favourable)
+    variable = (given.variable_unfavourable, given.variable_favourable)
+    forces = (variable if given.forces == "variable" else permanent) if design.forces else (1.0,)
+    surcharge = variable if _surcharges(design) else (1.0,)
+    every = product(dict.fromkeys(permanent), dict.fromkeys(forces), dict.fromkeys(surcharge))
+    yield from every if kind.closed_form is not None else [next(every)]
+
+
+def _level(design: Design, kind: Any) -> float:
+    if kind.closed_form is None:
+        return 0.0
+    try:
+        found = kind.closed_form(design)
+    except GeometryError:
+        return math.inf  # said when it is analysed
+    return math.inf if found.status == "no_driving_force" else float(found.factor or 0.0)
+
+
+def _with(
+    design: Design, kind: Any, given: PartialFactors, on_weight: float, on_forces: float, on_surcharge: float
+) -> Design:  # fmt: skip
+    weight, water = on_weight * given.unit_weight, given.permanent_unfavourable
+    values: dict[str, Any] = {
+        "unit_weight_kn_m3": design.unit_weight_kn_m3 * weight,
+        "density_kg_m3": None if design.density_kg_m3 is None else design.density_kg_m3 * weight,
+        "water_unit_weight_kn_m3": design.water_unit_weight_kn_m3 * water,
+        "water": replace(design.water, pressures_kpa=_times(design.water.pressures_kpa, water)),
+        "seismic": replace(design.seismic, coefficient=design.seismic.coefficient / weight),
+        "forces": tuple(
+            replace(one, components_kn=_times(one.components_kn, on_forces)) for one in design.forces
+        ),
+    }  # fmt: skip
+    own = {part.name for part in fields(design)}
+    if "pressures_kpa" in own:
+        values["pressures_kpa"] = _times(getattr(design, "pressures_kpa"), water)  # noqa: B009  (of some kinds)
+    if "blocks" in own:
+        values["blocks"] = tuple(
+            one if one.unit_weight_kn_m3 is None else replace(one, unit_weight_kn_m3=one.unit_weight_kn_m3 * weight)
+            for one in getattr(design, "blocks")  # noqa: B009
+        )
+    surcharges = _surcharges(design)
+    if "surcharges_kpa" in own:
+        values["surcharges_kpa"] = tuple((name, one * on_surcharge) for name, one in surcharges.items())
+    elif surcharges:
+        values["surcharge_kpa"] = surcharges[""] * on_surcharge
+    made = replace(design.each_strength(lambda one: _weaker(one, given)), **values)
+    rows = [*_of_strengths(design, made, kind, given)]
+    rows.append(FactoredNumber("unit weight", design.unit_weight_kn_m3, weight, made.unit_weight_kn_m3, "kN/m³"))
+    if design.water.mode != "dry" or any(_flat(getattr(design, "pressures_kpa", ()))):
+        rows.append(FactoredNumber("unit weight of water, and its pressures", design.water_unit_weight_kn_m3, water,
+                                   made.water_unit_weight_kn_m3, "kN/m³"))  # fmt: skip
+    for k, (before, after) in enumerate(zip(design.forces, made.forces, strict=True), 1):
+        rows.append(FactoredNumber(f"force {k}, {given.forces}", math.hypot(*before.components_kn), on_forces,
+                                   math.hypot(*after.components_kn), "kN"))  # fmt: skip
+    for name, one in surcharges.items():
+        what = f"surcharge{f' on {name}' if name else ''}, variable"
+        rows.append(FactoredNumber(what, one, on_surcharge, one * on_surcharge, "kPa"))
+    if design.seismic.coefficient:
+        k_before = design.seismic.coefficient
+        rows.append(FactoredNumber("seismic coefficient, of the weight unfactored", k_before, 1.0, k_before, ""))
+    return replace(made, partial=replace(given, table=tuple(rows)))
+
+
+def _surcharges(design: Design) -> dict[str, float]:
+    """In kPa, by the block they stand on; of the upper slope by no name."""
+    one = getattr(design, "surcharge_kpa", None)
+    return dict(getattr(design, "surcharges_kpa", ())) or ({"": one} if one else {})
+
+
+def _weaker(one: Strength, given: PartialFactors) -> Strength:
+    """The design strength: c and tan φ divided, of a curved law τ."""
+    on_phi, on_c = given.tan_phi * given.resistance, given.c * given.resistance
+    dilation = _angle(one.dilation_deg, on_phi)
+    left = one.residual
+    residual = None if left is None else Residual(left.cohesion_kpa / on_c, _angle(left.friction_angle_deg, on_phi))
+    if one.law is not None:
+        return replace(Strength.by_law(Reduced(one.law, on_phi), dilation, one.tension_kpa / on_c), residual=residual)
+    return Strength(one.cohesion_kpa / on_c, _angle(one.friction_angle_deg, on_phi), dilation, one.tension_kpa / on_c,
+                    residual=residual)  # fmt: skip
+
+
+def _angle(degrees: float, factor: float) -> float:
+    return degrees if factor == 1.0 else math.degrees(math.atan(math.tan(math.radians(degrees)) / factor))
+
+
+def _of_strengths(design: Design, made: Design, kind: Any, given: PartialFactors) -> Iterator[FactoredNumber]:
+    pairs = list(dict.fromkeys(zip(kind.strengths(design), kind.strengths(made), strict=True)))
+    for k, (before, after) in enumerate(pairs, 1):
+        of = f", strength {k}" if len(pairs) > 1 else ""
+        on_phi, on_c = given.tan_phi * given.resistance, given.c * given.resistance
+        if before.law is not None:
+            yield FactoredNumber(f"strength by its law{of}", None, on_phi, None, "")
+            continue
+        yield FactoredNumber(f"c{of}", before.cohesion_kpa, on_c, after.cohesion_kpa, "kPa", True)
+        tangent, lower = (math.tan(math.radians(one.friction_angle_deg)) for one in (before, after))
+        yield FactoredNumber(f"tan φ{of}", tangent, on_phi, lower, "", True)
+        yield FactoredNumber(f"φ{of}", before.friction_angle_deg, None, after.friction_angle_deg, "°")
+
+
+def _times(value: Any, factor: float) -> Any:
+    """Numbers in tuples, times a factor; names among them stay."""
+    if isinstance(value, tuple):
+        return tuple(_times(part, factor) for part in value)
+    return value * factor if isinstance(value, int | float) else value
+
+
+def _flat(value: Any) -> Sequence[float]:
+    if isinstance(value, tuple):
+        return [one for part in value for one in _flat(part)]
+    return [value] if isinstance(value, int | float) else []

@@ -1,0 +1,71 @@
+"""A water table and a pond on a curved slip surface: the pressure integrated over the facets of the mass.
+
+Between the facets and an analytic surface lies a sliver of ground. There, too, the pressure is hydrostatic: on the
+surface itself presses what presses on the facets, and γ_w times the sliver, upward, by the share of the facets that is
+wet. So a drowned mass has its buoyant weight to the last digit.
+"""
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, cross
+from slopekit.geometry.pressure import Pressure, in_strips
+from slopekit.geometry.shapes import GROUND, SLIP
+from slopekit.geometry.sliding_mass import SlidingMass, volume_of
+from slopekit.kinds.ground_water import heights_of, pressure, refuse_above
+from slopekit.kinds.surface.design import SurfaceDesign
+from slopekit.loads import PointForce
+
+_ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
+
+
+def water_of(design: SurfaceDesign) -> Pressure:
+    """The water of a design, in its own coordinates."""
+    if design.table_depth_m is None:
+        return pressure(design, heights_of(design, np.eye(3), _ALONG, 0.0), 0.0)
+    places, levels = zip(*sorted(point[:2] for point in design.profile_m or ()), strict=True)
+    return pressure(design, in_strips(_ALONG, places, [level - design.table_depth_m for level in levels]), 0.0)
+
+
+def pushes_of(design: SurfaceDesign, mass: SlidingMass, origin: Floats) -> dict[str, PointForce]:
+    """Water on the slip surface, and of a pond on the ground: forces through the centroid, with their couples.
+
+    Parameters
+    ----------
+    origin : (3,) of the coordinates of the mass, in those of the design
+
+    Raises
+    ------
+    GeometryError
+        E456 the table lies above the ground.
+    """
+    water, vertices = water_of(design), mass.vertices + origin
+    ground, slip = (vertices[mass.triangles[mass.on == face]] for face in (GROUND, SLIP))
+    if design.table_depth_m is None:
+        refuse_above(water, list(ground), float(np.ptp(vertices[:, 2])), np.eye(3))
+    centre = mass.centroid + origin
+    force, couple, wet = _on_facets(water, slip, centre)
+    volume, moment = volume_of(mass.vertices, mass.triangles)
+    sliver, first = mass.volume - volume, mass.volume * mass.centroid - moment
+    lift = np.array([0.0, 0.0, water.unit_weight * wet])
+    found = {"water": PointForce(
+        force + sliver * lift, None, couple + cross(first - sliver * mass.centroid, lift)
+    )}  # fmt: skip
+    if water.pond is not None:
+        force, couple, _ = _on_facets(Pressure((), water.pond, water.unit_weight), ground, centre)
+        found["pond"] = PointForce(force, None, couple)
+    return found
+
+
+def _on_facets(water: Pressure, facets: Floats, centre: Floats) -> tuple[Floats, Floats, float]:
+    """Force (3,), couple (3,) about a point and the share of the area that is wet, of triangles (n, 3, 3)."""
+    areas = cross(facets[:, 1] - facets[:, 0], facets[:, 2] - facets[:, 0]) / 2.0
+    sizes = np.sqrt((areas * areas).sum(axis=1))
+    force, couple, wet = np.zeros(3), np.zeros(3), 0.0
+    for facet, area, size in zip(facets, areas, sizes, strict=True):
+        thrust, at = water.on(facet)
+        if thrust and size:
+            push = -thrust / size * area
+            force += push
+            couple += cross(at - centre, push)
+            wet += float(size)
+    return force, couple, wet / float(sizes.sum()) if len(sizes) else 0.0

@@ -1,0 +1,192 @@
+"""Limits of size of wedges: by how much a wedge is made smaller, or whether it is left out.
+
+Planes without an end cut the largest wedge that the slope has room for. What is known of the joints and of the bench
+makes it smaller: it keeps its shape and its crest, and its toe moves up the face, so that all lengths shrink alike.
+
+Words and meaning as in SWedge (Rocscience, help pages Slope Length, Bench Width, Scale Wedge): the slope length runs
+along the crest, the bench width is horizontal and square to it, a trace length is the longer of a joint's two traces,
+persistence the longest edge of its face; of several limits the one that leaves the smallest wedge counts.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.closed_form.sizes import WedgeSizes, wedge_sizes
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import Fault, GeometryError
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.extents import Scaled
+from slopekit.kinds.words import size_number
+
+#: What made a wedge smaller.
+LIMITED_BY = ("", "trace length", "persistence", "slope length", "bench width", "max volume")
+#: Why a wedge is left out, by its number in `Fitted.why`.
+LEFT_OUT = ("", "E486", "E487")
+_SAME = 1e-12  # of a length: as large as its limit
+
+
+@dataclass(frozen=True, slots=True)
+class Fitted:
+    """Wedges as large as their limits leave them, (n,) each.
+
+    Attributes
+    ----------
+    sizes : at that size, nan where the planes cut no wedge
+    scale : of lengths, 1 of the largest wedge in the slope; by : index into `LIMITED_BY`
+    why : index into `LEFT_OUT`: 0 where the wedge stays
+    """
+
+    sizes: WedgeSizes
+    scale: Floats
+    by: NDArray[np.int8]
+    why: NDArray[np.int8]
+
+
+def scale_within(
+    sizes: WedgeSizes, *, trace_m: Any = (None, None), persistence_m: Any = (None, None),
+    slope_length_m: Any = None, bench_width_m: Any = None, max_volume_m3: Any = None,
+) -> tuple[Floats, NDArray[np.int8]]:  # fmt: skip
+    """By how much limits make wedges smaller, (n,): 1 where none does; and which of `LIMITED_BY` does.
+
+    Parameters
+    ----------
+    trace_m, persistence_m : of J1 and J2; each limit a number, (n,), or None
+
+    >>> sizes = wedge_sizes(45, 135, 45, 225, 90, 180, 0, 180, 10.0)
+    >>> scale, by = scale_within(sizes, bench_width_m=5.0, max_volume_m3=80.0)
+    >>> scale.round(4).tolist(), LIMITED_BY[by[0]]
+    ([0.3536], 'bench width')
+    """
+    whole = (
+        (trace_m[0], np.maximum(sizes.trace1_m, sizes.upper_trace1_m), 1),
+        (trace_m[1], np.maximum(sizes.trace2_m, sizes.upper_trace2_m), 1),
+        (persistence_m[0], sizes.longest1_m, 2), (persistence_m[1], sizes.longest2_m, 2),
+        (slope_length_m, sizes.face_width_m, 3), (bench_width_m, sizes.setback_m, 4),
+        (max_volume_m3, sizes.volume_m3, 5),
+    )  # fmt: skip
+    count = len(sizes.volume_m3)
+    scale, by = np.ones(count), np.zeros(count, dtype=np.int8)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for limit, own, kind in whole:
+            if limit is None:
+                continue
+            factor = np.asarray(limit, dtype=np.float64) / own
+            factor = np.cbrt(factor) if kind == LIMITED_BY.index("max volume") else factor
+            less = factor < scale * (1.0 - _SAME)
+            scale, by = np.where(less, factor, scale), np.where(less, np.int8(kind), by)
+    return scale, by
+
+
+def fitted(design: Any) -> Fitted:
+    """A wedge design, whose numbers may be arrays, within its limits of size."""
+    planes = {"joint1": design.joints[0], "joint2": design.joints[1], "face": design.face, "upper": design.upper}
+    angles = {f"{name}_{key}": getattr(plane, key) for name, plane in planes.items()
+              for key in ("dip_deg", "dip_direction_deg")}  # fmt: skip
+    limits, numbers = design.limits, [*angles.values(), design.height_m]
+    if limits is not None:
+        numbers += [*limits.trace_length_m, *limits.persistence_m, limits.slope_length_m, limits.bench_width_m,
+                    limits.max_volume_m3, limits.min_volume_m3]  # fmt: skip
+    count = max(np.size(one) for one in numbers)
+    sizes = wedge_sizes(**angles, height_m=np.broadcast_to(np.asarray(design.height_m, dtype=np.float64), count))
+    why = np.zeros(count, dtype=np.int8)
+    if limits is None:
+        return Fitted(sizes, np.ones(count), np.zeros(count, dtype=np.int8), why)
+    scale, by = scale_within(
+        sizes, trace_m=limits.trace_length_m or (None, None), persistence_m=limits.persistence_m or (None, None),
+        slope_length_m=limits.slope_length_m, bench_width_m=limits.bench_width_m, max_volume_m3=limits.max_volume_m3,
+    )  # fmt: skip
+    if limits.by == "filter":
+        why[scale < 1.0] = 1
+        scale = np.ones(count)
+    sizes = sizes.scaled(scale)
+    if limits.min_volume_m3 is not None:
+        with np.errstate(invalid="ignore"):
+            why[(why == 0) & (sizes.volume_m3 < limits.min_volume_m3)] = 2
+    return Fitted(sizes, scale, by, why)
+
+
+def fitted_height(design: Any) -> Any:
+    """The height of the wedge itself, a number or (n,): that of the slope where nothing limits it.
+
+    Raises
+    ------
+    GeometryError
+        Of one design: E486 larger than its limits where these filter, E487 smaller than its least volume.
+    """
+    if design.limits is None:
+        return design.height_m
+    found = fitted(design)
+    heights = np.asarray(design.height_m) * found.scale
+    if len(found.why) > 1:
+        return heights
+    if found.why[0]:
+        raise GeometryError([_fault(design, found)])
+    return float(heights[0])
+
+
+def without(
+    outcome: NDArray[np.int8], factor: Floats, why: Any, first: int, statuses: int
+) -> tuple[NDArray[np.int8], Floats]:
+    """Outcomes and factors (n,) without the wedges that are left out; no wedge stays none.
+
+    Parameters
+    ----------
+    why : of `Fitted`, one for all or (n,); first : the number of E486, that of E487 follows
+    statuses : outcomes from this number on are no wedge
+    """
+    why = np.asarray(why)
+    gone = (why > 0) & (outcome < statuses)
+    return np.where(gone, why + (first - 1), outcome).astype(np.int8), np.where(gone, np.nan, factor)
+
+
+def scaled(design: Any) -> Scaled | None:
+    """What the limits made of one wedge; None where there are none."""
+    if design.limits is None:
+        return None
+    found = fitted(design)
+    return Scaled(float(found.scale[0]), LIMITED_BY[found.by[0]] or None)
+
+
+def in_words(design: Any) -> list[str]:
+    """What the limits do to one wedge, for the sheet."""
+    if design.limits is None:
+        return []
+    found, listed = fitted(design), limits_in_words(design)
+    if not found.by[0]:
+        return [f"within its limits of size: {listed}"]
+    by, scale = LIMITED_BY[found.by[0]], found.scale[0]
+    higher = size_number(float(f"{design.height_m * (1.0 - scale):.4g}"))
+    return [
+        f"made smaller by the limit of {by}: lengths times {scale:.4g}, same shape, at the crest, its toe {higher} m "
+        f"higher ({listed})"
+    ]
+
+
+def limits_in_words(design: Any) -> str:
+    """The limits of a design."""
+    limits, parts = design.limits, []
+    for name, values in (("trace length", limits.trace_length_m), ("persistence", limits.persistence_m)):
+        known = [(joint, value) for joint, value in zip(design.joint_names, values, strict=False) if value is not None]
+        if known and len({value for _, value in known}) == 1 and len(known) == 2:
+            parts.append(f"{name} {number(known[0][1])} m")
+        elif known:
+            parts.append(f"{name} {', '.join(f'{joint} {number(value)} m' for joint, value in known)}")
+    for name, value, unit in (
+        ("slope length", limits.slope_length_m, "m"), ("bench width", limits.bench_width_m, "m"),
+        ("max volume", limits.max_volume_m3, "m³"), ("min volume", limits.min_volume_m3, "m³"),
+    ):  # fmt: skip
+        parts += [] if value is None else [f"{name} {number(value)} {unit}"]
+    return ", ".join(parts) + (": larger ones are left out" if limits.by == "filter" else "")
+
+
+def _fault(design: Any, found: Fitted) -> Fault:
+    if found.why[0] == 1:
+        what, advice = LIMITED_BY[found.by[0]], "limits.by: scale makes it smaller instead."
+        message = f"the wedge is larger than the limit of {what} ({limits_in_words(design)})"
+        return Fault("E486", message, "limits", advice)
+    volume = size_number(float(f"{found.sizes.volume_m3[0]:.4g}"))
+    least = number(design.limits.min_volume_m3)
+    return Fault("E487", f"the wedge has {volume} m³, less than the min volume of {least} m³", "limits")

@@ -1,0 +1,143 @@
+"""How large it is what the samples form: percentiles of volume, setback, width, height; what limits made of it."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import SlopekitError
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design
+from slopekit.design.files import with_values
+from slopekit.kinds import kind_of
+from slopekit.kinds.closed_forms import SizesOfMany
+from slopekit.studies.prob.vectorised import Vectorised
+
+SHARES = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """One size of some samples: its mean, percentiles by share, and the largest."""
+
+    mean: float
+    quantiles: Mapping[float, float]
+    most: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        return {"mean": self.mean, "quantiles": {f"{share:g}": value for share, value in self.quantiles.items()},
+                "max": self.most}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class LimitedSamples:
+    """What limits of size made of the samples.
+
+    Attributes
+    ----------
+    by : scale or filter; scaled : samples made smaller, and by which limit; filtered : left out, larger than a limit;
+    too_small : left out, smaller than the least volume. Samples that are left out form no block
+    """
+
+    by: str
+    scaled: int
+    scaled_by: Mapping[str, int]
+    filtered: int
+    too_small: int
+
+
+@dataclass(frozen=True, slots=True)
+class SampleSizes:
+    """Sizes of the samples, nan where none forms.
+
+    Attributes
+    ----------
+    columns : (n,) each, by key; forming, failing : of the samples that form a block and of those that fail, by key
+    limits : None where the design has none
+    """
+
+    columns: Mapping[str, Floats]
+    forming: Mapping[str, Spread]
+    failing: Mapping[str, Spread]
+    limits: LimitedSamples | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values; the samples themselves are in the CSV."""
+        limits = self.limits
+        return {
+            "forming": {key: one.to_dict() for key, one in self.forming.items()},
+            "failing": {key: one.to_dict() for key, one in self.failing.items()},
+            "limits": None if limits is None else {
+                "by": limits.by, "scaled": limits.scaled, "scaled_by": dict(limits.scaled_by),
+                "filtered": limits.filtered, "too_small": limits.too_small,
+            },
+        }  # fmt: skip
+
+
+def sizes_of_samples(
+    design: Design, fast: Vectorised | None, values: Floats, settings: Sequence[Mapping[str, object]], forms: Bools,
+    fails: Bools,
+) -> SampleSizes | None:  # fmt: skip
+    """The sizes of all samples; None where the kind has none, or they would have to be found one by one for nothing.
+
+    Parameters
+    ----------
+    fast : the evaluator of all samples, None where there is none; forms, fails : (n,)
+    """
+    on_arrays, limits = kind_of(design).on_arrays, getattr(design, "limits", None)
+    if on_arrays is None or on_arrays.sizes is None or (fast is None and limits is None):
+        return None
+    found = fast.sizes(values) if fast is not None else _one_by_one(design, settings)
+    if found is None:
+        return None
+    columns = {key: np.where(forms, column, np.nan) for key, column in found.columns.items()}
+    made = None
+    if limits is not None:
+        kept = forms & (found.why == 0)
+        by = found.by[kept]
+        names = {name: int((by == k).sum()) for k, name in enumerate(found.names) if name and (by == k).any()}
+        is_scaled = limits.by == "scale"
+        made = LimitedSamples(
+            limits.by, int((by > 0).sum()) if is_scaled else 0, names if is_scaled else {},
+            int((found.why == 1).sum()), int((found.why == 2).sum()),
+        )  # fmt: skip
+    return SampleSizes(columns, _spreads(columns, forms), _spreads(columns, forms & fails), made)
+
+
+def _spreads(columns: Mapping[str, Floats], own: Bools) -> dict[str, Spread]:
+    found = {}
+    for key, column in columns.items():
+        known = column[own & np.isfinite(column)]
+        if len(known) and key != "scale":
+            cuts = np.quantile(known, SHARES).tolist()
+            found[key] = Spread(float(known.mean()), dict(zip(SHARES, cuts, strict=True)), float(known.max()))
+    return found
+
+
+def _one_by_one(design: Design, settings: Sequence[Mapping[str, object]]) -> SizesOfMany | None:
+    """The same of designs read one by one; not numbers of those that no design can have."""
+    on_arrays = kind_of(design).on_arrays
+    found: list[SizesOfMany | None] = []
+    for values in settings:
+        try:
+            sample = with_values(design, values)
+            found.append(None if on_arrays is None or on_arrays.sizes is None else on_arrays.sizes(sample))
+        except SlopekitError:
+            found.append(None)
+    known = next((one for one in found if one is not None), None)
+    if known is None:
+        return None
+    columns = {
+        key: np.array([np.nan if one is None else float(one.columns[key][0]) for one in found]) for key in known.columns
+    }
+
+    def whole(values: list[int]) -> NDArray[np.int8]:
+        return np.array(values, dtype=np.int8)
+
+    return SizesOfMany(
+        columns, known.names, whole([0 if one is None else int(one.by[0]) for one in found]),
+        whole([0 if one is None else int(one.why[0]) for one in found]),
+    )  # fmt: skip

@@ -1,0 +1,224 @@
+"""Partial factors: the design with every number factored by hand, the values of EN 1997-1:2004, Annex A."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+import slopekit as sk
+from slopekit.design.files import with_values
+from slopekit.kinds import factors_of
+from tests.commands import slopekit
+
+H, DIP, FACE = 12.0, math.radians(35.0), math.radians(60.0)
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}}, "strength": {"bedding": {"c": 30, "phi": 37}}, "rock": {"unit_weight": 26},
+    "water": {"fill": "50 %"}, "loads": {"surcharge": 20, "seismic": 0.05},
+}  # fmt: skip
+#: Tables A.3, A.4 and A.14: permanent and variable, unfavourable and favourable; tan φ and c; earth resistance.
+ANNEX_A = {
+    "DA1-C1": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.0), "DA1-C2": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
+    "DA2": ((1.35, 1.0), (1.5, 0.0), 1.0, 1.1), "DA3": ((1.0, 1.0), (1.3, 0.0), 1.25, 1.0),
+}  # fmt: skip
+
+
+def by_hand(
+    on_weight=1.0, on_water=1.0, on_surcharge=1.0, on_strength=1.0, c=30.0, fill=0.5, k=0.05, q=20.0
+) -> float:  # fmt: skip
+    """Limit equilibrium of the plane: driving and resisting forces with their factors; the seismic one has none."""
+    length, top = H / math.sin(DIP), H * (1.0 / math.tan(DIP) - 1.0 / math.tan(FACE))
+    weight = 26.0 * H * top / 2.0
+    down = on_weight * weight + on_surcharge * q * top
+    uplift = on_water * 9.81 * H * fill / 4.0 * length
+    normal = down * math.cos(DIP) - k * weight * math.sin(DIP) - uplift
+    driving = down * math.sin(DIP) + k * weight * math.cos(DIP)
+    return (c * length + normal * math.tan(math.radians(37.0))) / on_strength / driving
+
+
+def asked(name, **more):
+    return {**PLANE, **more, "analysis": {"partial_factors": name}}
+
+
+@pytest.mark.parametrize("name", ANNEX_A)
+def test_the_sets_of_eurocode_7(name) -> None:
+    """Both methods against the formula, at the worst of favourable and unfavourable weight and surcharge."""
+    permanent, variable, strength, resistance = ANNEX_A[name]
+    worst = min(
+        by_hand(weight, permanent[0], surcharge, strength * resistance)
+        for weight in permanent
+        for surcharge in variable
+    )
+    result = sk.run(asked(name))
+    assert result.fos.closed_form == pytest.approx(worst, rel=1e-9)
+    assert result.fos.limit == pytest.approx(worst, rel=1e-6)
+    assert [str(rule) for rule in result.design.rules] == ["fos >= 1"]
+    assert result.accepted is (worst >= 1.0)
+    assert sk.run(asked(f"eurocode-7 {name.lower()}")).fos == result.fos
+
+
+def test_weight_is_favourable_where_it_holds() -> None:
+    """Without cohesion under full water more weight is safer: its favourable factor is taken."""
+    given = {"strength": {"bedding": {"c": 0, "phi": 37}}, "water": "full", "loads": {"surcharge": 20}}
+    result = sk.run(asked("DA1-C1", **given))
+    own = [
+        by_hand(weight, 1.35, surcharge, c=0.0, fill=1.0, k=0.0) for weight in (1.35, 1.0) for surcharge in (1.5, 0.0)
+    ]
+    assert result.fos.closed_form == pytest.approx(min(own), rel=1e-9)
+    assert min(own) == own[3]
+    table = {row.what: row for row in result.design.partial.table}
+    assert table["unit weight"].factor == 1.0
+    assert table["surcharge, variable"].design == 0.0
+
+
+def test_a_dry_slope_without_cohesion_has_1_25_of_combination_2() -> None:
+    """tan φ / (1.25 tan ψ): the equivalent global factor that Bond & Harris give for Combination 2."""
+    dry = {"strength": {"bedding": {"c": 0, "phi": 37}}, "water": "dry", "loads": {}}
+    wanted = math.tan(math.radians(37.0)) / math.tan(DIP) / 1.25
+    assert sk.run(asked("DA1-C2", **dry)).fos.closed_form == pytest.approx(wanted, rel=1e-12)
+    assert sk.run(asked("DA1-C1", **dry)).fos.closed_form == pytest.approx(1.25 * wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize(("forces", "factor"), [("permanent", 1.35), ("variable", 1.5)])
+def test_forces_are_permanent_or_variable(forces, factor) -> None:
+    """A push out of the slope, by its design value in a design without factors on it."""
+    push = {"loads": {"forces": ["100kN@180/00"]}, "water": "dry"}
+    found = sk.run({**PLANE, **push, "analysis": {"partial_factors": {"set": "DA1-C1", "forces": forces}}})
+    plain = {"forces": [f"{100 * factor}kN@180/00"]}
+    alone = sk.run({**PLANE, "water": "dry", "loads": plain, "rock": {"unit_weight": 26 * 1.35}})
+    assert found.fos.closed_form == pytest.approx(alone.fos.closed_form, rel=1e-9)
+
+
+def test_a_wedge_with_a_curved_strength_is_divided_as_a_whole() -> None:
+    """τ / 1.25 on every joint divides the factor by 1.25, of the closed form and of PRE-IE."""
+    wedge = {
+        "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+        "strength": {"rough": {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": 25}},
+    }  # fmt: skip
+    before, after = (factors_of(sk.load(one)) for one in (wedge, {**wedge, "analysis": {"partial_factors": "DA3"}}))
+    assert after.closed_form == pytest.approx(before.closed_form / 1.25, rel=1e-9)
+    assert after.limit == pytest.approx(before.limit / 1.25, rel=1e-6)
+    with pytest.raises(sk.DesignError) as error:
+        sk.load({**wedge, "analysis": {"partial_factors": {"tan_phi": 1.25, "c": 1.6}}})
+    assert error.value.codes == ("E482",)
+
+
+def test_many_blocks_are_factored_too() -> None:
+    """A block on a slope: tan φ / (1.25 tan 30°)."""
+    block = {
+        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25}, "strength": {"s": {"c": 0, "phi": 35}},
+        "blocks": {
+            "base": {"polygon": [[0, 0], [10, 0], [10, 10 * math.tan(math.pi / 6)]], "fixed": True},
+            "B1": {"polygon": [[4, 4 * math.tan(math.pi / 6)], [6, 6 * math.tan(math.pi / 6)],
+                               [6 - 0.5, 6 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)],
+                               [4 - 0.5, 4 * math.tan(math.pi / 6) + 0.5 * math.sqrt(3.0)]], "unit_weight": 20},
+        },
+        "analysis": {"partial_factors": {"set": "DA2", "tan_phi": 1.25}},
+    }  # fmt: skip
+    result = sk.run(block)
+    wanted = math.tan(math.radians(35.0)) / math.tan(math.pi / 6) / 1.25 / 1.1
+    assert result.fos.limit == pytest.approx(wanted, rel=1e-6)
+    assert result.design.blocks[1].unit_weight_kn_m3 == pytest.approx(27.0)
+
+
+def test_studies_see_the_design_values() -> None:
+    design = sk.load(asked("DA1-C2"))
+    assert with_values(design, {"strength.bedding.c": 40}).strength.cohesion_kpa == pytest.approx(32.0)
+    found = sk.solve(design, "strength.bedding.c")
+    none, one = (by_hand(1.0, 1.0, 1.3, 1.25, c=c) for c in (0.0, 1.0))
+    assert found.answer.value == pytest.approx((1.0 - none) / (one - none), rel=1e-6)
+    assert found.to_dict()["partial_factors"]["called"].endswith("DA1-C2")
+    with pytest.raises(sk.DesignError) as error:
+        sk.prob(design, n=10)
+    assert error.value.codes == ("E483",)
+
+
+def test_the_factored_numbers_are_shown(tmp_path) -> None:
+    result = sk.run(asked("DA1-C1"))
+    sheet = str(result)
+    assert "EN 1997-1:2004 Annex A" in sheet
+    record = json.loads(json.dumps(result.to_dict()))
+    rows = {row["what"]: row for row in record["partial_factors"]["table"]}
+    for row in rows.values():
+        if row["factor"] is not None:
+            by = 1.0 / row["factor"] if row["divided"] else row["factor"]
+            assert row["design"] == pytest.approx(row["characteristic"] * by)
+    assert rows["unit weight"]["design"] == pytest.approx(35.1)
+    assert record["inputs"]["unit_weight_kn_m3"] == pytest.approx(35.1)
+    assert "partial_factors" not in sk.run(PLANE).to_dict()
+    page = sk.report(result, tmp_path / "page.html", pictures=False).read_text(encoding="utf-8")
+    assert "Partial factors" in page
+    assert "35.1" in page
+
+
+def test_a_case_with_factors_asks_for_one_unless_it_says_more() -> None:
+    cases = {
+        "static": {"accept": "fos >= 1.3"}, "ec7": {"set": {"analysis.partial_factors": "DA1-C2"}},
+        "more": {"set": {"analysis.partial_factors": "DA1-C2"}, "accept": "fos >= 1.4"},
+    }  # fmt: skip
+    found = sk.run({**PLANE, "acceptance": {"rules": "fos >= 1.3"}, "cases": cases})
+    assert {name: str(one.design.rules[0]) for name, one in found.cases.items()} == {
+        "static": "fos >= 1.3", "ec7": "fos >= 1", "more": "fos >= 1.4",
+    }  # fmt: skip
+    assert [notice.code for notice in found.warnings] == ["W428"]
+
+
+def test_factors_of_the_users_own(tmp_path) -> None:
+    """A file of several sets, of one, and a set with a number of its own."""
+    (tmp_path / "own.yaml").write_text(
+        "title: Our office\nsource: note 7\ndate: 2026-01-01\nsets:\n  ULS: {tan_phi: 1.2, c: 1.4}\n  SLS: {c: 1.1}\n"
+    )
+    (tmp_path / "one.yaml").write_text("tan_phi: 1.2\nc: 1.4\n")
+    for name in ("own.yaml ULS", "one.yaml", {"set": "own.yaml SLS", "tan_phi": 1.2, "c": 1.4}):
+        design = tmp_path / "cut.yaml"
+        design.write_text(json.dumps({**PLANE, "analysis": {"partial_factors": name}}))
+        made = sk.load(design)
+        assert made.strength.cohesion_kpa == pytest.approx(30.0 / 1.4)
+        assert math.tan(math.radians(made.strength.friction_angle_deg)) == pytest.approx(
+            math.tan(math.radians(37.0)) / 1.2
+        )
+    assert slopekit("lint", str(design)).stdout.count("partial factors: Our office: SLS") == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "said"),
+    [
+        ("DA1", "E479", "DA1 is no set"),
+        ("DA1-C3", "E479", "Did you mean DA1-C"),
+        ("eurocode-7", "E479", "several sets"),
+        ("none.yaml", "E147", "none.yaml does not exist"),
+        ("bad.yaml", "E480", "tanphi is no partial factor"),
+        ("empty.yaml", "E480", "holds no partial factor"),
+        ({"tan_phi": 0}, "E478", "the partial factor tan_phi is 0"),
+        ({"c": -1}, "E478", "the partial factor c is -1"),
+        ({"c": "many"}, "E106", "c"),
+        ({"c": {"dist": "normal", "mean": 1, "sd": 1}}, "E144", "partial_factors.c"),
+        ({"tan": 1.2}, "E142", "tan is not a key"),
+        ({"forces": "often", "set": "DA9"}, "E478", "forces are often"),
+        (["DA1-C1"], "E144", "partial_factors"),
+    ],
+)
+def test_bad_factors_are_refused(given, code, said, tmp_path) -> None:
+    (tmp_path / "bad.yaml").write_text("sets: {ULS: {tanphi: 1.2}}\n")
+    (tmp_path / "empty.yaml").write_text("title: nothing\n")
+    (tmp_path / "cut.yaml").write_text(json.dumps({**PLANE, "analysis": {"partial_factors": given}}))
+    with pytest.raises(sk.DesignError) as error:
+        sk.load(tmp_path / "cut.yaml")
+    assert code in error.value.codes
+    assert said in str(error.value)
+
+
+def test_a_footing_is_refused() -> None:
+    text = (Path(__file__).parents[2] / "templates/paper-footing.yaml").read_text(encoding="utf-8")
+    assert "footing" in text
+    with pytest.raises(sk.DesignError) as error:
+        sk.load(Path(__file__).parents[2] / "templates/paper-footing.yaml", {"analysis.partial_factors": "DA2"})
+    assert error.value.codes == ("E481",)
+
+
+def test_the_worst_crack_is_that_of_the_characteristic_values() -> None:
+    dry = {"water": "dry", "loads": {}, "crack": {"distance": "worst"}}
+    said = {notice.code for notice in sk.run(asked("DA1-C2", **dry)).warnings}
+    assert "W429" in said
+    assert "W429" not in {notice.code for notice in sk.run({**PLANE, **dry}).warnings}
