@@ -120,7 +120,7 @@ def _flat(value: Any, path: str) -> Iterator[tuple[str, str]]:
             yield path, _nested(array.tolist()) if array.size <= LONG_LIST and ordered else _digest(array, ordered)
             return
         items = [(str(key), one) for key, one in value.items() if key not in TIMES]
-        if not path:
+        if not path or "sheet" in value:  # a document, or one within it
             items = [(key, one) for key, one in items if key not in VERSIONS]
         if not items:
             yield path, "{}"

@@ -37,6 +37,11 @@ DESIGNS = [
                "crack": {"plane": PLANE, "distance": 5}, "loads": LOADS, "support": BOLTS}),
     ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
                "basal": {"plane": PLANE, "height": 5}}),
+    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
+               "limits": {"bench_width": 6, "slope_length": 50, "trace_length": 10, "persistence": 8,
+                          "max_volume": 500}}),
+    ("wedge", {"slope": FACE, "joints": JOINTS, "strength": {"a": STRENGTH}, "rock": ROCK,
+               "limits": {"trace_length": {"J1": 10}, "persistence": {"J1": 8}, "min_volume": 0.1}}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "rock": {"density": 2600},
                "water": {"pressures": {"J1": 5}, "unit_weight": 9.81}, "loads": {"seismic": 0.1}}),
     ("wedge", {"joints": JOINTS, "strength": {"a": BY_LAW}, "water": {"mode": "table", "depth": 4, "pond": 3},
@@ -59,10 +64,12 @@ DESIGNS = [
                "rock": ROCK, "water": {"pressures": {"S1": 5}}}),
     ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
                 "section": {"thickness": 2}, "strength": {"a": STRENGTH}, "water": {"pressures": {"B/base": 5}}}),
+    ("blocks", {"blocks": {"base": {"polygon": SQUARE, "fixed": "true"}, "B": {"polygon": SQUARE, "unit_weight": 25}},
+                "strength": {"a": STRENGTH}, "loads": {"surcharge": {"B": 20}}}),
 ]  # fmt: skip
 _UNITS = {
     "length": "m", "pressure": "kPa", "unit weight": "kN/m3", "density": "kg/m3", "force": "kN", "angle": "deg",
-    "stiffness": "kPa/m", "acceleration": "m/s2", "ratio": "",
+    "stiffness": "kPa/m", "volume": "m3", "acceleration": "m/s2", "ratio": "",
 }  # fmt: skip
 _WRONG = {"length": "kPa", "ratio": "m"}
 _STEP = 1e-9

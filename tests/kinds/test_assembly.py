@@ -250,7 +250,6 @@ def test_columns_agree_with_goodman_and_bray() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"water": {"pressures": {"base": 1}}}, "without water"),
         ({"loads.forces": [{"force": [1, 0, 0], "block": "C1"}]}, "without forces"),
         ({"strength.j.dilation": 2}, "knows no dilation"),
     ],

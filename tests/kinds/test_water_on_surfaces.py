@@ -80,6 +80,8 @@ def test_what_is_wrong_and_what_is_said() -> None:
         sk.run({**ELLIPSOID, "water": {"mode": "table", "points": [[0, 30], [50, 30]]}})
     with pytest.raises(DesignError, match="E198"):
         sk.load({**ELLIPSOID, "water": {"mode": "table", "depth": 3, "pressures": 5}})
+    with pytest.raises(DesignError, match="E462"):
+        sk.load({**ELLIPSOID, "slope": {"mesh": "ground.stl"}, "water": {"mode": "table", "depth": 3}})
     ponded = sk.run({**CYLINDER, "water": {"pond": "4 m"}})
     assert any("know no pond" in str(notice) for notice in ponded.warnings)
     assert ponded.forces.water["ground"] > 0.0

@@ -2,13 +2,15 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
 import slopekit as sk
-from slopekit.closed_form.toppling import ColumnSlope, anchor_force_required, toe_force_required
+from slopekit.closed_form.toppling import ColumnSlope, anchor_force_required, toe_force_required, toppling_table
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from tests.commands import slopekit
@@ -115,6 +117,17 @@ def test_what_is_pasted_gives_the_target_and_no_more(tmp_path: Path) -> None:
     assert active.bolt.force_kn == pytest.approx(3.0 * active.use_kn, rel=1e-4)
     bare = sk.support(sk.load(THREE), 1.3).least("active")
     assert bare.use_kn == pytest.approx(active.use_kn, rel=1e-6)
+
+
+def test_forces_of_the_table_that_no_base_can_carry_are_said(monkeypatch) -> None:
+    def lifted(slope: ColumnSlope, factor: float):
+        found = toppling_table(slope, factor)
+        return replace(found, base_holds=np.arange(16) != 3)
+
+    monkeypatch.setattr("slopekit.studies.support.columns.run.toppling_table", lifted)
+    found = sk.support(sk.load(GOODMAN_BRAY), 1.0, acts="active")
+    assert "W445" in {notice.code for one in found.held for notice in one.notices}
+    assert "not admissible at C4" in " ".join(str(found).split())
 
 
 def test_columns_that_stand_need_nothing() -> None:
