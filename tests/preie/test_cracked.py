@@ -123,14 +123,10 @@ def opened() -> list[tuple[dict, object, object]]:
     return opened_by_moments(13, 5)
 
 
-#: Those that take least: the whole analysis (the first five and what both rules ask for); the separate springs, which
-#: of the others say nothing (1, 8: an edge that creeps; 0, 7: no rest).
-ANALYSED, SPRUNG = (0, 1, 2, 3, 4, 6, 9), (2, 3, 4, 6, 9, 11, 12)
-
-
 @pytest.fixture(scope="module")
 def analysed(opened) -> list[Result]:
-    return [sk.wedge(**opened[k][0]) for k in ANALYSED]
+    """The first ten of them by the whole analysis."""
+    return [sk.wedge(**inputs) for inputs, _, _ in opened[:10]]
 
 
 def bed_on(scene) -> PolygonBed:
@@ -152,16 +148,20 @@ def test_random_wedges_against_separate_springs(opened) -> None:
 
     400 wedges with 1,500 springs a joint: `benchmarks.moments`.
     """
-    for inputs, scene, analysis in (opened[k] for k in SPRUNG):
+    compared = 0
+    for inputs, scene, analysis in opened:
         found = cracked_base(bed_on(scene), analysis.governing.factor)
-        assert found.factor is not None
-        assert not found.creeps
+        if found.factor is None or found.creeps:
+            continue
         bracket = by_springs(inputs, found.factor, 400)
-        assert bracket is not None
+        if bracket is None:
+            continue
+        compared += 1
         off = abs(found.factor / bracket[0] - 1.0)
         if off > 0.02:
             finer = by_springs(inputs, found.factor, 1600)
             assert abs(found.factor / finer[0] - 1.0) < 0.65 * off
+    assert compared >= 9
 
 
 def test_the_slopes_are_those_of_the_forces(opened) -> None:

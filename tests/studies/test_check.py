@@ -31,12 +31,6 @@ def _once(monkeypatch) -> None:
     monkeypatch.setattr(ladders, "_ONCE_S", 0.0)
 
 
-@pytest.fixture
-def without_passes(monkeypatch) -> None:
-    """The rungs of plain passes, which nothing but their errors hangs on, left out."""
-    monkeypatch.setattr(ladders, "_passes", lambda _: ())
-
-
 def checked(name: str, **values) -> Check:
     return check(sk.load(path_of(name), set=values))
 
@@ -90,7 +84,6 @@ def test_kinds_with_a_closed_form_agree(name) -> None:
 
 
 @pytest.mark.parametrize(("name", "values"), [("paper-ellipsoid", {"slip.edge": 12}), ("blocks", {}), ("wall", {})])
-@pytest.mark.usefixtures("without_passes")
 def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     """They are judged by finer node pairs where there are any, and by the bound."""
     found = checked(name, **values) if values else plain(name)
@@ -102,7 +95,6 @@ def test_kinds_without_a_closed_form_say_so(name, values) -> None:
     assert finding(found, "admissible").met
 
 
-@pytest.mark.usefixtures("without_passes")
 def test_curved_surfaces_converge_with_their_mesh() -> None:
     """φ = 0 on a sphere has an exact answer: the error falls with every halving, by four (second order) or more."""
     found = checked("sphere", **{"slip.edge": 3})
@@ -113,7 +105,6 @@ def test_curved_surfaces_converge_with_their_mesh() -> None:
     assert all(order > 1.5 for order in found.orders)
 
 
-@pytest.mark.usefixtures("without_passes")
 def test_moments_govern_is_judged_by_the_mesh() -> None:
     """METHOD.md §3: 1.502 against 1.538. Forces alone are held against the closed form, the limit against itself."""
     found = check(sk.load(ONE_PLANE))
@@ -233,7 +224,6 @@ def test_without_a_limit_at_another_stiffness_it_is_not_judged(monkeypatch) -> N
     assert (one.met, one.value) == (False, pytest.approx(0.02))
 
 
-@pytest.mark.usefixtures("without_passes")
 @pytest.mark.parametrize(("by", "seen"), [(1.015, {"holds at limit"}), (0.95, set()), (1.02, {"holds at limit"})])
 def test_a_limit_that_its_forces_do_not_carry_is_not_consistent(by, seen, monkeypatch) -> None:
     """Even where agree_within is wide: forces that balance at one factor prove nothing of a higher one.
@@ -296,7 +286,6 @@ def test_acceptance_is_judged() -> None:
     assert found.to_dict()["accepted"] is False
 
 
-@pytest.mark.usefixtures("without_passes")
 def test_a_surface_without_finer_pairs_is_not_judged_by_its_own(monkeypatch) -> None:
     """Beyond so many pairs no finer mesh is tried: nothing is said of convergence."""
     monkeypatch.setattr(ladders, "MOST_PAIRS", 250)

@@ -94,7 +94,7 @@ def test_the_command(tmp_path) -> None:
 
 def test_disagreement_is_exit_code_4() -> None:
     """A dispute of the methods is one: agreement is asked for beyond what the solver settles to."""
-    settings = ("--set", "analysis.agree_within=1e-9", "--set", "slip.edge=12")  # a coarse mesh is quick
+    settings = ("--set", "analysis.agree_within=1e-9", "--set", "slip.edge=6")  # a coarse mesh is quick
     run = slopekit("check", str(path_of("sphere")), *settings, "--quiet")
     assert run.returncode == 4
     assert "NOT CONSISTENT: closed form" in run.stdout

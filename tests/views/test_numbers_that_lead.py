@@ -119,7 +119,7 @@ def test_harmless_notices_are_known_say_so_and_stay_out_of_one_line() -> None:
 
 def assemblies() -> list:
     own = [name for name in names() if isinstance(sk.load(path_of(name)), AssemblyDesign)]
-    sections = [pytest.param(section(number), id=f"section {number}") for number in range(40)]
+    sections = [pytest.param(section(number), id=f"section {number}") for number in range(60)]
     return [*(pytest.param(path_of(name), id=name) for name in own), *sections]
 
 
@@ -148,11 +148,8 @@ def told_in_sheet(text: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("source", assemblies())
 def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(source) -> None:
-    """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once.
-
-    Each mechanism of the bench takes seconds: two, and the rest.
-    """
-    result = sk.run(source, set={"analysis.mechanisms": 2 if source == path_of("bench") else 6})
+    """BY BLOCK, the page's table: every block at its own mechanism's factor, or named as one that follows at once."""
+    result = sk.run(source, set={"analysis.mechanisms": 6})
     page = {row[0]: row[2] for row in blocks_of(result)}
     own = {
         block.name: factor_text(one.fos).strip()
