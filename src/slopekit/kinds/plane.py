@@ -55,7 +55,7 @@ class VerticalCrack:
                                       doc="behind the crest; below 0 in the face; both where they agree; `worst`: "
                                       "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
-        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures="pressure",
+        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures=("pressure",),
         doc="depth of it (`dry`, `full`, `50 %` of its depth; a mean pressure, `5 kPa`); triangular there, "
         "falling to nothing at the toe",
     )  # fmt: skip
