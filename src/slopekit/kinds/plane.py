@@ -188,6 +188,11 @@ def _crest_x(design: PlaneDesign) -> float:
     return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
 
 
+def crest_point(design: PlaneDesign) -> Floats:
+    """The crest, (3,) in the axes of the section."""
+    return np.array([_crest_x(design), 0.0, design.height_m])
+
+
 def compared(design: PlaneDesign) -> ClosedForm:
     """The closed form as PRE-IE is compared with it. Raises GeometryError as `cut`, without loading the section."""
     section_of(design)

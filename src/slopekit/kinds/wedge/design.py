@@ -112,7 +112,7 @@ class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
     Strengths are those of J1, J2 and, where there is one, the basal joint. `laws` are the curved ones of the joints;
-    cohesion and friction angle are those of `Strength.by_law` then. `crack_water_m`: how deep water stands in the crack,
+    cohesion and friction angle are those of `Strength.by_law` then. `crack_water_m`: how deep water is in the crack,
     where it is that which wets the joints; None where `Water` says it.
     """
 
