@@ -650,11 +650,12 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert document["unit"] == "kN/m"
     assert [bolt["acts"] for bolt in document["bolts"]] == ["active", "passive"]
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "support-active.yaml", "support-passive.yaml", "support.csv", "support.json", "support.txt",
+        "support-active.yaml", "support-crest.csv", "support-passive.yaml", "support.csv", "support.json",
+        "support.txt",
     ]  # fmt: skip
     sheet = (tmp_path / "out" / "support.txt").read_text(encoding="utf-8")
     assert [line.split()[0] for line in sheet.splitlines() if line[:1].isupper()] == [
-        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "USE", "PASTE", "TIME",
+        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "CREST", "USE", "PASTE", "TIME",
     ]  # fmt: skip
 
 

@@ -413,7 +413,7 @@ _PATHS: Mapping[str, str] = {
 }  # fmt: skip
 _OF_JOINTS = ("c", "phi", "dilation", "tension")
 _STIFFNESS = {"normal_stiffness": "normal", "shear_stiffness": "shear"}
-_KNOWN = ("dips", "basal", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
+_KNOWN = ("dips", "basal", "limits", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
 _LISTS = ("forces", "bolts", "factors", "accept")
 
 
@@ -458,6 +458,8 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         put(f"basal.{key}", node("basal", part, values["basal"]))
         put("basal.strength", node("basal", "basal"))
         names = ["J1", "J2", "basal"]
+    for key, part in _limit_parts(values.get("limits"), option, faults).items():
+        put(f"limits.{key}", node("limits", part, f"{key}={','.join(part) if isinstance(part, list) else part}"))
     for key in _OF_JOINTS:
         for name, part in zip(names, _each(key, values.get(key), option, faults, len(names)), strict=False):
             put(f"strength.{name}.{key}", part if isinstance(part, Node) else node(key, part, values[key]))
@@ -516,6 +518,30 @@ def _basal_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
         advice = "The height is that over the toe, where it meets J1's trace on the face."
         faults.append(Fault("E447", message, f"{option('basal')} {words.shown(value)}", advice))
     return {}
+
+
+def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) -> Mapping[str, Any]:
+    """Limits of size by their keys: a mapping, or texts as bench_width=6m."""
+    texts = [value] if isinstance(value, str) else value
+    if value is None:
+        return {}
+    found: dict[str, Any] = {}
+    if isinstance(value, Mapping):
+        found = {str(key): part for key, part in value.items() if part is not None}
+    elif isinstance(texts, Sequence) and all(isinstance(one, str) and "=" in one for one in texts):
+        for one in texts:
+            key, _, part = (piece.strip() for piece in one.partition("="))
+            found[key.replace("-", "_")] = re.split(r"\s*,\s*", part) if "," in part else part
+    else:
+        advice = 'Write bench_width=6m, in Python {"bench_width": 6}.'
+        message = f"limits of size are {words.shown(value)}, each is a key and a value"
+        faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
+    known = [field.path for field in fields_of(SizeLimits).values()]
+    for key in [key for key in found if key not in known]:
+        near = get_close_matches(key, known, n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}."
+        faults.append(Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={found.pop(key)}", advice))
+    return found
 
 
 def _each(
