@@ -122,6 +122,23 @@ strength: {seam: {c: 120 kPa, phi: 25, dilation: 5, stiffness: {normal: 2e5, she
 rock: {unit_weight: 24}
 analysis: {criterion: all-pairs, factors: [0.5, 1, 1.5]}
 """,
+    "wet footing": """\
+slopekit: 1
+kind: footing
+footing: {load: 1500 kN, at: 2 m}
+weak_plane: {dip: 30, length: 8 m, strength: seam}
+strength: {seam: {c: 100 kPa, phi: 25}}
+uplift: {toe: 40 kPa, heel: 10 kPa, drain: 25 %}
+""",
+    "deep crack": """\
+slopekit: 1
+kind: wedge
+slope: {face: 65/185, upper: 0/185, height: 20 m}
+joints: {J1: {plane: 45/105}, J2: {plane: 60/235}}
+crack: {plane: 85/185, distance: 4 m, water: 3 m}
+strength: {j: {c: 20 kPa, phi: 30}}
+rock: {unit_weight: 26}
+""",
     "sheet surface": """\
 slopekit: 1
 kind: surface

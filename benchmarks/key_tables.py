@@ -42,7 +42,8 @@ def _rows(record: Any) -> Iterator[str]:
 
 def _unit(field: Field) -> str:
     if field.is_number:
-        return f"part, or {UNITS[field.or_measures]}" if field.or_measures else field.unit
+        units = [field.unit, *(UNITS[other] for other in field.or_measures)]
+        return ", or ".join(unit or "part" for unit in units) if field.or_measures else field.unit
     return field.measures if field.measures in ("plane", "line", "point") else ""
 
 

@@ -46,6 +46,9 @@ def wedge(
     agree_within: Annotated[float | None, Option("Largest difference of the two methods [1%].")] = None,
     gravity: Annotated[Any, Option("Acceleration of gravity [9.81 m/s2].")] = None,
     water_unit_weight: Annotated[Any, Option("Unit weight of water [9.81 kN/m3].")] = None,
+    limits: Annotated[
+        Any, Option("Limit of size, as in design files: bench_width=6m; repeat.", flag="--limit", texts=0)
+    ] = None,
     refine: Annotated[int | None, Option("Split the joints' triangles in four this often [0].")] = None,
     origin: Annotated[Any, Option("Map coordinates of the toe, E,N,Z.")] = None,
     desk: Desk = DESK,
@@ -63,7 +66,8 @@ def wedge(
     Values are written as on the command line, "45/115" or "5 kPa", or as Python has them: planes (45, 115), numbers,
     (J1, J2) where the joints differ, forces (east, north, up) in kN or {"force": ..., "at": (x, y, z)}, bolts
     {"force", "toward", "acts", "head", "length"}, a crack {"plane": ..., "distance": ...}, a basal joint {"plane": ...,
-    "height": ...}, the origin (E, N, Z).
+    "height": ...}, the origin (E, N, Z). `limits` are those of design files: {"bench_width": 6,
+    "trace_length": (10, 12), "by": "filter"}. Of a crack {"water": "3 m"} says how deep the water stands in it.
     """
     from slopekit.kinds.wedge.design import wedge_design
 

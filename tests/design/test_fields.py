@@ -53,7 +53,9 @@ DESIGNS = [
     *(("plane", {"slope": FACE, "joints": {"J1": {"plane": PLANE}}, "strength": {"a": law}, "rock": ROCK})
       for law in CURVED),
     ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
-                 "strength": {"a": STRENGTH}}),
+                 "strength": {"a": STRENGTH}, "uplift": {"toe": 20, "heel": 5, "drain": 0.5}}),
+    ("footing", {"footing": {"load": 1500, "at": 2}, "weak_plane": {"dip": 45, "length": 7},
+                 "strength": {"a": STRENGTH}, "uplift": {"fill": 0.5}}),
     ("surface", {"slope": PROFILE, "slip": {"shape": "cylinder", "centre": [44, 44], "radius": 44, "length": 10},
                  "strength": {"a": STRENGTH}, "rock": ROCK, "water": {"pressures": 5}}),
     ("topple", {"columns": {"dip": 60, "width": 10, "heights": [4, 10], "base_step": 1, "thickness": 2},

@@ -19,7 +19,8 @@ _SLOW = (
 )  # fmt: skip
 _OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text))
 _OF_CASES = ("cases plane",)
-_NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS, *_OF_CASES))
+_WET = ("wet footing", "deep crack")
+_NAMES = tuple(name for name in SEEDS if name not in (*_SLOW, *_OF_BLOCKS, *_OF_CASES, *_WET))
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,14 @@ def test_a_healthy_share_reaches_each_stage(found) -> None:
 def test_a_file_of_a_seed_is_always_the_same() -> None:
     assert [case(k, 1) for k in range(20)] == [case(k, 1) for k in range(20)]
     assert len({case(k, 1).content for k in range(50)}) > 45
+
+
+def test_files_with_uplift_and_water_in_a_crack_are_run_or_refused(tmp_path) -> None:
+    """Every file ends with a result or with codes."""
+    each = [run(case(index, _SEED, _WET), tmp_path) for index in range(40)]
+    assert not [one.escaped for one in each if one.escaped]
+    assert all(one.codes for one in each if one.exit_code in (2, 3))
+    assert {one.exit_code for one in each} >= {0, 2}
 
 
 def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:

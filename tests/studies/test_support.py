@@ -640,8 +640,8 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     document = json.loads(run.stdout)
     assert document.keys() == {
         "slopekit", "study", "kind", "title", "input_sha256", "inputs", "target_fos", "unit", "reached", "needed",
-        "without", "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure", "warnings",
-        "timing_s", "line", "sheet",
+        "without", "weight_kn", "face_area_m2", "dilates", "existing_bolts", "options", "bolts", "pressure", "crest",
+        "warnings", "timing_s", "line", "sheet",
     }  # fmt: skip
     assert document["bolts"][0].keys() == {
         "acts", "direction", "toward", "reached", "use_kn", "closed_form", "pre_ie", "most_kn", "optimum", "pattern",
@@ -650,11 +650,12 @@ def test_the_command_writes_prints_and_leaves_with_its_code(tmp_path: Path) -> N
     assert document["unit"] == "kN/m"
     assert [bolt["acts"] for bolt in document["bolts"]] == ["active", "passive"]
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
-        "support-active.yaml", "support-passive.yaml", "support.csv", "support.json", "support.txt",
+        "support-active.yaml", "support-crest.csv", "support-passive.yaml", "support.csv", "support.json",
+        "support.txt",
     ]  # fmt: skip
     sheet = (tmp_path / "out" / "support.txt").read_text(encoding="utf-8")
     assert [line.split()[0] for line in sheet.splitlines() if line[:1].isupper()] == [
-        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "USE", "PASTE", "TIME",
+        "TARGET", "ACTIVE", "PASSIVE", "PRESSURE", "CREST", "USE", "PASTE", "TIME",
     ]  # fmt: skip
 
 

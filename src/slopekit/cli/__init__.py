@@ -82,7 +82,9 @@ def _refuse_repeats(arguments: list[str]) -> None:
     """Refuse an option that takes one value and is given twice, which the parser would let the last one win."""
     given = [argument.partition("=")[0] for argument in arguments if argument.startswith("--")]
     names = [_SPELLINGS.get(name, name) for name in given]
-    twice = sorted({name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--set", "--project"})
+    twice = sorted(
+        {name for name in names if names.count(name) > 1} - {"--force", "--bolt", "--limit", "--set", "--project"}
+    )
     if twice:
         raise DesignError([Fault("E133", f"{name} is given twice", name, "Give it once.") for name in twice])
 

@@ -146,7 +146,7 @@ class Bolt:
 def forces_without(*keys: str) -> Any:
     """A list of forces, by their keys but for these, or in words."""
     return group(
-        "loads.forces", Force, default=(), many="list", without=keys, coordinates=2, or_measures="force",
+        "loads.forces", Force, default=(), many="list", without=keys, coordinates=2, or_measures=("force",),
         forms=(Leaf(example="500 kN@180/10"), ListOf(Leaf(), 3, 3, example="[0, -3, 6]")),
     )  # fmt: skip
 

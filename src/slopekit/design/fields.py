@@ -69,7 +69,7 @@ class Field:
         lacks; `each`: a number for all, or one for each as a list or by name
     is_attribute : of its record; else it is read into others; `is_refused`: known so that the reader can say why not
     coordinates : how deep its lists of coordinates are: 1 of a point, 2 of a polygon
-    or_measures : what it measures where its unit says so
+    or_measures : what else it measures where its unit says so
     taken : attribute that says what is taken where its own is None
     """
 
@@ -107,7 +107,7 @@ class Field:
     is_attribute: bool = False
     is_refused: bool = False
     coordinates: int = 0
-    or_measures: str = ""
+    or_measures: tuple[str, ...] = ()
     taken: str = ""
 
     @property
@@ -294,7 +294,7 @@ def every_field(record: Any, path: str = "") -> Iterator[Field]:
         if one.is_number and (one.many or one.each):
             yield replace(own, path=f"{own.path}.*")
         if one.coordinates:
-            measures = one.measures if one.is_number else one.or_measures or "length"
+            measures = one.measures if one.is_number else next(iter(one.or_measures), "length")
             below = own.path + ".*" * one.coordinates
             yield replace(own, path=below, measures=measures, role="coordinate", coordinates=0, scatters=False)
         if one.of is not None:

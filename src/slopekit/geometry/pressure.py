@@ -113,13 +113,9 @@ class Pressure:
         """
         thrust, moment = 0.0, np.zeros(3)
         for part, pressures in self._parts(polygon):
-            a, b, c = part[:1], part[1:-1], part[2:]
-            areas = np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0
-            corners = np.stack([np.broadcast_to(a, b.shape), b, c])
-            at = np.stack([np.broadcast_to(pressures[0], len(b)), pressures[1:-1], pressures[2:]])
-            total = at.sum(axis=0)
-            thrust += float(areas @ total) / 3.0
-            moment += areas / 12.0 @ (total[:, None] * corners.sum(axis=0) + (at[:, :, None] * corners).sum(axis=0))
+            own, turning = fan(part, pressures)
+            thrust += own
+            moment += turning
         return thrust, moment / thrust if thrust > 0.0 else polygon.mean(axis=0)
 
     def above(self, polygon: Floats) -> tuple[float, Floats]:
@@ -155,6 +151,26 @@ class Pressure:
         wet = _clipped(part, np.array([0.0, 0.0, 1.0]) - height.slope, height.level, True)
         if len(wet) > 2:
             yield wet, self.unit_weight * np.maximum(height.at(wet) - wet[:, 2], 0.0)
+
+
+def fan(polygon: Floats, pressures: Floats) -> tuple[float, Floats]:
+    """The integrals of p and p x over a flat convex polygon (k, 3), p linear in each triangle from its first corner.
+
+    Parameters
+    ----------
+    pressures : (k,) at the corners
+
+    >>> corner = np.array([[0.0, 0, 0], [3, 0, 0], [0, 2, 0]])
+    >>> fan(corner, np.array([12.0, 0.0, 0.0]))
+    (12.0, array([9., 6., 0.]))
+    """
+    a, b, c = polygon[:1], polygon[1:-1], polygon[2:]
+    areas = np.sqrt((cross(b - a, c - a) ** 2).sum(axis=1)) / 2.0
+    corners = np.stack([np.broadcast_to(a, b.shape), b, c])
+    at = np.stack([np.broadcast_to(pressures[0], len(b)), pressures[1:-1], pressures[2:]])
+    total = at.sum(axis=0)
+    moment: Floats = areas / 12.0 @ (total[:, None] * corners.sum(axis=0) + (at[:, :, None] * corners).sum(axis=0))
+    return float(areas @ total) / 3.0, moment
 
 
 def _clipped(polygon: Floats, normal: Floats, offset: float, is_open: bool) -> Floats:

@@ -12,7 +12,7 @@ from slopekit.core import sheet
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Stiffness, Strength
-from slopekit.design.fields import Field, count, number
+from slopekit.design.fields import Field, count, group, number
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_common, read_strengths
 from slopekit.geometry.section import J1, Section, footing_section, line_pairs
@@ -28,6 +28,28 @@ from slopekit.result import Result, Words
 NAME = "weak plane"
 
 
+@dataclass(frozen=True, slots=True)
+class Uplift:
+    """Water on the weak plane: its pressure at both ends (kPa), linear between, or a part of full; less by drains."""
+
+    toe_kpa: float | None = number(
+        "toe", "pressure", default=None, least=0.0, code="E119", label="uplift at the toe", left_out="0",
+        axis="uplift at the toe", doc="where the plane daylights in the face",
+    )  # fmt: skip
+    heel_kpa: float | None = number(
+        "heel", "pressure", default=None, least=0.0, code="E119", label="uplift at the heel", left_out="0",
+        axis="uplift at the heel", doc="at the back end of the plane; linear between",
+    )  # fmt: skip
+    fill: float | None = number(
+        "fill", "ratio", default=None, least=0.0, most=1.0, code="E118", label="uplift", left_out="by toe and heel",
+        axis="part of full uplift", doc="part of full, in their place: still water up to the top, held by the face",
+    )  # fmt: skip
+    drain: float = number(
+        "drain", "ratio", default=0.0, least=0.0, most=1.0, code="E118", label="what drains take off", example="50 %",
+        axis="what drains take off", left_out="no drains", doc="part of the pressure that drains take off, everywhere",
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FootingDesign(Design):
     """A footing above a weak plane that daylights in a vertical face (Sheng et al. 2023, §3.3), per metre.
@@ -40,6 +62,7 @@ class FootingDesign(Design):
         Field("weak_plane.strength", "text", left_out="the only one", doc="a name under strength"),
     )
     REQUIRED: ClassVar[tuple[str, ...]] = ("strength",)
+    UNSAID: ClassVar[tuple[str, ...]] = ("uplift",)
     WITHOUT: ClassVar[tuple[str, ...]] = ("water", "loads", "support")
 
     load_kn: float = number("footing.load", "force", above=0.0, code="E123", example="1500 kN", doc="downward")
@@ -57,6 +80,25 @@ class FootingDesign(Design):
         advice="Simpson's rule takes two pairs an element and one more.",
     )  # fmt: skip
     strength: Strength
+    uplift: Uplift | None = group("uplift", Uplift, default=None, left_out="dry", axis="uplift")
+
+    @property
+    def ends_kpa(self) -> tuple[float, float]:
+        """The pressure of the water at the toe and at the heel of the plane."""
+        water = self.uplift
+        if water is None:
+            return 0.0, 0.0
+        deep = self.length_m * math.sin(math.radians(self.dip_deg))
+        full = (water.toe_kpa or 0.0, water.heel_kpa or 0.0)
+        if water.fill is not None:
+            full = (water.fill * self.water_unit_weight_kn_m3 * deep, 0.0)
+        left = 1.0 - water.drain
+        return left * full[0], left * full[1]
+
+    @property
+    def uplift_kn(self) -> float:
+        """Of the water on the plane, per metre."""
+        return 0.5 * sum(self.ends_kpa) * self.length_m
 
     @property
     def at_m(self) -> float:
@@ -89,14 +131,30 @@ def read_footing(reader: Reader) -> FootingDesign:
         # a seam with a modulus: G is a third of E for ν = 0.5, as the paper has it
         normal = common["stiffness"].normal_kn_m3
         common["stiffness"] = Stiffness(normal, normal / 3.0)
-    return reader.made(FootingDesign, own, common, strength=strength)
+    return reader.made(FootingDesign, own, common, strength=strength, uplift=_uplift(reader))
+
+
+def _uplift(reader: Reader) -> Uplift | None:
+    node = reader.at("uplift")
+    if node is None or not node.is_mapping or not node.items():
+        return None
+    own = reader.fields(Uplift, node)
+    said = [key for key in ("toe", "heel") if node.get(key) is not None]
+    if node.get("fill") is not None and said:
+        message = f"uplift has fill and {' and '.join(said)}: they exclude each other"
+        reader.fault("E198", message, node.get(said[0]), "Keep one of them.")
+    elif node.get("fill") is None and not said:
+        advice = "Write uplift: {toe: 20 kPa, heel: 5 kPa} or {fill: 100 %}."
+        reader.fault("E395", "uplift says no pressure", node, advice)
+    return None if own["drain"] is None else Uplift(**own)
 
 
 def cut(design: FootingDesign) -> Cut:
     """Load the block above the weak plane. Raises GeometryError E219 where the load stands beside it."""
     section, at = _block(design)
     push = PointForce(np.array([0.0, 0.0, -design.load_kn]), np.array([-at, 0.0, section.bottom[2]]))
-    acting = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes={"footing": push})
+    pushes = {"footing": push} | _water(design, section)
+    acting = block_loads(section.block, design.unit_weight_kn_m3, {}, np.zeros(3), pushes=pushes)
     bed = section_bedding(section, acting, design.strength)
     left_out = ["bedrock (no unknowns)", "deformation of the footing and the rock", "the length of the footing "
                 "(per metre)"]  # fmt: skip
@@ -104,7 +162,19 @@ def cut(design: FootingDesign) -> Cut:
     return Cut(
         section.block, acting, lambda refine: bed.scene(line_pairs(section, (design.pairs - 1) // 2 * 2**refine)),
         [Interface(J1, NAME, design.strength)], lambda: section_geometry(section, NAME), left_out,
+        {J1: NAME} if design.uplift_kn else {},
     )  # fmt: skip
+
+
+def _water(design: FootingDesign, section: Section) -> dict[str, PointForce]:
+    """Uplift on the plane, through the centre of its trapezium of pressure."""
+    toe, heel = design.ends_kpa
+    if not toe + heel > 0.0:
+        return {}
+    along = section.bottom / section.length
+    up = np.array([along[2], 0.0, -along[0]])
+    share = (toe + 2.0 * heel) / (3.0 * (toe + heel))  # of the length, from the toe
+    return {f"water {J1}": PointForce(design.uplift_kn * up, section.bottom * share)}
 
 
 def closed_form(design: FootingDesign) -> ClosedForm:
@@ -113,7 +183,13 @@ def closed_form(design: FootingDesign) -> ClosedForm:
     strip, _ = on_secants(
         [design.strength],
         lambda lines: footing(
-            design.load_kn, design.dip_deg, design.length_m, lines[0].cohesion_kpa, lines[0].friction_angle_deg, weight
+            design.load_kn,
+            design.dip_deg,
+            design.length_m,
+            lines[0].cohesion_kpa,
+            lines[0].friction_angle_deg,
+            weight,
+            design.uplift_kn,
         ),
         lambda answer: [answer.normal_kn / design.length_m],
     )
@@ -146,7 +222,9 @@ def _slope(design: FootingDesign, result: Result) -> Iterator[sheet.Section]:
     yield size_part(result, f"height {size_number(result.geometry.total_height_m)} m", " per metre")
     off = design.eccentricity_m
     place = "over the middle of the plane" if not off else f"{abs(off):.4g} m off the middle of the plane"
-    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *water_in_words(design)], result)
+    toe, heel = design.ends_kpa
+    wet = [f"uplift {toe:.4g} kPa at the toe, {heel:.4g} kPa at the heel"] if design.uplift_kn else []
+    yield loads_part([f"footing {size_number(design.load_kn)} kN, {place}", *wet, *water_in_words(design)], result)
 
 
 KIND = kind_of_one_block(

@@ -100,9 +100,14 @@ def refuse_above(water: Pressure, free: Sequence[Floats], size: float, axes: Flo
         raise GeometryError([Fault("E456", message, "", advice)])
 
 
-def pushes(design: SlopeDesign, ground: Ground) -> dict[str, PointForce]:
-    """What water and surcharge do to the block, by the names that loads have for them: `water 0`, `surcharge`."""
-    found: dict[str, PointForce] = {}
+def pushes(
+    design: SlopeDesign, ground: Ground, in_crack: Mapping[str, PointForce] | None = None
+) -> dict[str, PointForce]:
+    """What water and surcharge do to the block, by the names that loads have for them: `water 0`, `surcharge`.
+
+    `in_crack`: what water in the crack alone does, in place of a table.
+    """
+    found: dict[str, PointForce] = dict(in_crack or {})
     water = pressure_of(design, ground)
     if water is not None:
         outside = Pressure((), water.pond, water.unit_weight)
@@ -111,7 +116,7 @@ def pushes(design: SlopeDesign, ground: Ground) -> dict[str, PointForce]:
                 polygon = ground.block.faces[face]
                 thrust, at = (water if face in ground.joints else outside).on(polygon)
                 if thrust:
-                    found[f"water {face}"] = PointForce(-thrust * _outward(polygon), at)
+                    found[f"water {face}"] = PointForce(-thrust * outward_of(polygon), at)
     upper = ground.block.faces.get(ground.free[1])
     if design.surcharge_kpa and upper is not None:
         a, b, c = upper[:1], upper[1:-1], upper[2:]
@@ -121,16 +126,18 @@ def pushes(design: SlopeDesign, ground: Ground) -> dict[str, PointForce]:
     return found
 
 
-def _outward(polygon: Floats) -> Floats:
+def outward_of(polygon: Floats) -> Floats:
     """The unit normal of a face anticlockwise from outside (Newell)."""
     whole = cross(polygon - polygon[0], np.roll(polygon, -1, axis=0) - polygon[0]).sum(axis=0)
     unit: Floats = whole / np.sqrt(float(whole @ whole))
     return unit
 
 
-def for_closed_form(design: SlopeDesign, ground: Ground) -> tuple[Mapping[int, float], Floats]:
+def for_closed_form(
+    design: SlopeDesign, ground: Ground, in_crack: Mapping[str, PointForce] | None = None
+) -> tuple[Mapping[int, float], Floats]:
     """Mean pressures of the joints (kPa) by face, and the sum of all else in east, north, up (kN)."""
-    found = pushes(design, ground)
+    found = pushes(design, ground, in_crack)
     means = {
         face: float(np.linalg.norm(found[f"water {face}"].force)) / ground.block.areas[face]
         if f"water {face}" in found else 0.0

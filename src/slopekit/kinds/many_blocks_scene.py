@@ -31,7 +31,7 @@ class AssemblyScene:
     pond : force and couple of open water on the free faces of blocks by index; surcharge : on their tops
     outlines : x, z of the blocks of a section by name
     checks : figures of what was checked; left_out : in words
-    crest : of the slope, None where it is not known
+    crest : of the slope, None where it is not known; crest_x : of columns that were made from a slope, m
     """
 
     assembly: Assembly
@@ -54,6 +54,7 @@ class AssemblyScene:
     pond: tuple[tuple[int, PointForce], ...] = ()
     surcharge: tuple[tuple[int, PointForce], ...] = ()
     crest: Crest | None = None
+    crest_x: float | None = None
 
 
 def with_loads(design: AssemblyDesign, scene: AssemblyScene, toward_deg: float, advice: str = "") -> AssemblyScene:

@@ -27,7 +27,10 @@ def _sizes_of_blocks(blocks: Ints, scene: AssemblyScene, gravity_m_s2: float) ->
     if scene.outlines:
         own = [outline for name, outline in scene.outlines.items() if name != "bedrock" or name in scene.names]
         heights = np.concatenate([own[k % len(own)][:, 1] for k in blocks.tolist()])
-        return BlockSizes(volume, mass, float(np.ptp(heights)), None, None, {})
+        setback = None
+        if scene.crest_x is not None:  # to the back of the last column, at its top: the third corner of an outline
+            setback = max(0.0, max(float(own[k % len(own)][2, 0]) for k in blocks.tolist()) - scene.crest_x)
+        return BlockSizes(volume, mass, float(np.ptp(heights)), None, setback, {})
     moves = np.zeros(len(assembly) + 1, dtype=bool)
     moves[blocks] = True
     corners = assembly.vertices[assembly.triangles[moves[assembly.triangle_block]].ravel()]

@@ -55,7 +55,7 @@ class VerticalCrack:
                                       doc="behind the crest; below 0 in the face; both where they agree; `worst`: "
                                       "where the closed form is lowest")  # fmt: skip
     water_m: float | None = number(
-        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures="pressure",
+        "water", "length", default=None, least=0.0, code="E119", label="water in the crack", or_measures=("pressure",),
         doc="depth of it (`dry`, `full`, `50 %` of its depth; a mean pressure, `5 kPa`); triangular there, "
         "falling to nothing at the toe",
     )  # fmt: skip
@@ -186,6 +186,11 @@ def cut(design: PlaneDesign) -> Cut:
 def _crest_x(design: PlaneDesign) -> float:
     """Where the crest is, out of the slope from the toe."""
     return -design.height_m / math.tan(math.radians(design.face.dip_deg)) if design.face.dip_deg < 90.0 else 0.0
+
+
+def crest_point(design: PlaneDesign) -> Floats:
+    """The crest, (3,) in the axes of the section."""
+    return np.array([_crest_x(design), 0.0, design.height_m])
 
 
 def compared(design: PlaneDesign) -> ClosedForm:

@@ -232,6 +232,13 @@ def cut(design: ToppleDesign) -> AssemblyScene:
     return with_loads(design, _columns_with_water(design), 270.0)
 
 
+def _crest_x(design: ToppleDesign) -> float | None:
+    """Where the crest is, into the slope from the foot of C1; None of columns that were not made from a slope."""
+    if design.slope_height_m is None or design.slope_face_deg is None:
+        return None
+    return design.slope_height_m / math.tan(math.radians(design.slope_face_deg))
+
+
 def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
     from slopekit.geometry.columns import BASE, RISER, column_assembly, column_outlines
 
@@ -248,7 +255,7 @@ def _columns_with_water(design: ToppleDesign) -> AssemblyScene:
         assembly, design.block_names, ("base", "sides", "riser"), (base, sides, base),
         np.full(len(assembly), design.unit_weight_kn_m3),
         np.where(joint == BASE, design.pressures_kpa[0], np.where(joint == RISER, 0.0, design.pressures_kpa[1])),
-        shown, {}, tuple(left_out), (), thickness=design.thickness_m,
+        shown, {}, tuple(left_out), (), thickness=design.thickness_m, crest_x=_crest_x(design),
     )  # fmt: skip
     return with_ground(design, scene)
 

@@ -46,6 +46,7 @@ class Key:
     given : whether it stands in the file
     scatters : how it scatters, None where it does not
     written_out : values to be written first, so that the path leads somewhere
+    with_unit : the unit that has to be written with it, where a bare number would be another thing
     """
 
     path: str
@@ -59,6 +60,7 @@ class Key:
     given: bool = True
     scatters: Distribution | Fisher | None = None
     written_out: tuple[tuple[str, str], ...] = ()
+    with_unit: str = ""
 
     @property
     def unit(self) -> str:
@@ -73,7 +75,7 @@ class Key:
         """The value as the file would have it, every digit of it."""
         if self.whole and value == int(value):
             return str(int(value))
-        return repr(self.reduced(value))
+        return f"{self.reduced(value)!r} {self.with_unit}".strip()
 
     def reduced(self, value: float) -> float:
         """A direction within the circle; any other value as it is."""
@@ -164,7 +166,8 @@ def _present(design: Design, node: Node) -> Iterator[Key]:
     elif node.text is not None and (field := _field(design, node.path, node.text)) is not None:
         value = _number(node.text, field.measures)
         if value is not None:
-            yield _key(node.path, field, value)
+            own, bare = _key(node.path, field, value), field_at(type(design), node.path)
+            yield replace(own, with_unit=own.unit) if bare is not None and bare.measures != own.kind else own
 
 
 def _angles(design: Design, node: Node, of: OrientationKind) -> Iterator[Key]:
@@ -286,12 +289,13 @@ def _water(design: Design) -> Iterator[_Absent]:
 
 
 def _field(design: Design, path: str, text: str = "") -> Field | None:
-    """The field of a path, with what it measures where its unit says so: a crack's water, a part of full or kPa."""
+    """The field of a path, with what it measures where its unit says so: a crack's water, a part of full, kPa or m."""
     field = field_at(type(design), path.replace(".mean.", "."))
-    other = "" if field is None else field.or_measures
-    if field is None or not other or unit_of(text) in ("", "%") or not is_unit_of(unit_of(text), other):
+    unit = unit_of(text)
+    if field is None or unit in ("", "%"):
         return field
-    return replace(field, measures=other, most=math.inf)
+    other = next((other for other in field.or_measures if is_unit_of(unit, other)), None)
+    return field if other is None else replace(field, measures=other, most=math.inf)
 
 
 def _key(

@@ -1,5 +1,6 @@
 """Dimension lines of what fails: setback behind the crest, width along it, height, with their numbers."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -47,7 +48,8 @@ def dimensions(stage: Stage) -> list[Dimension]:
     out, size = _square_to_crest(stage), float(np.ptp(corners, axis=0).max())
     depth, found = corners @ out, []
     if setback:
-        back = corners[depth < depth.min() + _SAME * size]
+        behind = depth.min() if (crest := _crest_of_columns(stage)) is None else -crest - setback
+        back = corners[np.abs(depth - behind) < _SAME * size]
         back = back[back[:, 2] > back[:, 2].max() - _SAME * size].mean(axis=0)
         found.append(Dimension("setback", setback, back, back + setback * out, back + 0.55 * setback * out))
     if width:
@@ -81,6 +83,13 @@ def lines(stage: Stage, found: Sequence[Dimension]) -> list[Layer]:
         layer("dimensions", rods(starts, ends, _THIN * size), DARK, front=2),
         layer("dimensions: ends", (balls[0], balls[1]), DARK, front=2),
     ]
+
+
+def _crest_of_columns(stage: Stage) -> float | None:
+    """How far into the slope from the foot of C1 the crest is, of columns: their bases reach behind their tops."""
+    inputs = stage.document.get("inputs") or {}
+    height, face = inputs.get("slope_height_m"), inputs.get("slope_face_deg")
+    return None if height is None or face is None else height / math.tan(math.radians(face))
 
 
 def _square_to_crest(stage: Stage) -> Floats:

@@ -73,6 +73,9 @@ def input_tables(inputs: Mapping[str, Any], with_schedule: bool = False) -> Iter
             if key == "water" and _crack_only(inputs):
                 rows.append(("water", "in the crack only, falling to nothing at the toe"))
                 continue
+            if key == "water" and inputs.get("crack_water_m"):
+                rows.append(("water", "as the crack has it, on the joints falling to nothing at their other edges"))
+                continue
             if key == "bolts" and with_schedule:
                 rows.append(("bolts", f"{len(inputs[key])}, in the schedule"))
                 continue

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
-from slopekit.core.arrays import frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
@@ -142,7 +142,16 @@ def _pushes(design: WedgeDesign, rock: RockMass, block: Block) -> dict[str, Poin
         return {}
     from slopekit.kinds import ground_water
 
-    return ground_water.pushes(design, _ground(design, rock, block))
+    return ground_water.pushes(design, _ground(design, rock, block), in_crack(design, block, (J1, J2), CRACK))
+
+
+def in_crack(design: WedgeDesign, block: Block, joints: Sequence[int], crack: int) -> dict[str, PointForce]:
+    """What water that stands so deep in the crack does to the block, there and on its joints."""
+    if not design.crack_water_m:
+        return {}
+    from slopekit.kinds.wedge import crack_water
+
+    return crack_water.pushes(block, joints, crack, design.crack_water_m, design.water_unit_weight_kn_m3)
 
 
 def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.Ground":
@@ -154,20 +163,27 @@ def _ground(design: WedgeDesign, rock: RockMass, block: Block) -> "ground_water.
     )  # fmt: skip
 
 
-def _ground_of(design: WedgeDesign) -> "ground_water.Ground":
+def _for_closed_form(design: WedgeDesign) -> tuple[list[float], Floats]:
+    """Mean pressures of the joints and the crack (kPa), and the sum of all else (kN)."""
+    from slopekit.kinds import ground_water
+
     if design.basal is not None:
         from slopekit.kinds.wedge import basal
 
-        return basal.ground_of(design)
-    rock = _rock_mass(design)
-    return _ground(design, rock, cut_wedge(rock))
+        ground = basal.ground_of(design)
+    else:
+        rock = _rock_mass(design)
+        ground = _ground(design, rock, cut_wedge(rock))
+    *joints, crack = ground.joints
+    means, rest = ground_water.for_closed_form(design, ground, in_crack(design, ground.block, joints, crack))
+    return [means.get(face, 0.0) for face in ground.joints], rest
 
 
 def _water(design: WedgeDesign, rock: RockMass, block: Block) -> dict[int, WaterPressure]:
     """Water on the joints and the crack: Hoek & Bray's pyramid, or the mean pressures that the user gave."""
     water, faces = design.water, [J1, J2] + ([CRACK] if CRACK in block.faces else [])
     if water.mode == "table" or (water.mode == "dry" and not water.crack_fill):
-        return {}
+        return {}  # or as deep as it is in the crack, see `in_crack`
     pressures: dict[int, WaterPressure] = {}
     if water.mode == "pressures":
         pressures = {face: WaterPressure(p) for face, p in zip(faces, water.pressures_kpa, strict=False) if p}
@@ -205,11 +221,10 @@ def arguments(design: WedgeDesign) -> Arguments:
     if design.is_cut_for_loads:
         from slopekit.kinds import ground_water
 
-        ground = _ground_of(design)
-        means, rest = ground_water.for_closed_form(design, ground)
+        means, rest = _for_closed_form(design)
         force = ground_water.added(force, rest)
-        if water.mode == "table":
-            given, pressures = True, [means.get(face, 0.0) for face in ground.joints]
+        if water.mode == "table" or design.is_wet_by_crack:
+            given, pressures = True, [*means]
     if basal is not None:
         columns |= {
             "basal_dip_deg": basal.plane.dip_deg, "basal_dip_direction_deg": basal.plane.dip_direction_deg,
@@ -333,8 +348,9 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
 def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:
     changes: list[tuple[str, WedgeDesign]] = []
     if design.water.mode == "dry" or (design.water.mode == "full" and design.water.fill < 1.0):
+        without = replace(design, crack_water_m=None)
         changes.append(
-            ("full water", replace(design, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
+            ("full water", replace(without, water=replace(design.water, mode="full", fill=1.0, pressures_kpa=())))
         )
     one_for_all = len(set(design.strengths)) == 1
     for k, strength in enumerate(dict.fromkeys(design.strengths)):
@@ -478,6 +494,9 @@ def _slope(design: WedgeDesign, result: Result) -> Iterator[Section]:
         size = replace(size, entries=[*size.entries, *limits.in_words(design)])
     yield size
     wet = [] if design.water.mode == "table" else water_in_words(design)
+    if design.crack_water_m:
+        wet = [f"water {design.crack_water_m:.4g} m deep in the crack, on the joints falling to nothing at their other "
+               "edges"]  # fmt: skip
     yield loads_part([*wet, *design.ground_in_words()], result)
 
 

@@ -108,8 +108,9 @@ def _pushes(design: WedgeDesign, rock: BasalRockMass, block: Block) -> dict[str,
     if not design.is_cut_for_loads:
         return {}
     from slopekit.kinds import ground_water
+    from slopekit.kinds.wedge import in_crack
 
-    return ground_water.pushes(design, _ground(design, rock, block))
+    return ground_water.pushes(design, _ground(design, rock, block), in_crack(design, block, _IDS, CRACK))
 
 
 def ground_of(design: WedgeDesign) -> "ground_water.Ground":

@@ -25,7 +25,7 @@ from slopekit.design.structure import is_distribution
 if TYPE_CHECKING:
     from slopekit.strength.protocol import StrengthLaw
 
-#: Where a crack lowers the closed form most.
+_DEPTH_OF_WATER = Field("water", "length", 0.0, code="E119", label="water in the crack")
 #: The paper's wedge (Sheng et al. 2023, Tables 4 and 5): what is left out of a design takes these values.
 PAPER_WEDGE: dict[str, Any] = {
     "face": Plane(60.0, 180.0), "upper": Plane(10.0, 180.0), "height": 64.89, "c": 50.0, "phi": 20.0, "density": 2600.0,
@@ -42,10 +42,11 @@ class Crack:
             "ratio",
             0.0,
             1.0,
-            or_measures="pressure",
+            or_measures=("pressure", "length"),
             axis="water in the crack",
             left_out="as the joints",
-            doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`",
+            doc="`dry`, `full`, `50 %`; a mean pressure with its unit, `5 kPa`; a depth over its lowest point with its "
+            "unit, `3 m`, which wets the joints too",
         ),
     )
 
@@ -111,7 +112,8 @@ class WedgeDesign(SlopeDesign):
     """One wedge, complete and checked. Made by `read_wedge` and `wedge_design`.
 
     Strengths are those of J1, J2 and, where there is one, the basal joint. `laws` are the curved ones of the joints;
-    cohesion and friction angle are those of `Strength.by_law` then.
+    cohesion and friction angle are those of `Strength.by_law` then. `crack_water_m`: how deep water is in the crack,
+    where it is that which wets the joints; None where `Water` says it.
     """
 
     ALSO: ClassVar[tuple[Field, ...]] = (JOINTS,)
@@ -119,7 +121,7 @@ class WedgeDesign(SlopeDesign):
     FILLS: ClassVar[bool] = True
     INTO: ClassVar[Mapping[str, str]] = {"crack.water": "water.crack_fill"}
     DEFAULTS: ClassVar[Mapping[str, Any]] = PAPER_WEDGE
-    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits")
+    UNSAID: ClassVar[tuple[str, ...]] = ("basal", "limits", "crack_water_m")
 
     joints: tuple[Plane, Plane]
     face: Plane = orientation("slope.face", axis="the face", default=None, example="60/180")
@@ -135,6 +137,7 @@ class WedgeDesign(SlopeDesign):
     tension_kpa: tuple[float, ...] = (0.0, 0.0)
     basal: Basal | None = group("basal", Basal, default=None, left_out="no basal joint")
     crack: Crack | None = group("crack", Crack, default=None, left_out="no crack")
+    crack_water_m: float | None = None
     limits: SizeLimits | None = group("limits", SizeLimits, default=None, left_out="no limits of size")
     refine: int = refinements()
     origin_m: tuple[float, float, float] = point(
@@ -161,6 +164,16 @@ class WedgeDesign(SlopeDesign):
     def each_strength(self, change: Callable[[Strength], Strength]) -> "WedgeDesign":
         """The wedge with every strength changed."""
         return self.with_strengths([change(one) for one in self.strengths])
+
+    @property
+    def is_wet_by_crack(self) -> bool:
+        """Whether the depth of water in the crack says what is on the joints."""
+        return bool(self.crack_water_m)
+
+    @property
+    def is_cut_for_loads(self) -> bool:
+        """Whether water or surcharge are integrated over the faces of the block."""
+        return super().is_cut_for_loads or self.is_wet_by_crack
 
     @property
     def wet_interfaces(self) -> tuple[str, ...]:
@@ -210,6 +223,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     strengths = strengths_of(reader, [*joints, *under]) if joints else _without_joints(reader, len(under))
     crack_node = reader.at("crack")
     crack = None if crack_node is None or crack_node.value is None else _crack(reader, crack_node)
+    depth = None if crack_node is None or crack_node.value is None else _depth_of_water(reader, crack_node)
     has_crack = crack_node is not None and crack_node.value is not None
     names = tuple(joint.name for joint in joints) or ("J1", "J2")
     ground, table = read_ground_water(reader)
@@ -220,7 +234,7 @@ def read_wedge(reader: Reader) -> WedgeDesign:
     sound = [one or Strength(0.0, 0.0) for one in strengths]
     design: WedgeDesign = reader.made(
         WedgeDesign, own, common, ground, joints=tuple(joint.plane for joint in joints), joint_names=names, crack=crack,
-        water=water, basal=basal, limits=_limits(reader, names, also), **_by_joint(sound),
+        crack_water_m=depth, water=water, basal=basal, limits=_limits(reader, names, also), **_by_joint(sound),
     )  # fmt: skip
     if crack is None or crack_node is None or not math.isinf(crack.distance_m):
         return design
@@ -303,10 +317,22 @@ def _without_joints(reader: Reader, under: int) -> list[Strength | None]:
 def _crack(reader: Reader, node: Node) -> Crack | None:
     value = reader.value(node)
     if isinstance(value, dict):
-        value.pop("water", None)
+        value.pop("water", None)  # read apart
         if None in value.values():
             return None
     return None if value is None else reader.kept(crack_of_words, value, str(node.place))
+
+
+def _is_depth(reader: Reader, node: Node) -> bool:
+    """Whether a crack's water is so many metres, by its unit."""
+    return reader.is_sound(node) and is_unit_of(unit_of(reader.value(node)), "length")
+
+
+def _depth_of_water(reader: Reader, crack: Node) -> float | None:
+    node = crack.get("water")
+    if node is None or node.value is None or not _is_depth(reader, node):
+        return None
+    return reader.number(_DEPTH_OF_WATER, node)
 
 
 def crack_of_words(value: object, where: str) -> Crack:
@@ -345,11 +371,17 @@ def _water(reader: Reader, crack: Node | None, order: Sequence[str], table: Wate
                 "E198", "the crack's water and a water table both say how full it is", node, "Keep one of them."
             )
         return table
-    if node is None or node.value is None:
-        return read_water(reader, order, has_crack, has_basal)[0]
+    if node is None or node.value is None or _is_depth(reader, node):
+        found, at = read_water(reader, order, has_crack, has_basal)
+        if node is not None and node.value is not None and found != Water():
+            reader.fault("E198", f"the crack's water is {node.text}, which wets the joints, and water says another "
+                         "thing", at, "Keep one of them.")  # fmt: skip
+        return found
     top = reader.at("water")
     given = None if top is None or top.value is None else given_water(reader, top, order)
     water, value = ("dry" if given is None else given[0]), reader.value(node)
+    if value is None:
+        return Water()
     count = 3 if has_basal else 2
     joints = list(water) if isinstance(water, list) else [0.0] * count if water in ("dry", 0.0) else None
 
@@ -381,7 +413,7 @@ _PATHS: Mapping[str, str] = {
 }  # fmt: skip
 _OF_JOINTS = ("c", "phi", "dilation", "tension")
 _STIFFNESS = {"normal_stiffness": "normal", "shear_stiffness": "shear"}
-_KNOWN = ("dips", "basal", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
+_KNOWN = ("dips", "basal", "limits", *_OF_JOINTS, *_STIFFNESS, *_PATHS)
 _LISTS = ("forces", "bolts", "factors", "accept")
 
 
@@ -426,6 +458,8 @@ def wedge_design(given: Mapping[str, Any], option: Callable[[str], str] = lambda
         put(f"basal.{key}", node("basal", part, values["basal"]))
         put("basal.strength", node("basal", "basal"))
         names = ["J1", "J2", "basal"]
+    for key, part in _limit_parts(values.get("limits"), option, faults).items():
+        put(f"limits.{key}", node("limits", part, f"{key}={','.join(part) if isinstance(part, list) else part}"))
     for key in _OF_JOINTS:
         for name, part in zip(names, _each(key, values.get(key), option, faults, len(names)), strict=False):
             put(f"strength.{name}.{key}", part if isinstance(part, Node) else node(key, part, values[key]))
@@ -484,6 +518,30 @@ def _basal_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) 
         advice = "The height is that over the toe, where it meets J1's trace on the face."
         faults.append(Fault("E447", message, f"{option('basal')} {words.shown(value)}", advice))
     return {}
+
+
+def _limit_parts(value: Any, option: Callable[[str], str], faults: list[Fault]) -> Mapping[str, Any]:
+    """Limits of size by their keys: a mapping, or texts as bench_width=6m."""
+    texts = [value] if isinstance(value, str) else value
+    if value is None:
+        return {}
+    found: dict[str, Any] = {}
+    if isinstance(value, Mapping):
+        found = {str(key): part for key, part in value.items() if part is not None}
+    elif isinstance(texts, Sequence) and all(isinstance(one, str) and "=" in one for one in texts):
+        for one in texts:
+            key, _, part = (piece.strip() for piece in one.partition("="))
+            found[key.replace("-", "_")] = re.split(r"\s*,\s*", part) if "," in part else part
+    else:
+        advice = 'Write bench_width=6m, in Python {"bench_width": 6}.'
+        message = f"limits of size are {words.shown(value)}, each is a key and a value"
+        faults.append(Fault("E394", message, f"{option('limits')} {words.shown(value)}", advice))
+    known = [field.path for field in fields_of(SizeLimits).values()]
+    for key in [key for key in found if key not in known]:
+        near = get_close_matches(key, known, n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(known)}."
+        faults.append(Fault("E394", f"{key} is no limit of size", f"{option('limits')} {key}={found.pop(key)}", advice))
+    return found
 
 
 def _each(

@@ -262,6 +262,50 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
+class CrestRow:
+    """One row of anchors with their heads at the crest of a plane failure, per metre of slope.
+
+    Attributes
+    ----------
+    which : best of the plunges that cross the plane, given, or practical (best within limits of plunge too)
+    toward : None where no anchor from there reaches the target
+    head : of the row, m; plunges : that cross the plane, degrees
+    closed_form : as it sees all forces; pre_ie : with the heads at the crest, its own root
+    crosses : from the head to the plane, m; length : with the anchorage behind it, or as given
+    spacing : of anchors along the row, m; each : what each of them carries, kN
+    bolts : what goes into the design beside `existing`, put back; reached : whether that meets the target
+    """
+
+    JSON_ALSO: ClassVar = ("use_kn", "yaml")
+    acts: Acts
+    which: Which = field(metadata={"json": "direction"})
+    toward: Line | None
+    head: tuple[float, float, float] = field(metadata={"json": "head_m"})
+    plunges: tuple[float, float] = field(metadata={"json": "plunges_deg"})
+    closed_form: Need
+    pre_ie: Need | None
+    dilates: bool = field(default=False, metadata={"json": None})
+    crosses: float | None = field(default=None, metadata={"json": "to_plane_m"})
+    length: float | None = field(default=None, metadata={"json": "length_m"})
+    spacing: float | None = field(default=None, metadata={"json": "spacing_m"})
+    each: float | None = field(default=None, metadata={"json": "each_kn"})
+    notices: tuple[Notice, ...] = ()
+    bolts: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
+    existing: tuple[Bolt, ...] = field(default=(), metadata={"json": None})
+    reached: bool = False
+
+    @property
+    def use_kn(self) -> float | None:
+        """The force to use, kN per metre: the larger (of dilating joints PRE-IE's), None where a method has none."""
+        return _larger(self)
+
+    @property
+    def yaml(self) -> str | None:
+        """The row as `support:` of a design file; None where it does not reach the target."""
+        return snippet((*self.existing, *self.bolts)) if self.bolts and self.reached else None
+
+
+@dataclass(frozen=True, slots=True)
 class Pressure:
     """An even pressure on the face, square to it: kPa by each method, the area and the point its force acts on."""
 
@@ -294,7 +338,7 @@ class Pressure:
         return found
 
 
-def _larger(needs: Case | Pressure) -> float | None:
+def _larger(needs: "Case | CrestRow | Pressure") -> float | None:
     """What both methods need, of dilating joints PRE-IE; None where one of them cannot reach the target."""
     closed, limit = needs.closed_form.force, needs.pre_ie.force if needs.pre_ie is not None else None
     if closed is None or limit is None:
@@ -329,6 +373,7 @@ class Support(Outcome):
     unit: str
     warnings: tuple[Notice, ...]
     dilates: bool = False
+    crest: tuple[CrestRow, ...] = ()
     seconds: float = field(default=0.0, compare=False, metadata={"json": None})
 
     @property
@@ -379,10 +424,13 @@ class Support(Outcome):
 
     def to_dict(self) -> dict[str, Any]:
         """The support as JSON values; times stand in a block of their own."""
-        return {
+        found = {
             **self.head(self.design), **record_of(self), "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
+        if self.design.kind != "plane":
+            del found["crest"]
+        return found
 
 
 def enough(target: float, closed_form: Answer, pre_ie: Answer, dilates: bool) -> bool:

@@ -11,9 +11,9 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Opt
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
     Case,
+    CrestRow,
     Need,
     Options,
     Pattern,
@@ -48,6 +49,9 @@ from slopekit.studies.support.search import (
     pre_ie_coarse,
     site_of,
 )
+
+if TYPE_CHECKING:
+    from slopekit.studies.support.crest import Crest
 
 _AIM = 2e-8  # forces aim above the target by this part, so that rounding leaves none below it
 _WITHIN = 1.5e-7  # PRE-IE's own root lies above the target by at most twice this part
@@ -121,7 +125,7 @@ def support(
     return Support(
         design, options.target, options, bare, bare_limit, cases, None if stands else search.pressure(), weight,
         site.area, site.unit, tuple(common_notices(design, kind_of(design).strengths(design))), search.dilates,
-        time.perf_counter() - began,
+        () if stands else tuple(search.crest()), time.perf_counter() - began,
     )  # fmt: skip
 
 
@@ -387,6 +391,77 @@ class _Search:
             Bolt(pattern.force / len(laid), line, ways.acts, (east, north, up), length)
             for (east, north, up), length in zip(laid.heads_m.tolist(), pattern.taken.tolist(), strict=True)
         )
+
+    # -- a row at the crest -------------------------------------------------------------------------------------
+
+    def crest(self) -> Iterator[CrestRow]:
+        """Anchors from the crest of a plane failure, in every direction that was asked for."""
+        if self.site.design.kind != "plane":
+            return
+        from slopekit.studies.support.crest import crest_of  # wedges do not pay for it
+
+        crest = crest_of(self.site)
+        if crest is None:
+            return
+        for acts in self.options.acts:
+            ways = BoltDirections(self.site, self.factor, acts == "passive")
+            goal, limits = self.factor / (1.0 + _AIM), (crest.low, crest.high)
+            if self.options.toward is not None:
+                direction = self.site.axes @ self.options.toward.vector()
+                crosses = crest.low <= crest.plunge(direction) <= crest.high
+                given = ways.along(direction, goal, self.bare) if crosses else None
+                yield self._row(ways, "given", crest, given, self.options.toward)
+            if self.options.plunge is not None:
+                low, high = max(self.options.plunge[0], crest.low), min(self.options.plunge[1], crest.high)
+                within = ways.within((low, high), goal, self.bare)[0] if low <= high else None
+                yield self._row(ways, "practical", crest, within)
+            yield self._row(ways, "best", crest, ways.within(limits, goal, self.bare)[0])
+
+    def _row(
+        self, ways: BoltDirections, which: Which, crest: "Crest", way: Way | None, line: Line | None = None
+    ) -> CrestRow:
+        """One row of anchors with its heads at the crest."""
+        site, options, head = self.site, self.options, self.site.place(crest.head)
+        row = CrestRow(
+            ways.acts, which, None, head, (crest.low, crest.high), Need(None, None, self.bare.status), None,
+            self.dilates,
+        )  # fmt: skip
+        if way is None:
+            reason = self._nowhere(ways, "best") if which == "best" else Notice(
+                "E392", "no anchor from the crest in that direction crosses the plane and reaches the target: they "
+                f"cross it at plunges of {crest.low:g} to {crest.high:g}°"
+            )  # fmt: skip
+            return replace(row, notices=(reason,))
+        line = line or site.line(way.direction)
+        own = _need_of(way)
+        row = replace(row, toward=line, closed_form=self.as_it_is or own)
+        if way.force is None:
+            return replace(row, pre_ie=own if self.as_it_is else None)
+        asked = _Asked(lambda force: site.with_bolts(Bolt(force, line, ways.acts, head)))
+        found = self._least(asked, way.force, math.inf)
+        crosses = crest.reach(way.direction)
+        least = crosses + options.bond
+        length = math.ceil(least * 100.0 - 1e-9) / 100.0 if options.length is None else options.length
+        row = replace(row, pre_ie=self._need(found, "with the heads at the crest"), crosses=crosses, length=length)
+        if not row.use_kn:
+            return row
+        bolts, level = self._put_back((Bolt(row.use_kn, line, ways.acts, head, max(length, least)),))
+        spacing = options.capacity / row.use_kn if options.spacing is None else options.spacing
+        each = row.use_kn * spacing
+        notices = []
+        if length < least * (1.0 - 1e-12):
+            notices.append(Notice("E327", f"the anchors are too short at {length:g} m: they need {least:.4g} m"))
+        if each > options.capacity * (1.0 + 1e-6):
+            notices.append(Notice(
+                "E393", f"{each:.6g} kN come to each anchor, {options.capacity:g} kN is what one takes: one row from "
+                "the crest is not enough"
+            ))  # fmt: skip
+        if spacing < _CLOSE_M:
+            message = f"anchors stand {spacing:.2g} m apart: closer than {_CLOSE_M:g} m they hold the same rock"
+            notices.append(Notice("W378", f"{message}; stronger ones (--bolt-capacity) stand farther apart"))
+        is_sound = level >= self.target and not any(notice.code.startswith("E") for notice in notices)
+        return replace(row, spacing=spacing, each=each, notices=tuple(notices), bolts=bolts,
+                       existing=site.design.bolts, reached=is_sound)  # fmt: skip
 
     # -- pressure -----------------------------------------------------------------------------------------------
 

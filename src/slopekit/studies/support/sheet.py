@@ -7,7 +7,7 @@ from slopekit.core.sheet import Column, Entry, Section, Sheet, Table, Verbatim, 
 from slopekit.design.common import Design
 from slopekit.kinds.sheets.bolts import schedule, schedule_entries
 from slopekit.kinds.words import bolt_text, line_in_words, size_number
-from slopekit.studies.support.records import Case, Need, Pattern, Pressure, Support
+from slopekit.studies.support.records import Case, CrestRow, Need, Pattern, Pressure, Support
 from slopekit.studies.support.search import Answer
 from slopekit.studies.words import head, status_words
 
@@ -32,12 +32,13 @@ def sheet_of(found: Support) -> Sheet:
         Section("BOLTS", _own_bolts(found.design)),
         *roles,
         Section("PRESSURE", _pressure(found.pressure, found.unit) if found.pressure is not None else ()),
+        Section("CREST", _crest(found)),
         Section("CASES", [cases] if cases.rows else []),
         Section("USE", _use(found)),
         Section("NOTE", [str(notice) for notice in found.warnings]),
         Section("PASTE", _paste(found)),
         Section("TIME", [f"{found.seconds:.2f} s"]),
-    ), {"support.csv": cases})  # fmt: skip
+    ), {"support.csv": cases} | ({"support-crest.csv": _crest_table(found)} if found.crest else {}))  # fmt: skip
 
 
 def _own_bolts(design: Design) -> list[Entry]:
@@ -229,6 +230,58 @@ def _pressure(pressure: Pressure, unit: str) -> list[str]:
     if pressure.use is not None:
         lines.append("what presses (a buttress, anchored mesh or shotcrete) must itself be held for that")
     return lines
+
+
+def _crest(found: Support) -> list[str]:
+    """A row of anchors from the crest: force per metre, plunge, spacing and length."""
+    if not found.crest:
+        is_plane = found.design.kind == "plane" and not found.stands
+        return ["none: the crack stands in the face, the crest is no part of the block"] if is_plane else []
+    first, lines = found.crest[0], []
+    low, high = first.plunges
+    place = ", ".join(f"{round(part, 6) + 0.0:.6g}" for part in first.head)
+    lines.append(
+        f"one row of anchors, heads at the crest ({place}); they cross the plane at plunges of {low:g} to {high:g}°"
+    )
+    for row in found.crest:
+        what = {"best": "best plunge", "given": "the direction given", "practical": "best that can be drilled"}
+        head = f"{row.acts}, {what[row.which]}"
+        if row.toward is None:
+            lines += [f"{head}: none.  {notice}" for notice in row.notices]
+            continue
+        lines.append(
+            f"{head} {line_in_words(row.toward)}: {_need(row.closed_form, found.unit, 'closed form')};  "
+            f"{_need(row.pre_ie, found.unit, 'PRE-IE')}"
+        )
+        lines += [str(need.notice) for need in (row.closed_form, row.pre_ie) if need and need.notice]
+        if row.which == "best" and row.toward.plunge_deg <= low + 0.05:
+            lines.append("the flattest that crosses it: flatter ones would need less, but end in front of the plane")
+        if row.spacing is not None and row.each is not None and row.crosses is not None and row.length is not None:
+            lines.append(
+                f"an anchor of {size_number(row.each)} kN every {row.spacing:.4g} m, {row.length:.4g} m long: "
+                f"{row.crosses:.4g} m to the plane, and {found.options.bond:g} m of anchorage"
+            )
+        lines += [str(notice) for notice in row.notices]
+    return lines
+
+
+def _crest_table(found: Support) -> Table[CrestRow]:
+    """The same in rows."""
+    unit = found.unit
+    columns: list[Column[CrestRow]] = [
+        Column("anchors are", attrgetter("acts"), "acts"),
+        Column("plunge", attrgetter("which"), "direction"),
+        Column("toward", lambda row: None if row.toward is None else line_in_words(row.toward), "toward"),
+        Column("closed form", attrgetter("closed_form.force"), "closed_form_kn", unit, _size),
+        Column("PRE-IE", lambda row: None if row.pre_ie is None else row.pre_ie.force, "pre_ie_kn", unit, _size),
+        Column("to use", attrgetter("use_kn"), "use_kn", unit, _size),
+        Column("reached", attrgetter("reached"), "reached", show=lambda reached: "yes" if reached else "no"),
+        Column("to the plane", attrgetter("crosses"), "to_plane_m", "m", _size),
+        Column("length", attrgetter("length"), "length_m", "m", _size),
+        Column("apart", attrgetter("spacing"), "spacing_m", "m", _size),
+        Column("of each", attrgetter("each"), "each_kn", "kN", _size),
+    ]
+    return Table(columns, found.crest, said="")
 
 
 def _use(found: Support) -> list[str]:
