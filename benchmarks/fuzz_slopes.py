@@ -75,7 +75,7 @@ slope: {face: 65/180, upper: 0/180, height: 15 m}
 joints: {J1: {plane: 48/125}, J2: {plane: 55/240}}
 strength: {joint: {c: 20 kPa, phi: 35, tension: 2}}
 rock: {unit_weight: 26}
-loads: {forces: [100 kN@180/10], surcharge: 5}
+loads: {forces: [100 kN@180/10, {force: 50, toward: {trend: 175, plunge: 5}}], surcharge: 5}
 support: {bolts: ["300 kN@000/10,passive"]}
 analysis:
   partial_factors: {permanent_unfavourable: 1.35, permanent_favourable: 1, variable_unfavourable: 1.5,
