@@ -429,7 +429,7 @@ MUTATIONS = (
          "run = height / np.tan(face * _RADIAN) + 1.01 * berm", _BERMS),
         ("backbreak that a share of the length keeps", "studies/bench_design/outcomes.py",
          "np.array(shares) * below[-1] * (1.0 - 1e-12), side=\"left\"",
-         "np.array(shares) * below[-1] * (1.0 - 1e-12), side=\"right\"", ("tests/studies/test_bench_design.py",)),
+         "np.array(shares) * below[-1] * (1.0 + 1e-12), side=\"left\"", ("tests/studies/test_bench_design.py",)),
         ("Fisher's K", "studies/axes.py", "return (joints - 1.0) / (joints * gap), low",
          "return joints / (joints * gap), low", _SETS),
         ("cone of the mean", "studies/axes.py", "-math.log1p(-confidence) / (joints - 1.0)",
