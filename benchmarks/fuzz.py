@@ -2,7 +2,8 @@
 
 Run by hand: ``python -m benchmarks.fuzz [count] [seed]`` (10 000 files and seed 20260 where left out). File k of a seed
 is always the same file; ``python -m benchmarks.fuzz show K [seed]`` prints it. Each takes the path of `slopekit run`
-in process, with every warning an error.
+in process, with every warning an error. ``python -m benchmarks.fuzz studies [count] [seed]`` does the same with surveys
+and options of `sets` and `bench-design`.
 """
 
 import json
@@ -15,7 +16,8 @@ import time
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn
@@ -57,16 +59,25 @@ def _stop(*_: object) -> NoReturn:
     raise TooSlowError(f"still running after {LIMIT_S:g} s")
 
 
+@contextmanager
+def limited() -> Iterator[None]:
+    """Stop what takes longer than the limit."""
+    signal.signal(signal.SIGPROF, _stop)
+    signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
 def run(made: Case, folder: Path) -> Outcome:
     """One file through the path of `slopekit run FILE --set …`."""
     file = folder / f"case-{os.getpid()}.yaml"
     file.write_bytes(made.content)
     began = time.process_time()
     stage, code = "read", 0
-    signal.signal(signal.SIGPROF, _stop)
-    signal.setitimer(signal.ITIMER_PROF, LIMIT_S)
     try:
-        with warnings.catch_warnings():
+        with limited(), warnings.catch_warnings():
             warnings.simplefilter("error")
             design = _load(str(file), list(made.sets))
             stage = "analysed"
@@ -76,7 +87,6 @@ def run(made: Case, folder: Path) -> Outcome:
             str(result)
             code = result.exit_code
     except SlopekitError as error:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
         codes = error.codes
         if stage == "read":
             stage = "YAML" if {*codes} & _OF_YAML else "names and values"
@@ -88,13 +98,10 @@ def run(made: Case, folder: Path) -> Outcome:
             escaped=escaped,
         )  # fmt: skip
     except Exception:  # what the command would call a bug of ours
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
         return Outcome(
             made.index, made.origin, stage, 5, ("E599",), seconds=time.process_time() - began,
             escaped=traceback.format_exc(limit=-6),
         )  # fmt: skip
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
     notices = tuple(notice.code for notice in result.warnings)
     seconds = time.process_time() - began
     status = f"{design.kind} {getattr(result, 'status', 'load cases')}"
@@ -165,6 +172,14 @@ def main(arguments: Sequence[str]) -> int:
             outcome = run(made, Path(name))
         print(outcome, outcome.escaped, sep="\n")
         return 0
+    if arguments and arguments[0] == "studies":
+        from benchmarks.fuzz_studies import study_outcomes  # which takes `Outcome` from here
+
+        count, seed = ([int(word) for word in arguments[1:]] + [COUNT, SEED][len(arguments) - 1 :])[:2]
+        with tempfile.TemporaryDirectory() as name:
+            done = study_outcomes(count, seed, Path(name))
+        print(report(done))
+        return sum(bool(each.escaped) for each in done)
     count = int(arguments[0]) if arguments else COUNT
     seed = int(arguments[1]) if len(arguments) > 1 else SEED
     found = outcomes(count, seed, jobs=len(os.sched_getaffinity(0)))

@@ -3,7 +3,7 @@
 import json
 import random
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -265,7 +265,7 @@ _ILL: tuple[Mutation, ...] = (
 # -- mutations of text ------------------------------------------------------------------------------------------------
 
 
-def _broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
+def broken_text(text: str, rng: random.Random) -> tuple[bytes, str]:
     """A text that may or may not still be YAML."""
     how = rng.choice((
         "character", "delete", "truncate", "tab", "indent", "line gone", "line twice", "lines swapped", "quote",
@@ -348,9 +348,15 @@ def case(index: int, seed: int, names: Sequence[str] = tuple(SEEDS)) -> Case:
     sets = _sets(tree, rng) if rng.random() < 0.12 else ()
     content = _dump(tree).encode("utf-8", "surrogatepass")
     if share >= 0.85:
-        content, how = _broken_text(SEEDS[name] if rng.random() < 0.7 else _dump(tree), rng)
+        content, how = broken_text(SEEDS[name] if rng.random() < 0.7 else _dump(tree), rng)
         made.append(f"text: {how}")
     return Case(index, content, sets, f"{name}: {', '.join(made)}{' --set' if sets else ''}")
+
+
+def keys_of(texts: Iterable[str]) -> set[str]:
+    """Every key that stands in designs."""
+    holders = (holder for text in texts for holder in _holders(_parsed(text)) if isinstance(holder, Keys))
+    return {key for holder in holders for key, _ in holder}
 
 
 @cache

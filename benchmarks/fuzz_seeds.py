@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from benchmarks.fuzz_slopes import FACTOR_FILES, SECTIONS, SLOPES, VALUES
+from benchmarks.fuzz_slopes import FRAGMENTS as _OF_SLOPES
 from slopekit.design.templates import names, path_of
 from slopekit.geometry.shapes import profile_prism
 
@@ -223,8 +225,7 @@ water: {pressures: {base/B1: 5 kPa}}
 loads: {seismic: {k: 0.1, toward: 090}, forces: [{force: 10, toward: 090/00, block: B1}]}
 """,
 }
-# rough joints not yet: one more seed draws other files, and the shares that the test asks for are of these
-SEEDS = {name: path_of(name).read_text(encoding="utf-8") for name in names() if name != "rough"} | _RICH
+SEEDS = {name: path_of(name).read_text(encoding="utf-8") for name in names()} | _RICH | SLOPES
 
 _DIPS = ("0", "0.01", "1", "12", "25", "35", "45", "50", "60", "75", "89", "89.9", "89.99", "90")
 _DIRECTIONS = ("000", "90", "115", "150", "175", "179.99", "180", "180.01", "185", "210", "245", "270", "359.99", "360")
@@ -234,7 +235,8 @@ _FORCES = ("0", "1e-6", "100", "5e3 kN", "2 MN", "1e5", "1e6 kN", "1e9", "1e12",
 _POINTS = (["0", "0", "0"], ["-5", "0", "8"], ["1e6", "1e6", "1e3"], ["40", "0", "40"], ["44.3", "3", "41"])
 #: Values that a key may have: sound ones, extreme ones, and some just outside.
 EXTREMES: dict[str, tuple[object, ...]] = {
-    "plane": _PLANES, "face": _PLANES, "upper": _PLANES, "height": _LENGTHS, "distance": (*_LENGTHS, "-1", "0", "4.1"),
+    "plane": _PLANES, "face": _PLANES, "upper": _PLANES, "height": _LENGTHS,
+    "distance": (*_LENGTHS, "-1", "0", "4.1", "worst"),
     "depth": (*_LENGTHS, "4.4"), "c": ("0", "1e-6", "1", "20 kPa", "1 MPa", "1e6", "1e12"),
     "phi": ("0", "2", "15", "30", "45", "60", "80", "89", "89.9", "89.999"), "dilation": ("0", "1", "20", "0.5", "25"),
     "tension": ("0", "10", "1e6"), "normal": ("1", "1e3", "1e7", "1e12", "1e17"),
@@ -262,7 +264,7 @@ EXTREMES: dict[str, tuple[object, ...]] = {
     "acts": ("active", "passive"), "pick": ("A1", "A2", "B1", "B2"), "strength": ("rough", "weak", "joint", "clay"),
     "mean": ("1", "20", "30", "1e3"), "sd": ("0", "1", "100"), "min": ("0", "10", "25"), "max": ("30", "50", "1e3"),
     "title": ("", "a: b", "\u200b", "\U0001f4a5 x", "'", "x" * 300), "head": ("0", "-4", "15", "1e3"),
-}  # fmt: skip
+} | VALUES  # fmt: skip
 
 _WATER = ("dry", "full", "30 %", "{mode: full}", "{fill: 0.7}", "{pressures: 40 kPa}", "{mode: full, unit_weight: 100}",
           "{pressures: [500, 10]}", "{pressures: 1e4}")  # fmt: skip
@@ -365,6 +367,7 @@ SPICES: dict[str, tuple[tuple[str, str], ...]] = {
         *(("slope", f"{{mesh: {name}.stl}}") for name in ("ground", "open", "ball", "inside-out", "broken")),
     ),
 }  # fmt: skip
+SPICES |= {kind: (*SPICES.get(kind, ()), *sections) for kind, sections in SECTIONS.items()}
 #: Values that fit no key, or the wrong ones.
 WRONG: dict[str, tuple[str | None, ...]] = {
     "numbers": ("nan", ".nan", "inf", "-inf", ".inf", "1e308", "-1e308", "1e400", "1e-400", "1e19", "0", "-0.0", "-1",
@@ -389,12 +392,14 @@ FRAGMENTS = (
     "correlation: {J1.phi/J2.phi: 2}", "correlation: {a/b: 0.1, b/a: 0.2}", "rock: {density: 2600}", "length: 5",
     "unit_weight: 25",
     "fill: 10 %", "pressures: 5", "tension: 3", "dilation: 2", "origin: [1, 2, 3]", "refine: 2", "head: [0, 0, 5]",
-    "title: x",
+    "title: x", *_OF_SLOPES,
 )  # fmt: skip
 
 
 def write_files(folder: Path) -> None:
-    """The joint lists and meshes that the seeds name."""
+    """The joint lists, meshes and partial factors that the seeds name."""
+    for name, text in FACTOR_FILES.items():
+        (folder / name).write_text(text, encoding="utf-8")
     (folder / "joints.csv").write_text(
         "name,dip,dip direction,c,phi\nA1,45,120,,\nA2,50,125,10,30\nB1,55,245,,\nB2,60,240,20,35\n", encoding="utf-8"
     )

@@ -27,6 +27,15 @@ _WEDGES = ("tests/closed_form/test_wedges.py", "tests/closed_form/test_wedge.py"
 _PLANES = ("tests/closed_form/test_planes.py", "tests/closed_form/test_plane.py")
 _RESTS = ("tests/preie/test_undilated.py", "tests/preie/test_groups.py")
 _PATHS = ("tests/preie/test_path.py",)
+_CASES = ("tests/studies/test_cases.py",)
+_FACTORS = ("tests/design/test_partial_factors.py",)
+_BASAL = ("tests/kinds/test_basal.py",)
+_SIZES = ("tests/closed_form/test_sizes.py", "tests/kinds/test_sizes.py")
+_BERMS = ("tests/closed_form/test_berms.py", "tests/validation/test_published_benches.py")
+_SETS = ("tests/studies/test_sets.py",)
+_TABLE = ("tests/kinds/test_water_table.py", "tests/kinds/test_water_on_surfaces.py")
+_SLOPE = ("tests/kinds/test_topple_slope.py",)
+_BRIDGED = ("tests/strength/test_bridged_and_residual.py",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -385,5 +394,67 @@ MUTATIONS = (
          "spare = 1.01 * reduction * here.strength", _PATHS),
         ("slip along a limit state's motion", "preie/path_limit.py", "(forward[modes.slips].min(initial=0.0)) > -most",
          "(forward[modes.slips].min(initial=0.0)) > -1e9", _PATHS),
+    ),
+    *_group(
+        "benches and cuts",
+        ("the worst of cases", "studies/cases.py", "return min(self.cases, key=worst)",
+         "return max(self.cases, key=worst)", _CASES),
+        ("the exit code of cases", "studies/cases.py", "return max((int(one.exit_code) for one in",
+         "return min((int(one.exit_code) for one in", _CASES),
+        ("the worst of favourable and unfavourable", "design/partial_factors.py", "replace(min(tried, key=",
+         "replace(max(tried, key=", _FACTORS),
+        ("tan φ by its partial factor", "design/partial_factors.py",
+         "math.tan(math.radians(degrees)) / factor))", "1.01 * math.tan(math.radians(degrees)) / factor))", _FACTORS),
+        ("the resistance factor on c", "design/partial_factors.py",
+         "on_phi, on_c = given.tan_phi * given.resistance, given.c * given.resistance\n    dilation",
+         "on_phi, on_c = given.tan_phi * given.resistance, given.c\n    dilation", _FACTORS),
+        ("seismic force of the weight unfactored", "design/partial_factors.py",
+         "coefficient=design.seismic.coefficient / weight", "coefficient=design.seismic.coefficient", _FACTORS),
+        ("basal joint, friction", "closed_form/basal.py", "self.bonds + normal * self.tangents",
+         "self.bonds + 1.01 * normal * self.tangents", _BASAL),
+        ("basal joint, sharing of two planes", "closed_form/basal.py", "share = 1.0 - between * between",
+         "share = 1.0 - 0.99 * between * between", _BASAL),
+        ("basal joint, volume", "closed_form/basal.py", "volume = -(offsets * areas).sum(axis=0) / 3.0",
+         "volume = -(offsets * areas).sum(axis=0) / 3.03", _BASAL),
+        ("size of a wedge, volume", "closed_form/sizes.py", "abs(dot(first, spans[1])) / 6.0",
+         "abs(dot(first, spans[1])) / 6.06", _SIZES),
+        ("size of a wedge, setback", "closed_form/sizes.py", "abs(behind[0] * across[0] + behind[1] * across[1])",
+         "1.01 * abs(behind[0] * across[0] + behind[1] * across[1])", _SIZES),
+        ("size of a plane, where it comes out", "closed_form/sizes.py",
+         "(height - run * slope) / (slope - rise)  #", "(height - run * slope) / (slope + rise)  #", _SIZES),
+        ("columns that turn over", "closed_form/sizes.py", "np.ceil((first - needed) / lost)",
+         "np.floor((first - needed) / lost)", _SIZES),
+        ("catch width", "closed_form/berms.py", "RITCHIE: Final = (0.2, 4.5)", "RITCHIE: Final = (0.2, 4.545)", _BERMS),
+        ("inter-ramp angle", "closed_form/berms.py", "run = height / np.tan(face * _RADIAN) + berm",
+         "run = height / np.tan(face * _RADIAN) + 1.01 * berm", _BERMS),
+        ("backbreak that a share of the length keeps", "studies/bench_design/outcomes.py",
+         "np.array(shares) * below[-1] * (1.0 - 1e-12), side=\"left\"",
+         "np.array(shares) * below[-1] * (1.0 + 1e-12), side=\"left\"", ("tests/studies/test_bench_design.py",)),
+        ("Fisher's K", "studies/axes.py", "return (joints - 1.0) / (joints * gap), low",
+         "return joints / (joints * gap), low", _SETS),
+        ("cone of the mean", "studies/axes.py", "-math.log1p(-confidence) / (joints - 1.0)",
+         "-math.log1p(-confidence) / joints", _SETS),
+        ("steps of a water table", "geometry/pressure.py", "rise * along, levels[k] - rise * places[k], borders",
+         "rise * along, levels[k] - 1.01 * rise * places[k], borders", _TABLE),
+        ("a table along a vertical face", "geometry/pressure.py", "if places[k + 1] == places[k]:",
+         "if places[k + 1] < places[k]:", _TABLE),
+        ("pressure below a table", "geometry/pressure.py",
+         "yield wet, self.unit_weight * np.maximum(height.at(wet)",
+         "yield wet, 1.01 * self.unit_weight * np.maximum(height.at(wet)", _TABLE),
+        ("the worst crack", "kinds/worst_crack.py",
+         "best = (float(places[k]), float(factors[k])) if factors[k] <= best",
+         "best = (float(places[k]), float(factors[k])) if factors[k] > best", _TABLE),
+        ("a crack that nothing holds", "kinds/worst_crack.py", "np.where(free, -math.inf, forms.factor)",
+         "forms.factor + 0.0 * free", _TABLE),
+        ("columns of a slope, behind the crest", "geometry/columns.py", "heights.append(heights[-1] - falls)",
+         "heights.append(heights[-1] - 1.01 * falls)", _SLOPE),
+        ("the step of a base angle", "kinds/topple.py", "stepped = width * math.tan(",
+         "stepped = 1.01 * width * math.tan(", _SLOPE),
+        ("bridges, cohesion", "strength/bridged.py", "(1.0 - k) * self.rock_cohesion_kpa",
+         "1.01 * (1.0 - k) * self.rock_cohesion_kpa", _BRIDGED),
+        ("bridges, friction", "strength/bridged.py", "k * joint + (1.0 - k) * rock",
+         "k * joint + (1.0 - k) * joint", _BRIDGED),
+        ("residual strength, what is said", "kinds/residual.py", "if result.met_by_peak_only:",
+         "if not result.met_by_peak_only:", _BRIDGED),
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Mutated design files, some run and some only read: each ends in a result or a message with a code, no traceback.
+"""Mutated design files and surveys, some run and some only read: each ends in a result or a message with a code.
 
 `python -m benchmarks.fuzz` runs ten thousand of the same kind; here the designs that take longest are left out.
 """
@@ -9,13 +9,19 @@ import pytest
 
 import slopekit as sk
 from benchmarks.fuzz import outcomes, report, run, shares
-from benchmarks.fuzz_mutations import case
+from benchmarks.fuzz_mutations import case, keys_of
 from benchmarks.fuzz_seeds import SEEDS, write_files
+from benchmarks.fuzz_studies import OPTIONS, study_outcomes
+from slopekit.design.fields import every_field
+from slopekit.design.registry import KINDS, record_of
+from slopekit.studies.bench_design import bench_design
+from slopekit.studies.sets import sets
 
 _COUNT, _SEED = 215, 11
 _SLOW = (
     "ground surface", "surface", "cylinder", "sheet surface", "sphere", "paper-ellipsoid", "facet surface",
     "pressed wedge", "pressed plane", "rich footing",
+    "cracked wedge", "wedge with a table", "factored wedge", "basal wedge", "plane under a table",
 )  # fmt: skip
 _OF_BLOCKS = tuple(name for name, text in SEEDS.items() if re.search("kind: (topple|bench|blocks)\n", text))
 _OF_CASES = ("cases plane",)
@@ -60,6 +66,23 @@ def test_files_with_uplift_and_water_in_a_crack_are_run_or_refused(tmp_path) -> 
     assert not [one.escaped for one in each if one.escaped]
     assert all(one.codes for one in each if one.exit_code in (2, 3))
     assert {one.exit_code for one in each} >= {0, 2}
+
+
+def test_every_key_stands_in_a_seed() -> None:
+    """What no design says is never mutated."""
+    known = {*keys_of(SEEDS.values()), "*"}
+    assert {one.path for kind in KINDS for one in every_field(record_of(kind)) if one.key not in known} == set()
+
+
+def test_surveys_and_options_of_two_studies_are_run_or_refused(tmp_path) -> None:
+    """`sets` and `bench-design`: lists with a cell wrong, broken files, options outside their range."""
+    each = study_outcomes(50, _SEED, tmp_path)
+    assert not [one.escaped for one in each if one.escaped]
+    assert all(one.codes for one in each if one.exit_code in (2, 3))
+    assert sum(one.stage == "result" for one in each) >= 10
+    assert len({code for one in each for code in one.codes}) >= 15
+    for study, function in (("bench-design", bench_design), ("sets", sets)):
+        assert set(OPTIONS[study]) == set(function.__kwdefaults__) - {"desk", "jobs", "scheduler"}
 
 
 def test_files_with_load_cases_are_run_or_refused(tmp_path) -> None:

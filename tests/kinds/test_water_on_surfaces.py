@@ -74,6 +74,23 @@ def test_the_same_table_by_depth_and_by_points() -> None:
     assert float(np.linalg.norm(first.parts["water"])) > 100.0
 
 
+def test_a_depth_below_a_vertical_face() -> None:
+    """As below a face that leans by 0.1 mm, whichever way the profile is written; an overhang has two grounds."""
+    water = {"mode": "table", "depth": "3 m"}
+    upright, leaning = [[60, 0], [30, 0], [30, 20], [-40, 20]], [[60, 0], [30.0001, 0], [30, 20], [-40, 20]]
+    found = [
+        kind_named("surface").cut(sk.load({**CYLINDER, "slope": {"profile": profile}, "water": water})).loads
+        for profile in (upright, upright[::-1], leaning)
+    ]  # fmt: skip
+    force = found[0].parts["water"]
+    assert float(np.linalg.norm(force)) > 100.0
+    assert found[1].parts["water"] == pytest.approx(force, rel=1e-12, abs=1e-9)
+    assert found[2].parts["water"] == pytest.approx(force, rel=1e-3, abs=0.05)
+    over = [[60, 0], [30, 0], [33, 10], [20, 20], [-40, 20]]
+    with pytest.raises(DesignError, match=r"E462 .* the profile overhangs"):
+        sk.load({**CYLINDER, "slope": {"profile": over}, "water": water})
+
+
 def test_what_is_wrong_and_what_is_said() -> None:
     """A table above the ground, two words for the water, columns that know no pond, a pond that wets nothing."""
     with pytest.raises(GeometryError, match="E456"):

@@ -66,6 +66,12 @@ def test_barton_bandis_is_cut_off_at_70_degrees_and_comes_down_to_the_residual_a
     assert secant(BartonBandis(0.0, 1e3, 30.0), TRACTIONS)[1] == pytest.approx(math.tan(math.radians(30.0)), rel=1e-14)
 
 
+def test_a_wall_as_strong_as_one_can_write_has_no_overflow() -> None:
+    """Without a normal traction nothing holds, and 70° where there is one; warnings are errors here."""
+    law = BartonBandis(8.0, 1e12, 25.0)
+    assert law.resistance(np.array([0.0, 1e-3])) == pytest.approx([0.0, 1e-3 * math.tan(math.radians(70.0))], rel=1e-12)
+
+
 def test_patton_by_hand() -> None:
     """Patton (1966): φ 25° and i 15° below 300 kPa: 300 tan 40° = 251.73, and 200 tan 25° = 93.26 more at 500 kPa."""
     found = Bilinear(25.0, 15.0, 300.0).resistance(np.array([0.0, 300.0, 500.0]))

@@ -56,11 +56,14 @@ def in_strips(along: Floats, places: Sequence[float], levels: Sequence[float]) -
 
     Parameters
     ----------
-    along : (3,) level unit vector that the places are counted along; places : m, ascending; levels : m
+    along : (3,) level unit vector that the places are counted along
+    places : m, ascending, twice where the table steps; levels : m
     """
     flat = np.zeros(3)
     heights = [Height(flat, levels[0], ((along, places[0], True),))]
     for k in range(len(places) - 1):
+        if places[k + 1] == places[k]:
+            continue
         rise = (levels[k + 1] - levels[k]) / (places[k + 1] - places[k])
         borders = ((-along, -places[k], False), (along, places[k + 1], True))
         heights.append(Height(rise * along, levels[k] - rise * places[k], borders))

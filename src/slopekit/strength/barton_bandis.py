@@ -85,7 +85,7 @@ class BartonBandis:
     def _angle(self, normal: Floats) -> tuple[Floats, Floats]:
         roughness, wall = self.scaled
         with np.errstate(divide="ignore"):
-            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300))
+            degrees = self.phi_r_deg + roughness * np.log10(wall / np.maximum(normal, 1e-300 * max(1.0, wall)))
         within = np.clip(degrees, self.phi_r_deg, STEEPEST_DEG)
         return np.radians(within), within == degrees
 

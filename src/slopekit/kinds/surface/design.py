@@ -1,6 +1,7 @@
 """The design of a mass on a curved slip surface: its keys, and how it is read; all faults at once."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 from slopekit.core.records import dataclass
@@ -152,6 +153,17 @@ class SurfaceDesign(Design):
         return ("slip",)
 
 
+def along_x(profile: Points) -> Points:
+    """A profile from its smallest x on, however it was written; a vertical part as it runs."""
+    return profile if profile[0][0] <= profile[-1][0] else profile[::-1]
+
+
+def overhangs(profile: Points) -> bool:
+    """Whether the ground lies over itself somewhere."""
+    along = along_x(profile)
+    return any(after[0] < before[0] for before, after in pairwise(along))
+
+
 def read_surface(reader: Reader) -> SurfaceDesign:
     """A mass on a curved slip surface.
 
@@ -169,6 +181,9 @@ def read_surface(reader: Reader) -> SurfaceDesign:
     depth = reader.at("water.depth")
     if profile is None and depth is not None and wet.get("table_depth_m") is not None:
         message = "the water table lies below the ground, and the ground is a mesh"
+        reader.fault("E462", message, depth, "Give its points or a plane.")
+    elif profile is not None and depth is not None and wet.get("table_depth_m") is not None and overhangs(profile):
+        message = "the water table lies below the ground, and the profile overhangs: there are two grounds over one x"
         reader.fault("E462", message, depth, "Give its points or a plane.")
     water, at = (table, None) if table is not None else read_water(reader, ["slip"])
     if water.mode == "full":

@@ -12,7 +12,7 @@ from slopekit.geometry.pressure import Pressure, in_strips
 from slopekit.geometry.shapes import GROUND, SLIP
 from slopekit.geometry.sliding_mass import SlidingMass, volume_of
 from slopekit.kinds.ground_water import heights_of, pressure, refuse_above
-from slopekit.kinds.surface.design import SurfaceDesign
+from slopekit.kinds.surface.design import SurfaceDesign, along_x
 from slopekit.loads import PointForce
 
 _ALONG = np.array([1.0, 0.0, 0.0])  # what places of points count along
@@ -22,7 +22,7 @@ def water_of(design: SurfaceDesign) -> Pressure:
     """The water of a design, in its own coordinates."""
     if design.table_depth_m is None:
         return pressure(design, heights_of(design, np.eye(3), _ALONG, 0.0), 0.0)
-    places, levels = zip(*sorted(point[:2] for point in design.profile_m or ()), strict=True)
+    places, levels = zip(*along_x(design.profile_m or ()), strict=True)
     return pressure(design, in_strips(_ALONG, places, [level - design.table_depth_m for level in levels]), 0.0)
 
 
