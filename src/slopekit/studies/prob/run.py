@@ -246,7 +246,6 @@ class Probability(Outcome):
             **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
             "sizes": None if self.sizes is None else self.sizes.to_dict(),
             "defaults": list(self.design.defaults),
-            "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip

@@ -239,7 +239,6 @@ class Sweep(Outcome):
             "changes": json_of(self.changes),
             "critical": json_of(self.critical),
             "shape": {method: self.shape(method) or None for method in self.asked},
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
