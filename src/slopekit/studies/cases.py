@@ -12,6 +12,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from importlib import import_module
 from operator import attrgetter
 from typing import Any, ClassVar, Generic, Protocol, TypeVar
@@ -278,6 +279,31 @@ def each_case(
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
     return Cases(design, name, found, None if module is None else module.for_all(found, given), keys)
+
+
+def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:
+    """The JSON of each load case by its name, of one where it is named; {"": itself} of a document without any.
+
+    Raises
+    ------
+    DesignError
+        E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
+    """
+    called, found = name or "the document", document.get("cases")
+    if document.get("study") != "cases":
+        if case is not None:
+            message = f"{called} has no load cases, {case} is none"
+            raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
+        return {"": document}
+    if not isinstance(found, Mapping) or not found:
+        raise DesignError([Fault("E341", f"{called} has lost its load cases", name)])
+    if case is None:
+        return {str(own): below for own, below in found.items()}
+    if case not in found:
+        near = get_close_matches(case, [str(own) for own in found], n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, found))}."
+        raise DesignError([Fault("E475", f"{case} is no load case of {called}", f"--case {case}", advice)])
+    return {case: found[case]}
 
 
 def _refuse(wrong: Mapping[str, DesignError | GeometryError], count: int) -> None:

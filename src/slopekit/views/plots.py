@@ -497,30 +497,14 @@ def checked_document(document: Any, name: str) -> Document:
 
 
 def by_case(document: Document, case: str | None = None, name: str = "") -> dict[str, Document]:
-    """The documents of the load cases of a document by their names, one where it is named; {"": itself} without any.
+    """The documents of the load cases of a document by their names; {"": itself} without any, see `of_cases`."""
+    from slopekit.studies.cases import of_cases  # most documents have none
 
-    Raises
-    ------
-    DesignError
-        E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
-    """
-    if document.get("study") != "cases":
-        if case is not None:
-            message = f"{name or 'the document'} has no load cases, {case} is none"
-            raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
+    if document.get("study") != "cases" and case is None:
         return {"": document}
-    found = document.get("cases")
-    if not isinstance(found, Mapping) or not found:
-        raise DesignError([Fault("E341", f"{name or 'the document'} has lost its load cases", name)])
-    if case is None:
-        return {str(own): checked_document(below, f"{name}, case {own}") for own, below in found.items()}
-    if case not in found:
-        near = get_close_matches(case, [str(own) for own in found], n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, found))}."
-        raise DesignError(
-            [Fault("E475", f"{case} is no load case of {name or 'the document'}", f"--case {case}", advice)]
-        )
-    return {case: checked_document(found[case], f"{name}, case {case}")}
+    return {
+        own: checked_document(below, f"{name}, case {own}") for own, below in of_cases(document, case, name).items()
+    }
 
 
 def need_of(what: str, kind: str = "") -> Mapping[str, Any]:
