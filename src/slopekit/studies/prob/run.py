@@ -323,7 +323,7 @@ def prob(
     """
     crew = checked_crew(jobs, scheduler, executor)
     if design.partial is not None:
-        message = "a probability of failure takes the strengths as they scatter, not over partial factors"
+        message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
         raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
     given, source = design, None
