@@ -455,15 +455,17 @@ def test_a_probability_from_samples(monkeypatch) -> None:
     assert found.answer.limits[0] < expected < found.answer.limits[1]
 
 
-@pytest.mark.parametrize(("more", "rising"), [(0.03, 0.0), (0.01, 0.0005)])
-def test_a_value_holds_the_probability_that_prob_leads_with(more, rising) -> None:
+@pytest.mark.parametrize("more", [
+    lambda c: 0.03, lambda c: 0.01 + 0.0005 * c, lambda c: 0.4 * math.exp(-c / 60.0),
+])  # fmt: skip
+def test_a_value_holds_the_probability_that_prob_leads_with(more) -> None:
     """P = exp(-c/20) counted, and PRE-IE judging it higher by what changes with c: against the root by bisection."""
 
     def cohesion(design) -> float:
         return kind_of(design).strengths(design)[0].cohesion_kpa
 
     def judged(c: float) -> float:
-        return math.exp(-c / 20.0) + more + rising * c
+        return math.exp(-c / 20.0) + more(c)
 
     found = for_probability(
         sk.load(WEDGE), "strength.weak.c=1:150", 0.1,

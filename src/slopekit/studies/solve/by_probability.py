@@ -28,7 +28,7 @@ from slopekit.studies.solve.solutions import end_advice
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
-_ROUNDS, _HELD = 5, 0.05  # in which PRE-IE's judgement is brought to the target from below, within a part of it
+_ROUNDS, _HELD = 8, 0.05  # in which PRE-IE's judgement is brought to the target from below, within a part of it
 _BY_PRE_IE = "The closed form is too low here: slopekit prob --by pre-ie, value by value."
 
 
@@ -289,35 +289,45 @@ class _Asked:
         The closed form may count only so much as PRE-IE adds to it; how much that is changes little with the value.
         """
         best, first, began = list[ProbableValue](), self.lead(root.value), self.key.shown(root.value, 7)
+        places = [sample.at for sample in search.samples]
+        unsafe, safe, end = root.value, None, min(places) if root.rises else max(places)
+        at = root.value
         for _ in range(_ROUNDS):
-            led = self.lead(root.value)
-            if isinstance(led, Fault):
+            led, counted = self.lead(at), self.ask(at)
+            if isinstance(led, Fault) or isinstance(counted, Fault):
                 break
-            more = led.value - root.estimate.value
+            more = led.value - counted.value
             if led.value <= target:
-                if more == 0.0:
-                    best.append(replace(root, estimate=led))
-                    break
-                shift = [(a or 0.0) - (b or 0.0) for a, b in ((led.low, root.estimate.low),
-                                                              (led.high, root.estimate.high))]  # fmt: skip
-                around = _around(self.limits(search, *(target - one for one in shift)), root.value)
-                best.append(replace(root, estimate=led, counted=root.estimate, limits=around))
+                if at == root.value and more == 0.0:
+                    return replace(root, estimate=led)
+                shift = [(a or 0.0) - (b or 0.0) for a, b in ((led.low, counted.low), (led.high, counted.high))]
+                around = _around(self.limits(search, *(target - one for one in shift)), at)
+                best.append(replace(root, value=at, estimate=led, counted=counted, limits=around))
+                safe = at
                 if led.value >= target * (1.0 - _HELD):
                     break
-            aim = target * (1.0 - _HELD / 2.0) - more
-            again = self.crossings(search, aim, "value", _RESOLUTION) if aim > 0.0 else []
-            again = [crossing for crossing in again if crossing.rises == root.rises]
-            if not again:
+            else:
+                unsafe = at
+            at = self._between(search, target * (1.0 - _HELD / 2.0) - more, unsafe, end if safe is None else safe)
+            if at in self.led:
                 break
-            at = root.value
-            root = _value(min(again, key=lambda crossing: abs(crossing.best.at - at)), [])
         if best:
-            return max(best, key=lambda one: one.estimate.value)
+            found = max(best, key=lambda one: one.estimate.value)
+            sides = [(one, self.led[one]) for one in sorted({unsafe, found.value})]
+            bracket = [(one, of) for one, of in sides if isinstance(of, Estimate)]
+            return replace(found, bracket=(bracket[0], bracket[-1]))
         if isinstance(first, Fault):
             return first
         message = f"the closed form counts a probability of failure of {number(target)} at {began}, PRE-IE judges it "
         message += f"{first.value:.4g}, and at no value tried is that below the target"
         return Fault("E463", message, "", _BY_PRE_IE)
+
+    def _between(self, search: Search[_Tried], aim: float, unsafe: float, safe: float) -> float:
+        """Where the closed form counts so much, or else half way from a value that will not do to one that may."""
+        low, high = min(unsafe, safe), max(unsafe, safe)
+        found = self.crossings(search, aim, "value", _RESOLUTION) if aim > 0.0 else []
+        inside = [one.best.at for one in found if low < one.best.at < high]
+        return min(inside, key=lambda one: abs(one - unsafe), default=0.5 * (low + high))
 
 
 def _value(crossing: Crossing[_Tried], limits: Sequence[float]) -> ProbableValue:

@@ -77,7 +77,7 @@ def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
         Section("TARGET", [f"probability of failure {number(solution.target)}"]),
         Section("NOW", [f"probability of failure {now}"]),
         Section("VALUE", _no_value(solution.reason) if found is None else _probable(key, found)),
-        Section("BRACKET", [f"{line}{by}" for line in bracket]),
+        Section("BRACKET", bracket),
         Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
         Section("REACH", [f"from {' to '.join(reach)}{by}"] if reach else []),
         Section("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"]),
