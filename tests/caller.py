@@ -7,10 +7,12 @@ import slopekit as sk
 
 design = sk.load("wedge.yaml", set={"slope.height": 20})
 result = sk.run(design)
-assert_type(result, sk.Result)
-assert_type(sk.run("wedge.yaml", {"slope.height": 20}), sk.Result)
-assert_type(sk.run({"kind": "wedge"}), sk.Result)
-assert_type(sk.analyse(design), sk.Result)
+assert_type(result, sk.Result | sk.Cases[sk.Result])  # which of them, the file says when it is read
+assert isinstance(result, sk.Result)
+assert_type(sk.run("wedge.yaml", {"slope.height": 20}), sk.Result | sk.Cases[sk.Result])
+assert_type(sk.run({"kind": "wedge"}, case="quake"), sk.Result)
+assert_type(sk.run("wedge.yaml", {"slope.height": 20}, "quake"), sk.Result)
+assert_type(sk.analyse(design), sk.Result | sk.Cases[sk.Result])
 one = sk.wedge(dips=("45/115", "45/245"), c=(50, 50), water="full", accept=1.5)
 assert_type(one.fos.limit, float | None)
 assert_type(one.status, str)
@@ -27,27 +29,32 @@ frame: Any = one.to_frame()
 frames: dict[str, Any] = one.to_frames()
 
 swept = sk.sweep(design, {"strength.weak.phi": [20, 25]}, methods="closed-form", fos=1.2)
-assert_type(swept, sk.Sweep)
+assert_type(swept, sk.Sweep | sk.Cases[sk.Sweep])
+assert isinstance(swept, sk.Sweep)
 for point in swept.points:
     if point.factors is not None:
         assert_type(point.factors.limit, float | None)
 torn = sk.tornado(design, {"strength.weak.c": "40:60"})
-assert_type(torn, sk.Tornado)
+assert_type(torn, sk.Tornado | sk.Cases[sk.Tornado])
 drawn = sk.prob(design, 500, fos=1.1, by="pre-ie", seed=2, accept=0.05)
-assert_type(drawn, sk.Probability)
+assert_type(drawn, sk.Probability | sk.Cases[sk.Probability])
+assert isinstance(drawn, sk.Probability)
 assert_type(drawn.all_samples.share, float | None)
 drawn.sensitivities[0][0].upper()
 solved = sk.solve(design, "slope.height", fos=1.3, within=(10, 20))
 probable = sk.solve(design, "slope.height", pf=0.05, n=200)
-assert_type(solved, sk.Solution)
-assert_type(probable, sk.ProbabilitySolution)
+assert_type(solved, sk.Solution | sk.Cases[sk.Solution])
+assert_type(probable, sk.ProbabilitySolution | sk.Cases[sk.ProbabilitySolution])
+assert isinstance(solved, sk.Solution)
+assert isinstance(probable, sk.ProbabilitySolution)
 if probable.answer is not None:
     assert_type(probable.answer.estimate.value, float)
 if solved.answer is not None:
     assert_type(solved.answer.value, float)
     assert_type(solved.answer.factor, float)
 needed = sk.support(design, 1.5, acts="active", toward="180/-5")
-assert_type(needed, sk.Support)
+assert_type(needed, sk.Support | sk.ColumnSupport | sk.Cases[sk.Support | sk.ColumnSupport])
+assert isinstance(needed, sk.Support)
 for case in needed.cases:
     assert_type(case.force, float | None)
     assert_type(case.yaml, str | None)
@@ -64,7 +71,7 @@ poles = sk.kinematic(["45/115"], face="65/180")
 assert_type(poles, sk.Kinematic)
 assert_type(sk.sets("joints.csv", n=3), sk.JointSets)
 assert_type(sk.bench_design("joints.csv", height=10, face="60:80:5", dip_direction=180), sk.BenchDesigns)
-assert_type(sk.check(design), sk.Check)
+assert_type(sk.check(design), sk.Check | sk.Cases[sk.Check])
 found = sk.sets(["45/115", "46/116"])
 assert_type(found, sk.JointSets)
 benches = sk.bench_design(["45/115", "46/245"], height=15, face=65, dip_direction=180, c=5, phi=30, berm=9, accept=0.8)
@@ -72,9 +79,18 @@ assert_type(benches, sk.BenchDesigns)
 chosen = benches.steepest_accepted
 if chosen is not None:
     chosen.accepted, chosen.height_m + chosen.face_dip_deg + chosen.berm_m + chosen.inter_ramp_deg
-several: Any = sk.support(design)  # of a design with load cases: sk.Cases, which no type tells beforehand
-bars = [(bar.force_kn, bar.acts, bar.head_m, bar.length_m) for bar in several.for_all.best.bolts]
-several.cases["static"]
+several = sk.run("cut.yaml")
+assert isinstance(several, sk.Cases)
+assert_type(several.cases["static"], sk.Result)
+assert_type(several.governing, str)
+for_all = sk.support(design)
+assert isinstance(for_all, sk.Cases)
+assert isinstance(for_all.for_all, sk.SupportForAll)
+if for_all.for_all.best is not None:
+    [(bar.force_kn, bar.acts, bar.head_m, bar.length_m) for bar in for_all.for_all.best.bolts]
+value = sk.solve(design, "water.fill", fos=1.2)
+if isinstance(value, sk.Cases) and isinstance(value.for_all, sk.SolutionForAll):
+    assert_type(value.for_all.value, float | None)
 written = sk.export(result, "wedge.dxf").written[0]
 written.files[0].name, written.bolts
 

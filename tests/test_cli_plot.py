@@ -2,6 +2,7 @@
 
 import json
 import sys
+from functools import wraps
 from pathlib import Path
 from types import ModuleType
 
@@ -186,7 +187,7 @@ def test_our_own_faults_are_not_the_document_s(what, run, folder, tmp_path, monk
             raise of
 
         for module, name in ((sweep_charts, "draw_curve"), (orientation_charts, "_joints"), (scenes, "draw")):
-            monkeypatch.setattr(module, name, fails)
+            monkeypatch.setattr(module, name, wraps(getattr(module, name))(fails))  # it says what it needs
         source = folder / ("sweep.json" if what == "curve" else "result.json")
         with pytest.raises(type(fault), match="ours"):
             sk.plot(source, what, tmp_path / "a.png")

@@ -33,8 +33,11 @@ if TYPE_CHECKING:
     from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
     from slopekit.studies.solve import Solution as Solution
     from slopekit.studies.solve import solve
+    from slopekit.studies.solve.for_cases import SolutionForAll as SolutionForAll
     from slopekit.studies.support import Support as Support
     from slopekit.studies.support import support
+    from slopekit.studies.support.columns import ColumnSupport as ColumnSupport
+    from slopekit.studies.support.for_cases import SupportForAll as SupportForAll
     from slopekit.studies.sweep import Sweep as Sweep
     from slopekit.studies.sweep import sweep
     from slopekit.studies.tornado import Tornado as Tornado
@@ -50,9 +53,11 @@ __all__ = [
 #: What loads when it is asked for, and from where; functions of studies stand in `slopekit.studies.protocol.STUDIES`.
 _LATER = {
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
-    "Check": "studies.check", "Combos": "studies.combos", "export": "exchange.export", "JointSets": "studies.sets",
+    "Check": "studies.check", "ColumnSupport": "studies.support.columns", "Combos": "studies.combos",
+    "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
-    "Result": "result", "Solution": "studies.solve", "Support": "studies.support", "Sweep": "studies.sweep",
+    "Result": "result", "Solution": "studies.solve", "SolutionForAll": "studies.solve.for_cases",
+    "Support": "studies.support", "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep",
     "Tornado": "studies.tornado",
 }  # fmt: skip
 

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, overload
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Desk, Option, documented
@@ -12,6 +12,7 @@ from slopekit.core.taken import wrong_kind
 if TYPE_CHECKING:
     from slopekit.design.common import Design
     from slopekit.result import Result
+    from slopekit.studies.cases import Cases
     from slopekit.views.notebook import Drawing
 
 
@@ -69,10 +70,11 @@ def wedge(
     "height": ...}, the origin (E, N, Z). `limits` are those of design files: {"bench_width": 6,
     "trace_length": (10, 12), "by": "filter"}. Of a crack {"water": "3 m"} says how deep the water stands in it.
     """
+    given = {key: value for key, value in locals().items() if key not in ("unknown", "desk")} | unknown
+    from slopekit.kinds import analyse as analyse_design
     from slopekit.kinds.wedge.design import wedge_design
 
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "desk", "wedge_design")} | unknown
-    return analyse(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
+    return analyse_design(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
 
 
 def load(
@@ -97,8 +99,8 @@ def load(
     return load_design(source, tuple((set or {}).items()), case)
 
 
-def analyse(design: "Design") -> "Result":
-    """Analyse a loaded design of any kind; with load cases it is a `Cases`, whose `.cases` has a `Result` of each.
+def analyse(design: "Design") -> "Result | Cases[Result]":
+    """Analyse a loaded design of any kind: a `Result`; with load cases `Cases`, whose `.cases` has a `Result` of each.
 
     Raises GeometryError where no block can be formed.
     """
@@ -110,8 +112,23 @@ def analyse(design: "Design") -> "Result":
     if design.cases:
         from slopekit.studies.cases import each_case
 
-        return cast("Result", each_case(analyse_design, "run", design, {}))
+        return each_case(analyse_design, "run", design, {})
     return analyse_design(design)
+
+
+_Source: TypeAlias = "str | os.PathLike[str] | Mapping[str, Any] | Design"
+
+
+@overload
+def run(source: _Source, set: Mapping[str, Any] | None = None, *, case: str) -> "Result": ...
+
+
+@overload
+def run(source: _Source, set: Mapping[str, Any] | None, case: str) -> "Result": ...
+
+
+@overload
+def run(source: _Source, set: Mapping[str, Any] | None = None, case: str | None = None) -> "Result | Cases[Result]": ...
 
 
 @documented
@@ -119,7 +136,7 @@ def run(
     source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
-) -> "Result":
+) -> "Result | Cases[Result]":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
     Raises
@@ -130,7 +147,8 @@ def run(
     Notes
     -----
     A script gives the path, the same as a dict, or a design that `load` has read; `set` replaces values of it, `case`
-    names one of its load cases. What comes back is a `Result`, of a design with cases `Cases`: `.cases[NAME]`.
+    names one of its load cases. What comes back is a `Result`, of a design with cases `Cases`: `.cases[NAME]`; a
+    script with types says which: ``assert isinstance(r, sk.Result)``, or gives `case`.
 
     >>> import slopekit as sk
     >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}

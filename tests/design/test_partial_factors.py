@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import pytest
 
@@ -209,12 +208,26 @@ def test_bad_factors_are_refused(given, code, said, tmp_path) -> None:
     assert said in str(error.value)
 
 
-def test_a_footing_is_refused() -> None:
-    text = (Path(__file__).parents[2] / "templates/paper-footing.yaml").read_text(encoding="utf-8")
-    assert "footing" in text
-    with pytest.raises(sk.DesignError) as error:
-        sk.load(Path(__file__).parents[2] / "templates/paper-footing.yaml", {"analysis.partial_factors": "DA2"})
-    assert error.value.codes == ("E481",)
+@pytest.mark.parametrize(("of", "on_load", "on_strength"), [
+    ("DA1-C1", 1.35, 1.0), ({"set": "DA1-C1", "forces": "variable"}, 1.5, 1.0), ("DA1-C2", 1.0, 1.25),
+    ({"set": "DA1-C2", "forces": "variable"}, 1.3, 1.25), ("DA2", 1.35, 1.1),
+])  # fmt: skip
+def test_the_load_of_a_footing_is_one_of_the_forces(of, on_load, on_strength) -> None:
+    """F = (c L + P cos δ tan φ) / (P sin δ) with design values by hand; the rock above the plane has no weight."""
+    design = {
+        "slopekit": 1, "kind": "footing", "footing": {"load": 1500}, "weak_plane": {"dip": 40, "length": 7},
+        "strength": {"seam": {"c": 100, "phi": 20}}, "analysis": {"partial_factors": of},
+    }  # fmt: skip
+    found, dip = sk.run(design), math.radians(40.0)
+    load, weak = 1500.0 * on_load, math.tan(math.radians(20.0)) / on_strength
+    factor = (100.0 / on_strength * 7.0 + load * math.cos(dip) * weak) / (load * math.sin(dip))
+    assert found.fos.closed_form == pytest.approx(factor, rel=1e-12)
+    assert found.fos.limit == pytest.approx(factor, rel=1e-6)
+    said = found.to_dict()["partial_factors"]
+    how = "variable" if isinstance(of, dict) else "permanent"
+    row = next(row for row in said["table"] if "footing" in row["what"])
+    assert (row["what"], row["design"]) == (f"footing load, {how}", pytest.approx(load))
+    assert not any(row["what"] == "unit weight" for row in said["table"])
 
 
 def test_the_worst_crack_is_that_of_the_characteristic_values() -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import DesignError
 from slopekit.exchange.picking import Body
 from slopekit.exchange.source import joints_of, pairs_of, source_of
 from slopekit.exchange.split import _slab
@@ -373,14 +372,53 @@ def test_interfaces_with_several_strengths_have_that_of_the_largest_part() -> No
     assert found.joint["B1", "base"] == "joint"
 
 
-def test_load_cases_name_the_folders_of_each(tmp_path) -> None:
-    """A result of several is no blocks; where those are is said."""
+@pytest.fixture(scope="module")
+def two_cases():
+    """A wedge, dry, and 10 m high in another case."""
     design = {
         "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
-        "cases": {"dry": {"accept": "fos >= 1.5"}, "wet": {"set": {"water": "full"}}},
+        "cases": {"dry": {"accept": "fos >= 1.5"}, "low": {"set": {"slope.height": 10}}},
     }  # fmt: skip
-    with pytest.raises(DesignError) as caught:
-        sk.export(sk.run(design).to_dict(), tmp_path / "wedge.stl")
-    (fault,) = caught.value.faults
-    assert fault.code == "E362"
-    assert "dry or wet" in fault.advice
+    return sk.run(design)
+
+
+def test_each_load_case_has_a_file_of_its_own(two_cases, tmp_path) -> None:
+    """Against the export of each case alone; from the object, its JSON and its folder alike."""
+    done = sk.export(two_cases, tmp_path / "wedge.stl", split=tmp_path / "parts")
+    assert [(one.case, one.files[0].relative_to(tmp_path).as_posix()) for one in done.written] == [
+        ("dry", "wedge-dry.stl"), ("dry", "parts/dry/blocks.yaml"), ("low", "wedge-low.stl"),
+        ("low", "parts/low/blocks.yaml"),
+    ]  # fmt: skip
+    assert not any(notice.code == "W431" for notice in done.warnings)
+    for name, one in two_cases.cases.items():
+        alone = sk.export(one, tmp_path / "alone.stl").written[0]
+        assert (tmp_path / f"wedge-{name}.stl").read_bytes() == alone.files[0].read_bytes()
+        assert "case" not in alone.to_dict()
+    (tmp_path / "result.json").write_text(json.dumps(two_cases.to_dict()))
+    run = slopekit("export", ".", "-o", "low.stl", "--case", "low", "--json", cwd=tmp_path)
+    assert (tmp_path / "low.stl").read_bytes() == (tmp_path / "wedge-low.stl").read_bytes()
+    assert [(one["case"], one["files"]) for one in json.loads(run.stdout)["written"]] == [("low", ["low.stl"])]
+    run = slopekit("export", ".", "-o", "again.obj", cwd=tmp_path)
+    assert [line for line in run.stdout.splitlines() if line.startswith("WROTE")] == [
+        "WROTE     again-dry.obj", "WROTE     again-low.obj",
+    ]  # fmt: skip
+
+
+def test_cases_of_one_shape_say_so(two_cases, tmp_path) -> None:
+    both = two_cases.to_dict()
+    both["cases"]["low"] = both["cases"]["dry"]
+    done = sk.export(both, tmp_path / "wedge.stl")
+    assert [(notice.code, notice.message) for notice in done.warnings] == [
+        ("W431", "the blocks are the same in dry and low: --case NAME writes one")
+    ]
+
+
+@pytest.mark.parametrize(("case", "code", "says"), [("lo", "E475", "Did you mean low?"), ("wet", "E475", "dry, low")])
+def test_a_case_that_there_is_not(two_cases, tmp_path, case, code, says) -> None:
+    fault = refused(two_cases, tmp_path / "wedge.stl", case=case)
+    assert fault.code == code
+    assert says in fault.advice
+    assert refused(two_cases.cases["dry"], tmp_path / "wedge.stl", case=case).code == "E476"
+    assert refused(two_cases, tmp_path / "wedge.stl", blocks="B9").code == "E363"
+    study = sk.sweep(sk.load(two_cases.design.source.root.plain()), {"slope.height": [10]}, methods="closed-form")
+    assert refused(study, tmp_path / "wedge.stl").code == "E362"

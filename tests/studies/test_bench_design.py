@@ -418,6 +418,15 @@ def test_what_has_to_be_said(found: Any) -> None:
     assert not any(berm.accepted for berm in unsure)
 
 
+def test_the_sheet_lists_what_was_read() -> None:
+    """60:75:5 is five faces, as everywhere; that steps may have been meant is asked."""
+    benches = sk.bench_design(
+        ["45/115", "45/245"], height=10, face="60:75:5", berm="6:9:+1", dip_direction=180, c=5, phi=30, n=100, confirm=0
+    )
+    assert "heights 10 m; faces 60, 63.75, 67.5, 71.25, 75°; berms 6, 7, 8, 9 m" in str(benches)
+    assert [one.message.rpartition(" ")[2] for one in benches.warnings if one.code == "W432"] == ["60:75:+5"]
+
+
 def test_the_sheet_keeps_height_and_face_apart_and_counts_in_plain_digits() -> None:
     """A face of 63.75° ran into the height; where PRE-IE looked at none at random, "at most 1e+02 %" was said."""
     found = sk.bench_design(list(JOINTS), height=10, face=63.75, dip_direction=180, c=0, phi=32, n=500, confirm=0,

@@ -4,7 +4,7 @@ import json
 import math
 import sys
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from statistics import NormalDist
 from types import ModuleType
 
@@ -13,8 +13,9 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.templates import path_of
-from slopekit.kinds import factors_of
+from slopekit.kinds import factors_of, kind_of
 from slopekit.studies.points import factor_at
+from slopekit.studies.prob import prob
 from slopekit.studies.solve import solve
 from slopekit.studies.solve.by_factor import level_of
 from slopekit.studies.solve.by_probability import Estimate, for_probability
@@ -437,16 +438,74 @@ def test_probabilities_that_cannot_be_asked(key, pf, code) -> None:
     assert caught.value.codes == (code,)
 
 
-def test_a_probability_from_samples() -> None:
-    """The value put back has the probability, from the same samples."""
+def test_a_probability_from_samples(monkeypatch) -> None:
+    """The value put back has the probability, from the same samples; PRE-IE looks at few, for it takes its time."""
+    monkeypatch.setattr("slopekit.studies.solve.run.prob", partial(prob, confirm=9, near=0.0))
     strength = {"weak": {"c": 50, "phi": {"dist": "normal", "mean": 20, "sd": 3}}}
     design = sk.load(WEDGE | {"strength": strength})
     found = sk.solve(design, "strength.weak.phi.mean", pf=0.05, n=2000, seed=3, within=(12, 20))
     assert found.answer.estimate.value <= 0.05
+    assert (found.answer.estimate.by, found.answer.counted, found.warnings) == ("closed form", None, ())
+    put_back = strength["weak"]["phi"] | {"mean": found.answer.value}
+    led = prob(sk.load(WEDGE | {"strength": {"weak": {"c": 50, "phi": put_back}}}), 2000, seed=3, confirm=0, near=0.0)
+    assert led.leading.probability == found.answer.estimate.value
     assert found.answer.limits[0] < found.answer.value < found.answer.limits[1]
     # F = 1 at φ = 10.378: 5 % of N(mean, 3) lie below it where the mean is 1.645 sd higher
     expected = solved("wedge", "strength.weak.phi", 1.0).answer.value + 3.0 * NormalDist().inv_cdf(0.95)
     assert found.answer.limits[0] < expected < found.answer.limits[1]
+
+
+@pytest.mark.parametrize("more", [
+    lambda c: 0.03, lambda c: 0.01 + 0.0005 * c, lambda c: 0.4 * math.exp(-c / 60.0),
+])  # fmt: skip
+def test_a_value_holds_the_probability_that_prob_leads_with(more) -> None:
+    """P = exp(-c/20) counted, and PRE-IE judging it higher by what changes with c: against the root by bisection."""
+
+    def cohesion(design) -> float:
+        return kind_of(design).strengths(design)[0].cohesion_kpa
+
+    def judged(c: float) -> float:
+        return math.exp(-c / 20.0) + more(c)
+
+    found = for_probability(
+        sk.load(WEDGE), "strength.weak.c=1:150", 0.1,
+        lambda design: Estimate(math.exp(-cohesion(design) / 20.0), by="closed form"),
+        lambda design: Estimate(judged(cohesion(design)), by="PRE-IE's judgement"),
+    )  # fmt: skip
+    low, high = 1.0, 100.0
+    for _ in range(60):
+        middle = (low + high) / 2.0
+        low, high = (middle, high) if judged(middle) > 0.1 else (low, middle)
+    at, held = found.answer.value, found.answer.estimate
+    assert 0.095 <= held.value == judged(at) <= 0.1
+    assert high <= at < high * 1.05  # on the safe side, within the 5 % of the target
+    assert found.before.value == judged(50.0)
+    assert found.answer.counted.value == pytest.approx(math.exp(-at / 20.0))
+    assert [notice.code for notice in found.warnings] == ["W430"]
+    assert f"{-20.0 * math.log(0.1):.4f}"[:7] in found.warnings[0].message  # the closed form's own, not to be used
+    assert "by PRE-IE's judgement" in str(found)
+    assert (found.exit_code, found.to_dict()["roots"][0]["probability"]["by"]) == (0, "PRE-IE's judgement")
+
+
+@pytest.mark.parametrize("key", ["strength.weak.c=1:150", "strength.weak.c=60:150"])
+def test_where_pre_ie_judges_more_than_the_target_there_is_no_value(key) -> None:
+    """Whether the closed form has a value or not (its probability is below the target from 46 kPa on)."""
+    found = for_probability(
+        sk.load(WEDGE), key, 0.1,
+        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), by="closed form"),
+        lambda design: Estimate(0.4, by="PRE-IE's judgement"),
+    )  # fmt: skip
+    assert (found.answer, found.reason.code, found.exit_code) == (None, "E463", 1)
+    assert "judges" in found.line or "none" in found.line
+
+
+def test_a_probability_on_which_the_methods_disagree_says_so() -> None:
+    found = for_probability(
+        sk.load(WEDGE), "strength.weak.c=1:150", 0.1,
+        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), by="closed form"),
+        lambda design: Estimate(math.exp(-kind_of(design).strengths(design)[0].cohesion_kpa / 20.0), disagree=1),
+    )  # fmt: skip
+    assert (found.answer.counted, found.exit_code) == (None, 4)
 
 
 # -- the command ------------------------------------------------------------------------------------------------------

@@ -330,3 +330,14 @@ def test_means_that_are_taken_are_said_by_every_study(varied, named) -> None:
         tornado = sk.tornado(design, methods="closed-form")
         assert [notice.message for notice in tornado.warnings if notice.code == "W320"] == told
         assert tornado.line.endswith("W320")
+
+
+@pytest.mark.parametrize(("given", "written"), [
+    ("60:75:5", "60:75:+5"), ("10:30:4", "10:30:+4"), ("60:80:5", ""), ("20:60:5", ""), ("60:75:+5", ""),
+    ("500:3000:4", ""), ("0:1:3", ""), ("60:70:4", ""), ("60,70,75", ""), ([60, 62.5], ""),
+])  # fmt: skip
+def test_a_count_that_was_meant_as_a_step_is_asked_about(given, written) -> None:
+    """Whole ends, parts between them, and a step that leads from one to the other in whole numbers."""
+    swept = sweep(sk.load(WEDGE), {"slope.height": given}, methods="closed-form")
+    asked = [notice.message for notice in swept.warnings if notice.code == "W432"]
+    assert [message.rpartition(" ")[2] for message in asked] == ([written] if written else [])

@@ -279,7 +279,7 @@ def test_what_has_neither_result_nor_sheet_is_refused_by_name() -> None:
             report_of(study)
         assert caught.value.codes == ("E371",)
     whole = swept()
-    for key in ("study", "line"):
+    for key in ("study", "line", "warnings"):
         with pytest.raises(DesignError) as caught:
             report_of({name: value for name, value in whole.items() if name != key}, with_pictures=False)
         assert caught.value.codes == ("E372",)

@@ -92,6 +92,7 @@ def export(
     output: Annotated[
         str | None, typer.Option("-o", help="The file: .stl .obj .glb .gltf .vtu .dxf (extra: cad).", metavar="FILE")
     ] = None,
+    case: Annotated[str | None, CASE] = None,
     what: Annotated[
         str | None,
         typer.Option(help="blocks, interfaces, pairs, bolts; several with commas [blocks; bolts where there are any]."),
@@ -111,7 +112,7 @@ def export(
 
     done = export_result(
         result, None if output is None else Path(output), what=what, blocks=blocks, moving=moving, binary=binary,
-        split=None if split is None else Path(split), split_as=split_as,
+        split=None if split is None else Path(split), split_as=split_as, case=case,
     )  # fmt: skip
     if as_json:
         typer.echo(json_text({"slopekit": __version__, **done.to_dict()}))
@@ -122,8 +123,9 @@ def export(
             typer.echo("\n".join(_lines(one)))
         for notice in done.warnings:
             typer.echo(f"NOTE      {notice}")
-        if split is not None and done.files and done.written[-1].files[0].suffix == ".yaml":
-            typer.echo(f"try: slopekit run {done.written[-1].files[0]}")
+        for one in done.written if split is not None else ():
+            if one.files[0].suffix == ".yaml":
+                typer.echo(f"try: slopekit run {one.files[0]}")
 
 
 def _lines(one: "Written") -> list[str]:

@@ -333,7 +333,7 @@ class PartialFactors:
     ALSO: ClassVar[tuple[Field, ...]] = (
         Field("set", "text", example="DA1-C2", left_out="all 1", doc="a set whose other factors are taken"),
         Field("forces", "text", example="variable", left_out="permanent",
-              doc="what `loads.forces` are: `permanent` or `variable`"),
+              doc="what `loads.forces`, and the load of a footing, are: `permanent` or `variable`"),
     )  # fmt: skip
 
     permanent_unfavourable: float = _factor("permanent_unfavourable", "weight and forces that drive; all water")

@@ -148,18 +148,15 @@ def _text(node: Node | None) -> str:
 def factored(design: Design, kind: Any, given: PartialFactors, where: str = "") -> Design:
     """The design with its design values, and what has become of each number.
 
-    Weight, forces and surcharge are taken unfavourable or favourable, all of each alike, whichever gives the lower
-    closed form; where a kind has none, unfavourable. Water is permanent and unfavourable. The seismic force is that of
-    the weight without its factor. Bolts have theirs already or are strength.
+    Weight, forces (a footing's load among them) and surcharge are taken unfavourable or favourable, all of each alike,
+    whichever gives the lower closed form; where a kind has none, unfavourable. Water is permanent and unfavourable. The
+    seismic force is that of the weight without its factor. Bolts have theirs already or are strength.
 
     Raises
     ------
     DesignError
-        E481 a kind whose actions are not told apart, E482 a curved law with two factors.
+        E482 a curved law with two factors.
     """
-    if design.kind == "footing":
-        message = "a footing has no partial factors here: whether its load is permanent or variable, nothing says"
-        raise DesignError([Fault("E481", message, where, "Give the design load and the design strength themselves.")])
     if abs(given.tan_phi - given.c) > _SAME and any(one.law is not None for one in kind.strengths(design)):
         message = "a curved strength has no c and phi of its own: its partial factors tan_phi and c must be equal"
         raise DesignError([Fault("E482", message, where, "Eurocode 7 has 1.25 for both.")])
@@ -175,7 +172,9 @@ def _combinations(design: Design, kind: Any, given: PartialFactors) -> Iterator[
     """Factors of weight, forces and surcharge; the unfavourable ones first."""
     permanent = (given.permanent_unfavourable, given.permanent_favourable)
     variable = (given.variable_unfavourable, given.variable_favourable)
-    forces = (variable if given.forces == "variable" else permanent) if design.forces else (1.0,)
+    forces = (
+        (variable if given.forces == "variable" else permanent) if design.forces or _footing_load(design) else (1.0,)
+    )
     surcharge = variable if _surcharges(design) else (1.0,)
     every = product(dict.fromkeys(permanent), dict.fromkeys(forces), dict.fromkeys(surcharge))
     yield from every if kind.closed_form is not None else [next(every)]
@@ -213,6 +212,9 @@ def _with(
             one if one.unit_weight_kn_m3 is None else replace(one, unit_weight_kn_m3=one.unit_weight_kn_m3 * weight)
             for one in getattr(design, "blocks")  # noqa: B009
         )
+    load = _footing_load(design)
+    if load:
+        values["load_kn"] = load * on_forces
     surcharges = _surcharges(design)
     if "surcharges_kpa" in own:
         values["surcharges_kpa"] = tuple((name, one * on_surcharge) for name, one in surcharges.items())
@@ -220,13 +222,16 @@ def _with(
         values["surcharge_kpa"] = surcharges[""] * on_surcharge
     made = replace(design.each_strength(lambda one: _weaker(one, given)), **values)
     rows = [*_of_strengths(design, made, kind, given)]
-    rows.append(FactoredNumber("unit weight", design.unit_weight_kn_m3, weight, made.unit_weight_kn_m3, "kN/m³"))
+    if design.unit_weight_kn_m3:  # a footing may stand on rock without weight
+        rows.append(FactoredNumber("unit weight", design.unit_weight_kn_m3, weight, made.unit_weight_kn_m3, "kN/m³"))
     if design.water.mode != "dry" or any(_flat(getattr(design, "pressures_kpa", ()))):
         rows.append(FactoredNumber("unit weight of water, and its pressures", design.water_unit_weight_kn_m3, water,
                                    made.water_unit_weight_kn_m3, "kN/m³"))  # fmt: skip
     for k, (before, after) in enumerate(zip(design.forces, made.forces, strict=True), 1):
         rows.append(FactoredNumber(f"force {k}, {given.forces}", math.hypot(*before.components_kn), on_forces,
                                    math.hypot(*after.components_kn), "kN"))  # fmt: skip
+    if load:
+        rows.append(FactoredNumber(f"footing load, {given.forces}", load, on_forces, load * on_forces, "kN"))
     for name, one in surcharges.items():
         what = f"surcharge{f' on {name}' if name else ''}, variable"
         rows.append(FactoredNumber(what, one, on_surcharge, one * on_surcharge, "kPa"))
@@ -234,6 +239,11 @@ def _with(
         k_before = design.seismic.coefficient
         rows.append(FactoredNumber("seismic coefficient, of the weight unfactored", k_before, 1.0, k_before, ""))
     return replace(made, partial=replace(given, table=tuple(rows)))
+
+
+def _footing_load(design: Design) -> float:
+    """In kN; 0 where there is no footing."""
+    return float(getattr(design, "load_kn", 0.0))
 
 
 def _surcharges(design: Design) -> dict[str, float]:

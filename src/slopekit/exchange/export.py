@@ -14,12 +14,12 @@ from slopekit.core.records import dataclass
 from slopekit.exchange.dxf import write_dxf
 from slopekit.exchange.picking import WHAT, Body, Picked, names_of, picked, volume_of, with_bolts, words_of_what
 from slopekit.exchange.solids import Files, binary_rounding, write_binary_stl, write_glb, write_obj, write_stl
-from slopekit.exchange.source import Source, source_of
+from slopekit.exchange.source import Given, Source, sources_of
 from slopekit.exchange.split import write_split
 from slopekit.exchange.vtu import write_vtu
 
 if TYPE_CHECKING:
-    from slopekit.result import Result
+    pass
 
 _ROUNDING = 1e-4  # of the smallest block's size: more than that is said
 _SMOOTH = 1e-6  # of the volume: what flat triangles leave of a curved body is said above it
@@ -60,6 +60,7 @@ class Written:
     ----------
     files : written, the first is the one asked for; format, precision : in words
     blocks, interfaces, pairs, bolts : how many; volume_m3 : of the blocks as they were written, None without blocks
+    case : the load case it is of, empty without
     """
 
     files: tuple[Path, ...]
@@ -70,10 +71,12 @@ class Written:
     pairs: int
     volume_m3: float | None
     bolts: int = 0
+    case: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON values."""
-        return asdict(self) | {"files": [str(path) for path in self.files]}
+        found = asdict(self) | {"files": [str(path) for path in self.files]}
+        return found if self.case else {key: value for key, value in found.items() if key != "case"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +100,7 @@ class Export:
 
 
 def export(
-    result: "Result | Mapping[str, Any] | str | os.PathLike[str]",
+    result: Given,
     path: str | os.PathLike[str] | None = None,
     *,
     what: str | Sequence[str] | None = None,
@@ -106,6 +109,7 @@ def export(
     binary: bool = False,
     split: str | os.PathLike[str] | None = None,
     split_as: str = "stl",
+    case: str | None = None,
 ) -> Export:
     """Write the blocks, interfaces, node pairs or bolts of a result to a file of another program.
 
@@ -118,11 +122,13 @@ def export(
     blocks : names of the blocks wanted, as a sequence or as "B1,B7"; moving : leave bedrock out
     binary : STL in binary, float32
     split : a folder for one closed mesh a block with a design blocks.yaml that reads them; split_as : "stl" or "obj"
+    case : one of the load cases of the result, by name; without it each has a file of its own, NAME-CASE.dxf beside
+        `path`, and a folder of its name in `split`
 
     Raises
     ------
     DesignError
-        E360 to E366, E129, E140: see `slopekit explain`.
+        E360 to E366, E129, E140, of `case` E475 and E476: see `slopekit explain`.
 
     >>> import slopekit as sk, tempfile, pathlib
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -140,23 +146,47 @@ def export(
     suffix = f".{split_as.lower().lstrip('.')}"
     if folder is not None:
         _check_split(folder, suffix)
-    source, names = source_of(result), names_of(blocks)
-    written, notices = [], []
-    if target is not None:
-        chosen = picked(source.scene, words, names, moving, source.is_section)
-        if what is None and "bolts" in FORMATS[target.suffix.lower()].parts:
-            chosen = with_bolts(chosen, names, moving)
-        with writing(target):
-            form = _BINARY if binary else FORMATS[target.suffix.lower()]
-            written.append(_described(form, *form.write(target, chosen), chosen))
-        notices += _notices(source, chosen, target, binary)
-    if folder is not None:
-        chosen = picked(source.scene, ("blocks",), names, moving, source.is_section)
-        form = FORMATS[suffix]
-        files, said = write_split(folder, source, chosen, suffix, form.write)
-        written.append(_described(form, *files, chosen))
-        notices += [notice for notice in (*_notices(source, chosen, folder, False), *said) if notice not in notices]
-    return Export(tuple(written), tuple(notices))
+    sources, names = sources_of(result, case), names_of(blocks)
+    has_bolts = target is not None and what is None and "bolts" in FORMATS[target.suffix.lower()].parts
+    chosen = {name: picked(one.scene, words, names, moving, one.is_section) for name, one in sources.items()
+              } if target is not None else {}  # fmt: skip
+    meshes = {name: picked(one.scene, ("blocks",), names, moving, one.is_section) for name, one in sources.items()
+              } if folder is not None else {}  # fmt: skip
+    written, said = list[Written](), dict[Notice, list[str]]()
+    for name, source in sources.items():
+        alone, own = case is not None or not name, list[Notice]()
+        if target is not None:
+            part = with_bolts(chosen[name], names, moving) if has_bolts else chosen[name]
+            path = target if alone else target.with_name(f"{target.stem}-{name}{target.suffix}")
+            with writing(path):
+                form = _BINARY if binary else FORMATS[target.suffix.lower()]
+                written.append(_described(form, *form.write(path, part), part, name))
+            own += _notices(source, part, path, binary)
+        if folder is not None:
+            below = folder if alone else folder / name
+            with writing(below, "the folder "):
+                below.mkdir(exist_ok=True)
+            files, lost = write_split(below, source, meshes[name], suffix, FORMATS[suffix].write)
+            written.append(_described(FORMATS[suffix], *files, meshes[name], name))
+            own += [*_notices(source, meshes[name], below, False), *lost]
+        for notice in dict.fromkeys(own):
+            said.setdefault(notice, []).append(name)
+    notices = [
+        one if len(whose) == len(sources) else Notice(one.code, f"{', '.join(whose)}: {one.message}")
+        for one, whose in said.items()
+    ]
+    return Export(tuple(written), (*notices, *_alike(list(sources), list((chosen or meshes).values()))))
+
+
+def _alike(names: list[str], parts: list[Picked]) -> list[Notice]:
+    """W431 where every load case has the same blocks."""
+    first, *others = [
+        [(one.name, one.vertices.tobytes(), one.triangles.tobytes()) for one in part.bodies] for part in parts
+    ]  # fmt: skip
+    if not others or not first or any(other != first for other in others):
+        return []
+    message = f"the blocks are the same in {', '.join(names[:-1])} and {names[-1]}"
+    return [Notice("W431", f"{message}: --case NAME writes one")]
 
 
 def _target(path: Path, words: Sequence[str], binary: bool) -> Path:
@@ -221,12 +251,12 @@ def _check_split(folder: Path, suffix: str) -> None:
     _refuse_unwritable(folder)
 
 
-def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked) -> Written:
+def _described(form: Format, files: Sequence[Path], precision: str, chosen: Picked, case: str) -> Written:
     """What was written."""
     volume = sum(_volume(body, form.rounded) for body in chosen.bodies) if chosen.bodies else None
     return Written(
         tuple(files), form.name, precision, len(chosen.bodies), len(chosen.contacts), len(chosen.pairs), volume,
-        len(chosen.bolts),
+        len(chosen.bolts), case,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from slopekit.kinds.protocol import Carried, CarriedJoint
 
 if TYPE_CHECKING:
     from slopekit.result import Result
+    from slopekit.studies.cases import Cases
 
 _MOST_BYTES = 2_000_000_000
 _RESULT = "result.json"  # what `run -o DIR` calls it
@@ -58,7 +59,30 @@ class Source:
         return (self.document.get("geometry") or {}).get("thickness_m") is not None
 
 
-def source_of(given: "Result | Mapping[str, Any] | str | os.PathLike[str]") -> Source:
+Given: TypeAlias = "Result | Cases[Any] | Mapping[str, Any] | str | os.PathLike[str]"
+
+
+def sources_of(given: Given, case: str | None = None) -> dict[str, Source]:
+    """What `source_of` makes, of each load case by its name or of the one that is named; without cases by no name.
+
+    Raises
+    ------
+    DesignError
+        Those of `source_of`; E475 and E476 for the name of a case.
+    """
+    from slopekit.result import Result
+
+    if isinstance(given, Result) and case is None:
+        return {"": source_of(given)}
+    document, name = _document(given)
+    if document.get("study") != "cases" and case is None:
+        return {"": source_of(document, name)}
+    from slopekit.studies.cases import of_cases  # most results have none
+
+    return {own: source_of(one, f"{name}, case {own}") for own, one in of_cases(document, case, name).items()}
+
+
+def source_of(given: Given, name: str = "") -> Source:
     """A result, its JSON, or the path of its JSON file or of the folder of result.json, as a source.
 
     Raises
@@ -71,7 +95,8 @@ def source_of(given: "Result | Mapping[str, Any] | str | os.PathLike[str]") -> S
     if isinstance(given, Result):
         own = {key: value for key, value in given.to_dict().items() if key != "scene"}
         return Source(own, given.scene)
-    document, name = _document(given)
+    document, called = _document(given)
+    name = name or called
     if "slopekit" not in document:
         raise DesignError([Fault("E361", f"{name} is not a result of slopekit: it has no key slopekit", name, _MAKE)])
     if "errors" in document:
@@ -105,10 +130,6 @@ def _no_scene(document: Mapping[str, Any], name: str) -> Fault:
     study = document.get("study")
     if study or "geometry" not in document:
         what = f"{name} is the result of {study or 'a study'}, it holds no blocks"
-        cases = document.get("cases")
-        if study == "cases" and isinstance(cases, Mapping) and cases:
-            advice = f"Take one of its load cases: the folder {' or '.join(map(str, cases))} beside {name}."
-            return Fault("E362", f"{name} is the result of load cases, it holds no blocks", name, advice)
         return Fault("E362", what, name, f"Files are made of the result of one design. {_MAKE}")
     message = f"{name} holds no scene: slopekit {document.get('slopekit')} wrote none"
     return Fault("E362", message, name, f"Make it again. {_MAKE}")

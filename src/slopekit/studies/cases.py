@@ -12,15 +12,16 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from importlib import import_module
 from operator import attrgetter
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 from slopekit._version import __version__
 from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Sheet, Table
+from slopekit.core.sheet import Column, Section, Sheet, Table, factor_text
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, LoadCase
 from slopekit.notices import INVENTED
@@ -32,6 +33,44 @@ _FOR_ALL: Mapping[str, str] = {
 }  # fmt: skip
 _ROOM, _LAST = 88, 16  # characters of a line beside its label; of those its last column, as it comes
 _EXITS = (0, 1, 4, 3, 2, 5)  # from good to bad
+
+
+Found = TypeVar("Found", bound=Shown, covariant=True)
+
+
+@dataclass(frozen=True, slots=True)
+class InCase:
+    """A load case with what is found for all: what it asks for, what both methods give, whether that is enough.
+
+    Attributes
+    ----------
+    status : of PRE-IE, or why there is none; own : the value that the case alone needs, None where that is nothing
+    """
+
+    case: str
+    target: float
+    status: str
+    limit: float | None
+    closed_form: float | None
+    met: bool
+    own: float | None = None
+
+
+def in_each_case(with_what: str, inside: Sequence[InCase], last: Column[InCase]) -> Table[InCase]:
+    """The table of every case with what is found for all; its records are the JSON of them."""
+
+    def factor(value: float | None) -> str:
+        return factor_text(value).strip()
+
+    columns: list[Column[InCase]] = [
+        Column(with_what, attrgetter("case"), "case", width=-22),
+        Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
+        Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
+        Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
+        Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
+        replace(last, title=f"  {last.title}", width=-1, about="  {}"),
+    ]
+    return Table(columns, inside)
 
 
 class ForAll(Protocol):
@@ -72,8 +111,8 @@ class _Row:
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Cases(Shown):
-    """What a function came to, case by case.
+class Cases(Shown, Generic[Found]):
+    """What a function came to, case by case: `Cases[Result]` of `run`, `Cases[Check]` of `check`.
 
     Attributes
     ----------
@@ -87,7 +126,7 @@ class Cases(Shown):
     name: ClassVar[str] = "cases"
     design: Design
     what: str
-    cases: Mapping[str, Any]
+    cases: Mapping[str, Found]
     for_all: ForAll | None = None
     keys: tuple[str, ...] = ()
 
@@ -124,8 +163,9 @@ class Cases(Shown):
     @property
     def accepted(self) -> bool | None:
         """Whether every case is accepted; None where none has a rule."""
-        found = [one.accepted for one in self.cases.values() if getattr(one, "accepted", None) is not None]
-        return all(found) if found else None
+        found = [getattr(one, "accepted", None) for one in self.cases.values()]
+        said = [one for one in found if one is not None]
+        return all(said) if said else None
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
@@ -213,8 +253,8 @@ def _of(column: Column[Any]) -> Callable[[_Row], Any]:
 
 
 def each_case(
-    function: Callable[..., Any], name: str, design: Design, given: Mapping[str, Any], place: str = "design"
-) -> Cases:
+    function: Callable[..., Found], name: str, design: Design, given: Mapping[str, Any], place: str = "design"
+) -> Cases[Found]:
     """What a function comes to for each load case of a design.
 
     Parameters
@@ -227,7 +267,7 @@ def each_case(
         With the faults of all cases: those that not all of them have say whose they are.
     """
     module = import_module(_FOR_ALL[name]) if name in _FOR_ALL else None
-    found, wrong = dict[str, Any](), dict[str, DesignError | GeometryError]()
+    found, wrong = dict[str, Found](), dict[str, DesignError | GeometryError]()
     for case in design.cases:
         own = dict(given) if module is None else module.options(case.design, given)
         try:
@@ -239,6 +279,31 @@ def each_case(
     varied = given.get("keys", given.get("key")) or ()
     keys = (varied.partition("=")[0],) if isinstance(varied, str) else tuple(varied)
     return Cases(design, name, found, None if module is None else module.for_all(found, given), keys)
+
+
+def of_cases(document: Mapping[str, Any], case: str | None = None, name: str = "") -> dict[str, Mapping[str, Any]]:
+    """The JSON of each load case by its name, of one where it is named; {"": itself} of a document without any.
+
+    Raises
+    ------
+    DesignError
+        E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
+    """
+    called, found = name or "the document", document.get("cases")
+    if document.get("study") != "cases":
+        if case is not None:
+            message = f"{called} has no load cases, {case} is none"
+            raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
+        return {"": document}
+    if not isinstance(found, Mapping) or not found:
+        raise DesignError([Fault("E341", f"{called} has lost its load cases", name)])
+    if case is None:
+        return {str(own): below for own, below in found.items()}
+    if case not in found:
+        near = get_close_matches(case, [str(own) for own in found], n=1)
+        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, found))}."
+        raise DesignError([Fault("E475", f"{case} is no load case of {called}", f"--case {case}", advice)])
+    return {case: found[case]}
 
 
 def _refuse(wrong: Mapping[str, DesignError | GeometryError], count: int) -> None:

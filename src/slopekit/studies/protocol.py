@@ -8,9 +8,10 @@ import inspect
 from collections.abc import Callable, Mapping
 from functools import wraps
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Annotated, Any, ParamSpec, TypeVar, cast
 
 from slopekit._version import __version__
+from slopekit.core.codec import json_of
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.options import DESIGN, DESK, Advance, Argument, Bar, Desk, Option, as_it_is, documented, given_by
 from slopekit.core.shown import Shown
@@ -19,6 +20,7 @@ from slopekit.design.common import Design
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Sheet
+    from slopekit.studies.cases import Cases
 
 #: The functions of studies by the names of their commands, and where they stand.
 STUDIES: Mapping[str, str] = {
@@ -31,28 +33,31 @@ STUDIES: Mapping[str, str] = {
 VARIANTS: Mapping[str, tuple[str, str]] = {
     "suite": ("check", "slopekit.studies.suite"), "tornado": ("sweep", "slopekit.studies.tornado"),
 }  # fmt: skip
-Function = TypeVar("Function", bound=Callable[..., Any])
+Asked = ParamSpec("Asked")
+Found = TypeVar("Found", bound=Shown)
 
 
-def study(function: Function) -> Function:
-    """A study: its docstring lists its parameters, and a design with load cases goes through it case by case."""
+def study(function: Callable[Asked, Found]) -> "Callable[Asked, Found | Cases[Found]]":
+    """A study of a design: its docstring lists its parameters, and a design with load cases goes through case by case.
+
+    What it returns is known when the design is read, not before: hence the two types. A study of something else is
+    `documented`.
+    """
     documented(function)
     parameters = inspect.signature(function).parameters
-    place = next((key for key, one in parameters.items() if given_by(one) == DESIGN), None)
-    if place is None:
-        return function
+    place = next(key for key, one in parameters.items() if given_by(one) == DESIGN)
 
     @wraps(function)
-    def through_cases(*values: Any, **named: Any) -> Any:
+    def through_cases(*values: Asked.args, **named: Asked.kwargs) -> "Found | Cases[Found]":
         design = values[0] if values else named.get(place)
         if not getattr(design, "cases", ()):
             return function(*values, **named)
         from slopekit.studies.cases import each_case
 
         given = dict(zip(parameters, values, strict=False)) | named
-        return each_case(function, function.__name__, given.pop(place), given, place)
+        return each_case(function, function.__name__, cast(Design, given.pop(place)), given, place)
 
-    return cast(Function, through_cases)
+    return through_cases
 
 
 class Outcome(Shown):
@@ -90,8 +95,8 @@ class Outcome(Shown):
         }  # fmt: skip
 
     def words(self) -> dict[str, Any]:
-        """Its line and its sheet as JSON values: what every `to_dict` ends with, and pages are made of."""
-        return {"line": self.line, "sheet": self.sheet.to_dict()}
+        """Its warnings, line and sheet as JSON values: what every `to_dict` ends with, and pages are made of."""
+        return {"warnings": json_of(getattr(self, "warnings", ())), "line": self.line, "sheet": self.sheet.to_dict()}
 
 
 # -- what a parameter is given -----------------------------------------------------------------------------------------
@@ -144,6 +149,7 @@ __all__ = [
     "Scheduler",
     "Seed",
     "as_it_is",
+    "documented",
     "function_of",
     "given_by",
     "number_of",

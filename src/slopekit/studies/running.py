@@ -9,6 +9,7 @@ A journal keeps what is done line by line, so that an interrupted study goes on 
 import hashlib
 import json
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, as_completed
@@ -28,6 +29,7 @@ Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
 _MOST_JOBS = 512
+_NO_GUARD = 64  # exit code of a worker whose script asks for workers itself while it is imported
 
 
 @dataclass(slots=True)
@@ -173,7 +175,8 @@ def run_all(
     Interrupted
         Ctrl-C: E304, with what is done in the journal.
     DesignError
-        E301 no connection to the scheduler, E305 Dask is not installed, E306 workers with another slopekit.
+        E301 no connection to the scheduler, E305 Dask is not installed, E306 workers with another slopekit, E464 a
+        script without a main guard.
     SolverError
         E303 workers die again and again.
 
@@ -251,6 +254,8 @@ def _on_workers(
                 for future in futures:
                     future.cancel()
                 raise
+            if lost:
+                _refuse_without_guard(executor)
         losses = losses + 1 if len(lost) == len(left) else 0
         # one by one: what kills its worker does not take others along
         left = [[index] for chunk in lost for index in chunk if index not in done]
@@ -268,6 +273,16 @@ def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record
     return [work(task) for task in tasks]
 
 
+def _refuse_without_guard(executor: Executor) -> None:
+    """E464 where a worker of ours went away because the script that asked runs itself again in it."""
+    workers = getattr(executor, "_processes", None) or {}
+    if any(getattr(one, "exitcode", None) == _NO_GUARD for one in workers.values()):
+        script = str(getattr(sys.modules["__main__"], "__file__", ""))
+        message = "the script has no main guard: every process of jobs= begins it anew"
+        advice = "Put what it does into a function, def main():, and end it with these two lines, or leave jobs out:\n"
+        raise DesignError([Fault("E464", message, script, f'{advice}if __name__ == "__main__":\n    main()')])
+
+
 @contextmanager
 def _executor(crew: Crew) -> Iterator[Executor]:
     if crew.executor is not None:
@@ -279,6 +294,8 @@ def _executor(crew: Crew) -> Iterator[Executor]:
             return
         import multiprocessing
 
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            raise SystemExit(_NO_GUARD)  # a worker that runs its script: the one who asked says so
         # spawned: the same on every system, and no threads of ours are copied half-way
         pool = ProcessPoolExecutor(crew.jobs, multiprocessing.get_context("spawn"), _quiet_worker)
         try:

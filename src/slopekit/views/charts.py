@@ -14,7 +14,22 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import factor_text
 from slopekit.kinds.ladders import METHODS
-from slopekit.views.drawing import BLUE, DARK, GREY, PURPLE, RED, Damaged, finish, note, nothing, short, title_of
+from slopekit.views.drawing import (
+    BLUE,
+    DARK,
+    FOS,
+    GREY,
+    NUMBER,
+    PURPLE,
+    RED,
+    Damaged,
+    finish,
+    needs,
+    note,
+    nothing,
+    short,
+    title_of,
+)
 
 #: What an error that rounds to nothing is drawn as: the bottom of the chart, with an open marker.
 FLOOR = 1e-16
@@ -197,6 +212,11 @@ def _square(x: float, y: float, half: float) -> tuple[float, float, float, float
     return x - half, y - half, x + half, y + half
 
 
+@needs({
+    "ladder": [{"method": str, "error": NUMBER, "fos": NUMBER, "effort": NUMBER, "node_pairs": NUMBER}],
+    "timing_s": {"ladder": [{"seconds": float}]},
+    "reference": {"value": NUMBER, "what": str}, "agree_within": NUMBER, "fos": FOS, "status": str,
+})  # fmt: skip
 def draw_speed_errors(figure: Any, document: Document) -> None:
     """Time against error of the ladder of a check.
 
@@ -236,6 +256,9 @@ def _label(rung: Document) -> str:
     return f"{rung['node_pairs']}" if rung["method"] == "mesh" else ""
 
 
+@needs({
+    "normals": [{"normals": str, "edge_m": NUMBER, "fos": NUMBER, "fos_cohesion_kept": NUMBER}], "fos": FOS,
+})  # fmt: skip
 def draw_normals(figure: Any, document: Document) -> None:
     """Factor of safety against mesh edge, by the normals that the node pairs of a curved surface are given.
 
@@ -278,6 +301,13 @@ def _failed(steps: Sequence[Document]) -> tuple[list[float], list[float]]:
     return [step["factor"] for step in steps], [step["failed_pairs"] for step in steps]
 
 
+@needs({
+    "series": ([{
+        "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
+    }], None),
+    "all_pairs": ({"history": ([{"factor": float, "failed_pairs": float}], None)}, None),
+    "fos": FOS, "model": {"node_pairs": float},
+})  # fmt: skip
 def draw_reduction(figure: Any, document: Document) -> None:
     """Displacement (left) and failed node pairs (right) against the strength reduction factor; the limit upright.
 

@@ -1,10 +1,10 @@
 """What all charts share (matplotlib): figures, colours, names in short, files. Needs the extra `plot`."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from slopekit.core.errors import DesignError, Fault, writing
 
@@ -171,6 +171,28 @@ def _holds_mappings(part: Any) -> bool:
     if isinstance(part, Mapping):
         return True
     return isinstance(part, list | tuple) and any(isinstance(inner, Mapping | list | tuple) for inner in part)
+
+
+#: Forms that many pictures need: a number, a text, or nothing; factors of safety.
+NUMBER, TEXT = (float, None), (str, None)
+FOS = {"limit": NUMBER, "closed_form": NUMBER, "static_bound": NUMBER, "all_pairs_failed": NUMBER}
+Function = TypeVar("Function", bound=Callable[..., None])
+
+
+def needs(form: Mapping[str, Any]) -> Callable[[Function], Function]:
+    """Say of a function that draws a document of which form that must be, see `misfit`."""
+
+    def said(function: Function) -> Function:
+        vars(function)["need"] = form
+        return function
+
+    return said
+
+
+def need_of_drawing(function: Callable[..., None]) -> Mapping[str, Any]:
+    """The form that a function says its document must have."""
+    found: Mapping[str, Any] = vars(function)["need"]
+    return found
 
 
 def misfit(value: Any, need: Any, where: str = "") -> str:

@@ -22,7 +22,7 @@ from slopekit.studies.kinematic.criteria import (
     zones_of_lines,
     zones_of_poles,
 )
-from slopekit.views.drawing import BLUE, GREY, PURPLE, RED, short
+from slopekit.views.drawing import BLUE, GREY, PURPLE, RED, TEXT, needs, short
 from slopekit.views.stereonet import (
     FACE,
     LIGHT,
@@ -108,6 +108,11 @@ class _Survey:
         return of(cells(self.net)[0], self.face, self.least if friction is None else friction, *self.limits)
 
 
+@needs({
+    "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": TEXT}],
+    "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
+    "survey": {"name": TEXT}, "input_sha256": str,
+})  # fmt: skip
 def draw_kinematic(figure: Any, document: Document, net: Net = "area", test: str | None = None) -> None:
     """All tests, or one of `TESTS`."""
     by_test = {"planar": [_planar], "wedge": [_wedge], "flexural": [_flexural], "direct": [_direct]}

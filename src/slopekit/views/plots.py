@@ -12,7 +12,7 @@ from typing import Any
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
-from slopekit.views.drawing import FORMATS, Damaged, kept, misfit, new_figure, no_window, save
+from slopekit.views.drawing import FORMATS, FOS, Damaged, kept, misfit, need_of_drawing, new_figure, no_window, save
 from slopekit.views.kinematic_charts import TESTS
 from slopekit.views.scenes import SCENES
 from slopekit.views.stereonet import Net
@@ -50,19 +50,20 @@ class Chart:
     ----------
     shows : what is seen; wants : which file has the data
     drawn_by : module and function of `views`, of a figure and a document
-    given_by : whether a document has the data; need : the form of what it must have then, see `misfit`
+    given_by : whether a document has the data; what form they must have then the drawing says, see `needs`
     """
 
     shows: str
     wants: str
     drawn_by: str
     given_by: Callable[[Document], bool]
-    need: Mapping[str, Any]
 
-    def draw(self, figure: Any, document: Document, *options: Any) -> None:
-        """Draw it on a figure; only now is loaded what draws."""
+    @property
+    def draw(self) -> Callable[..., None]:
+        """Draws it, of a figure, a document and options; only now is loaded what draws."""
         module, function = self.drawn_by.split(".")
-        getattr(import_module(f"slopekit.views.{module}"), function)(figure, document, *options)
+        found: Callable[..., None] = getattr(import_module(f"slopekit.views.{module}"), function)
+        return found
 
 
 def _is_kinematic(document: Document) -> bool:
@@ -102,159 +103,69 @@ def _oriented(document: Document) -> bool:
         raise
 
 
-_NUMBER = (float, None)
-_TEXT = (str, None)
-_POINT = {
-    "status": _TEXT, "limit": _NUMBER, "closed_status": _TEXT, "closed_form": _NUMBER, "moments_govern": (bool, None),
-    "agree": (bool, None), "code": _TEXT, "message": _TEXT,
-}  # fmt: skip
-_SWEEP = {
-    "methods": str,
-    "keys": [{"key": str, "unit": str, "values": [float], "now": _NUMBER}],
-    "points": [_POINT],
-    "levels": [{"fos": float, "what": str}],
-    "critical": [{"method": str, "at": _NUMBER, "fos": float}],
-    "changes": [{"between": [float], "statuses": [str]}],
-}
-_BENCHES = {
-    "benches": [{
-        "height_m": float, "face_dip_deg": float, "backbreak_curve_m": [float], "effective_face_curve_deg": [float],
-        "berm_needed_m": float,
-        "reliability": [{"berm_m": float, "inter_ramp_deg": float, "reliability": {"probability": _NUMBER}}],
-    }],
-    "inputs": {"reliability": float, "berms_m": ([float], None), "dip_direction_deg": float},
-    "survey": {"name": _TEXT, "joints": float}, "input_sha256": str,
-}  # fmt: skip
-_SHARE = {"probability": _NUMBER, "low": _NUMBER, "high": _NUMBER, "of": float, "confidence": float, "limits_by": str}
-_FOS = {"limit": _NUMBER, "closed_form": _NUMBER, "static_bound": _NUMBER, "all_pairs_failed": _NUMBER}
 #: Drawn by matplotlib, by their word.
 CHARTS: Mapping[str, Chart] = {
     "stereonet": Chart(
         "planes, poles, lines, cones on the lower hemisphere",
         "a file with joints: slopekit kinematic, sets, run, wedge, combos or prob with -o DIR",
         "orientation_charts.draw_orientations", lambda of: _is_survey(of) or _oriented(of),
-        {
-            "inputs": {
-                "joints": (Mapping, list, None), "joint": _TEXT, "friction_angle_deg": ([float], float, None),
-                "strength": ({"friction_angle_deg": float}, str, None), "strengths": ([[(str, dict)]], None),
-                "sets": ([{"name": str, "plane": str, "strength": _TEXT}], None), "face": _TEXT, "upper": _TEXT,
-                "crack": (dict, None), "friction_deg": ({"least": float, "most": float}, float, None),
-            },
-            "worst": ([{"joints": [str], "planes": [str]}], None), "fos": (dict, float, None),
-        },
     ),
     "elevation": Chart(
         "the face with its bolts by number",
         "result.json of a design with bolts that have a head: slopekit run design.yaml -o DIR",
         "elevation.draw_elevation", _has_bolts,
-        {
-            "inputs": {
-                "bolts": [{
-                    "force_kn": float, "toward": {"trend_deg": float, "plunge_deg": float}, "acts": str,
-                    "head_m": ([float], None), "length_m": _NUMBER, "block": _TEXT,
-                }],
-                "face": _TEXT, "upper": _TEXT,
-            },
-        },
     ),
     "histogram": Chart(
         "factors of safety, the probability of failure", "prob.json: slopekit prob design.yaml -o DIR",
         "probability_charts.draw_histogram", lambda of: of.get("study") == "prob",
-        {
-            "target": float, "n": float, "by": str, "outcomes": dict,
-            "histogram": ({
-                "edges": [float], "counts": [float], "below": float, "above": float,
-                "pre_ie_at_random": ([float], None), "pre_ie_samples": _NUMBER, "pre_ie_without_factor": _NUMBER,
-                "failing_without_factor": _NUMBER,
-            }, None),
-            "fos": ({"min": float, "max": float, "samples": float}, None),
-            "probability_of_failure": {"all_samples": _SHARE, "samples_that_form_a_block": _SHARE},
-        },
     ),
     "curve": Chart(
         "the factor over one number", "sweep.json of one key: slopekit sweep design.yaml KEY=a:b:n -o DIR",
-        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1), _SWEEP,
+        "sweep_charts.draw_curve", lambda of: _sweeps(of, 1),
     ),
     "contour": Chart(
         "the factor over two numbers", "sweep.json of two keys: slopekit sweep design.yaml KEY=a:b:n KEY=a:b:n -o DIR",
-        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2), _SWEEP,
+        "sweep_charts.draw_contour", lambda of: _sweeps(of, 2),
     ),
     "backbreak": Chart(
         "how much of the crest is lost along the bench, by height and face angle",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_backbreak", _of_benches,
-        _BENCHES,
     ),
     "face-angle": Chart(
         "the face angle that is left along the bench, by height and face angle",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_face_angle", _of_benches,
-        _BENCHES,
     ),
     "reliability": Chart(
         "which heights and face angles keep their berm",
         "bench-design.json: slopekit bench-design survey.csv -o DIR", "bench_charts.draw_reliability", _of_benches,
-        _BENCHES,
     ),
     "tornado": Chart(
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
         "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
-        {
-            "methods": str, "rule": str, "base": _POINT,
-            "bars": [{
-                "key": str, "unit": str, "low": float, "high": float, "at_low": _POINT, "at_high": _POINT,
-                "shown": ([str], None), "swing": {"pre_ie": _NUMBER, "closed_form": _NUMBER},
-            }],
-        },
     ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,
-        {
-            "ladder": [{"method": str, "error": _NUMBER, "fos": _NUMBER, "effort": _NUMBER, "node_pairs": _NUMBER}],
-            "timing_s": {"ladder": [{"seconds": float}]},
-            "reference": {"value": _NUMBER, "what": str}, "agree_within": _NUMBER, "fos": _FOS, "status": str,
-        },
     ),
     "reduction": Chart(
         "failed node pairs and displacement over the strength reduction factor",
         "result.json of a design with analysis.factors, or with analysis.criterion: all-pairs, "
         "by slopekit run design.yaml -o DIR",
         "charts.draw_reduction", lambda of: bool(of.get("series") or of.get("all_pairs")),
-        {
-            "series": ([{
-                "factor": float, "stands": bool, "failed_pairs": float, "displacement_m": ([float], None),
-            }], None),
-            "all_pairs": ({"history": ([{"factor": float, "failed_pairs": float}], None)}, None),
-            "fos": _FOS, "model": {"node_pairs": float},
-        },
     ),
     "normals": Chart(
         "true normals of a curved slip surface against those of facets",
         "check.json of a design of kind surface: slopekit check design.yaml -o DIR",
         "charts.draw_normals", lambda of: bool(of.get("normals")),
-        {
-            "normals": [{"normals": str, "edge_m": _NUMBER, "fos": _NUMBER, "fos_cohesion_kept": _NUMBER}], "fos": _FOS,
-        },
     ),
 }  # fmt: skip
 #: The stereonets of studies of surveys, which have no result behind them, by kind.
 _OF_SURVEYS: Mapping[str, Chart] = {
-    "kinematic": replace(CHARTS["stereonet"], drawn_by="kinematic_charts.draw_kinematic", need={
-        "orientations": [{"dip_deg": float, "dip_direction_deg": float, "friction_deg": float, "set": _TEXT}],
-        "inputs": {"face": str, "lateral_deg": float, "lateral_toppling_deg": float},
-        "survey": {"name": _TEXT}, "input_sha256": str,
-    }),
-    "sets": replace(CHARTS["stereonet"], drawn_by="set_charts.draw_sets", need={
-        "orientations": [{"dip_deg": float, "dip_direction_deg": float, "weight": float, "set": _TEXT}],
-        "sets": [{
-            "set": str, "dip_deg": float, "dip_direction_deg": float, "joints": float, "k": _NUMBER,
-            "cone_of_mean_deg": _NUMBER, "variability_deg": dict,
-        }],
-        "inputs": {"contours": str, "confidence": float, "scanline": (dict, None)},
-        "survey": {"name": _TEXT}, "input_sha256": str,
-    }),
-}  # fmt: skip
+    kind: replace(CHARTS["stereonet"], drawn_by=drawn_by)
+    for kind, drawn_by in (("kinematic", "kinematic_charts.draw_kinematic"), ("sets", "set_charts.draw_sets"))
+}
 _SCENE: Mapping[str, Any] = {
-    "inputs": dict, "fos": _FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
+    "inputs": dict, "fos": FOS, "geometry": (dict, None), "assembly": (dict, None), "mechanism": (Mapping, list, None),
 }  # fmt: skip
 EVERY = (*SCENES, *CHARTS)
 
@@ -497,34 +408,18 @@ def checked_document(document: Any, name: str) -> Document:
 
 
 def by_case(document: Document, case: str | None = None, name: str = "") -> dict[str, Document]:
-    """The documents of the load cases of a document by their names, one where it is named; {"": itself} without any.
+    """The documents of the load cases of a document by their names; {"": itself} without any, see `of_cases`."""
+    from slopekit.studies.cases import of_cases  # most documents have none
 
-    Raises
-    ------
-    DesignError
-        E475 for a name that is none of them, E476 where there are no cases, E341 where they are damaged.
-    """
-    if document.get("study") != "cases":
-        if case is not None:
-            message = f"{name or 'the document'} has no load cases, {case} is none"
-            raise DesignError([Fault("E476", message, f"--case {case}", "Leave --case out.")])
+    if document.get("study") != "cases" and case is None:
         return {"": document}
-    found = document.get("cases")
-    if not isinstance(found, Mapping) or not found:
-        raise DesignError([Fault("E341", f"{name or 'the document'} has lost its load cases", name)])
-    if case is None:
-        return {str(own): checked_document(below, f"{name}, case {own}") for own, below in found.items()}
-    if case not in found:
-        near = get_close_matches(case, [str(own) for own in found], n=1)
-        advice = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(map(str, found))}."
-        raise DesignError(
-            [Fault("E475", f"{case} is no load case of {name or 'the document'}", f"--case {case}", advice)]
-        )
-    return {case: checked_document(found[case], f"{name}, case {case}")}
+    return {
+        own: checked_document(below, f"{name}, case {own}") for own, below in of_cases(document, case, name).items()
+    }
 
 
 def need_of(what: str, kind: str = "") -> Mapping[str, Any]:
     """The form of a document that can give a picture; of scenes what stands beside the scene."""
     if what in SCENES:
         return _SCENE
-    return (_OF_SURVEYS[kind] if what == "stereonet" and kind in _OF_SURVEYS else CHARTS[what]).need
+    return need_of_drawing((_OF_SURVEYS[kind] if what == "stereonet" and kind in _OF_SURVEYS else CHARTS[what]).draw)

@@ -262,7 +262,7 @@ def _study(document: Mapping[str, Any], sheet: Mapping[str, Any]) -> dict[str, A
         "version": document["slopekit"], "sha": str(document.get("input_sha256") or ""),
         "lines": [one.replace("  ", " · ") for one in document["line"].split("\n")],  # blanks are one in HTML
         "sections": sections,
-        "notices": [(str(one["code"]), str(one["message"])) for one in document.get("warnings", ())],
+        "notices": [(str(one["code"]), str(one["message"])) for one in document["warnings"]],
         "view": 0,
     }  # fmt: skip
 

@@ -12,7 +12,7 @@ import numpy as np
 from slopekit.closed_form.berms import catch_width
 from slopekit.core.arrays import Floats
 from slopekit.core.codec import json_of
-from slopekit.core.errors import DesignError, Fault, Faults
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
 from slopekit.core.orientation import Plane, normals, number
 from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
@@ -23,7 +23,7 @@ from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import Ground
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
 from slopekit.studies.keys import Key
-from slopekit.studies.ranges import parse_values
+from slopekit.studies.ranges import meant_in_steps, parse_values
 from slopekit.studies.surveys import range_of
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
@@ -71,7 +71,7 @@ class BenchInputs:
     own : how many joints have c, φ, a trace and a spacing of their own
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
-    defaults : names of the inputs that were left out
+    defaults : names of the inputs that were left out; meant : ranges that may have been meant as steps
     """
 
     joints: JointList
@@ -89,6 +89,7 @@ class BenchInputs:
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
+    meant: tuple[Notice, ...] = ()
 
     def number(self, name: str) -> float:
         """A number that is there, given or its default."""
@@ -185,6 +186,10 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     if every is None:
         every = _apart(listed, spacings, toward)
     (cohesion, own_c), (friction, own_phi) = strengths
+    meant = [
+        notice for name, values in read.items()
+        for notice in meant_in_steps(_key(name), given[name], values or ())
+    ]  # fmt: skip
     may_be_left = (
         "berm", "catch", "every", "density", "n", "reliability", "fos", "lateral", "lateral_toppling", "swell",
         "repose", "toe",
@@ -194,8 +199,21 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         defaults.remove("density")
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
-        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
+        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults), tuple(meant),
     )  # fmt: skip
+
+
+#: What is given in several values: its kind and limits, the code beyond them and what they are.
+_RANGED = {
+    "height": ("length", 1e-3, 1e4, "E410", "a bench is more than 0 m high"),
+    "face": ("angle", 1.0, 90.0, "E411", "the face of a bench dips from 1 to 90°"),
+    "berm": ("length", 0.0, 1e4, "E412", "a berm is 0 m wide or more"),
+}
+
+
+def _key(name: str) -> Key:
+    kind, low, high, *_ = _RANGED[name]
+    return Key(name, kind, None, low, high)
 
 
 def _values(name: str, given: object, option: Callable[[str], str]) -> tuple[float, ...]:
@@ -206,13 +224,9 @@ def _values(name: str, given: object, option: Callable[[str], str]) -> tuple[flo
             return ()
         example = {"height": "10,15", "face": "60:80:+5"}[name]
         raise DesignError([Fault("E143", f"{where} is missing", where, f"Give {where} {example}.")])
-    kind, low, high, code, said = {
-        "height": ("length", 1e-3, 1e4, "E410", "a bench is more than 0 m high"),
-        "face": ("angle", 1.0, 90.0, "E411", "the face of a bench dips from 1 to 90°"),
-        "berm": ("length", 0.0, 1e4, "E412", "a berm is 0 m wide or more"),
-    }[name]
-    found = parse_values(Key(name, kind, None, low, high), given, MOST_VALUES)
-    bad = [value for value in found if not low <= value <= high]
+    key, (*_, code, said) = _key(name), _RANGED[name]
+    found = parse_values(key, given, MOST_VALUES)
+    bad = [value for value in found if not key.low <= value <= key.high]
     if bad:
         raise DesignError([Fault(code, f"{name} is {number(bad[0])}: {said}", f"{where} {given}")])
     return found

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import field, replace
 from typing import Annotated, Any, ClassVar
 
-from slopekit.core.codec import json_of, record_of
+from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
@@ -24,7 +24,7 @@ from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of
 from slopekit.studies.bench_design.said import notices_of
 from slopekit.studies.bench_design.trials import drawn_trials
-from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, study
+from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
 from slopekit.studies.surveys import Convention, SkipBad, survey_head
 
@@ -106,12 +106,12 @@ class BenchDesigns(Outcome):
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": None if self.checked is None else record_of(self.checked.said)
             | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
-            "warnings": json_of(self.warnings), "timing_s": dict(self.timing_s),
+            "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
 
 
-@study
+@documented
 def bench_design(
     joints: Annotated[
         Any,

@@ -15,7 +15,8 @@ _FEW = 30  # joints: below it, a survey says little of its sets
 
 
 def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
-    """W366, W373, W351, W390 to W397."""
+    """W432, W366, W373, W351, W390 to W397."""
+    yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)
     if n < _FEW:

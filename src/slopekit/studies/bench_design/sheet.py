@@ -1,6 +1,6 @@
 """The sheet of a study of benches: what fails by height and face, what berm keeps the catch width, what PRE-IE says."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -80,11 +80,20 @@ def _sizes(found: BenchDesigns) -> str:
     return "; ".join(texts)
 
 
+def _listed(values: Sequence[float]) -> str:
+    """Values in full, the middle of many left out."""
+    texts = [number(value) for value in values]
+    return ", ".join(texts if len(texts) <= _LISTED else [*texts[: _LISTED - 2], "...", texts[-1]])
+
+
 def _trials(found: BenchDesigns) -> list[str]:
     asked = found.given
     every = "one each bench height" if asked.every_m is None else f"one each {asked.every_m:.3g} m"
     toe = "anywhere on the face" if asked.toe == "anywhere" else "at the toe of the bench, as large as the joints allow"
+    ranges = [f"heights {_listed(asked.heights_m)} m", f"faces {_listed(asked.face_dips_deg)}°"]
+    ranges += [] if asked.berms_m is None else [f"berms {_listed(asked.berms_m)} m"]
     return [
+        "; ".join(ranges),
         f"{int(asked.number('n'))} places along the bench ({every}), two joints drawn at each; faces toward "
         f"{asked.toward_deg:03.0f}, toe of the block {toe}, upper slope level",
         f"fails: FoS below {number(asked.number('fos'))}; limits at {number(100.0 * asked.number('confidence'))} %: "
@@ -249,6 +258,7 @@ def _defaults(found: BenchDesigns) -> list[str]:
     return [", ".join(words[name] for name in asked.defaults)] if asked.defaults else []
 
 
+_LISTED = 9  # values in full
 _OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"
 _OF_BERMS = (
     "per cent of the length that keeps the catch width; m of the berm that are left on 80 and 95 % of it; per cent of "

@@ -144,7 +144,6 @@ class Check(Outcome):
             "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
-            "warnings": result["warnings"],
             "timing_s": {
                 "total": self.seconds,
                 "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,

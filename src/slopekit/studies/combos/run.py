@@ -26,7 +26,7 @@ from slopekit.kinds.protocol import Factors
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import LIMITED_BY
 from slopekit.studies.combos.pairs import NEVER, PAIR_OUTCOMES, PairInputs, Pairs, evaluated, pair_inputs
-from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, study
+from slopekit.studies.protocol import DESK, Desk, Jobs, Option, Outcome, Scheduler, documented
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, survey_head
 
@@ -233,13 +233,12 @@ class Combos(Outcome):
                 ),
             },
             "joints_in_pairs_below": [{"joint": name, "pairs": times} for name, times in self.partners()],
-            "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
 
 
-@study
+@documented
 def combos(
     joints: AJointList,
     *,

@@ -30,7 +30,7 @@ from slopekit.design.joint_lists import JointList, joint_list, own_or_given, pla
 from slopekit.studies.axes import Axes, axes_of
 from slopekit.studies.keys import Key
 from slopekit.studies.kinematic.criteria import OF_JOINTS, Lines, Modes, lines_of, modes_of, planes_of_poles
-from slopekit.studies.protocol import DESK, Desk, Option, Outcome, study
+from slopekit.studies.protocol import DESK, Desk, Option, Outcome, documented
 from slopekit.studies.ranges import as_steps, parse_values
 from slopekit.studies.surveys import AFace, AJointList, Convention, SkipBad, left_out, partners, range_of, survey_head
 
@@ -192,13 +192,12 @@ class Kinematic(Outcome):
                 {"dip_deg": dip, "counts": dict(found), "percent": dict(part)}
                 for (dip, found), part in zip(self.over_faces, self.percent_of_faces, strict=True)
             ],
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 
 
-@study
+@documented
 def kinematic(
     joints: AJointList,
     *,

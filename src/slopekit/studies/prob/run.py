@@ -246,7 +246,6 @@ class Probability(Outcome):
             **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
             "sizes": None if self.sizes is None else self.sizes.to_dict(),
             "defaults": list(self.design.defaults),
-            "warnings": json_of(self.warnings),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -324,7 +323,7 @@ def prob(
     """
     crew = checked_crew(jobs, scheduler, executor)
     if design.partial is not None:
-        message = "a probability of failure takes the strengths as they scatter, not over partial factors"
+        message = "partial factors allow for the scatter that a probability draws: with both it would count twice"
         advice = "Take analysis.partial_factors out for it, or: --set analysis.partial_factors=null"
         raise DesignError([Fault("E483", message, "analysis.partial_factors", advice)])
     given, source = design, None

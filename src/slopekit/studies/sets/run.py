@@ -28,7 +28,7 @@ from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.design.words import line_of_words
 from slopekit.studies.axes import Axes, axes_of, terzaghi_weights
 from slopekit.studies.kinematic.criteria import planes_of_poles
-from slopekit.studies.protocol import DESK, Desk, Option, Outcome, Seed, number_of, study, whole_number
+from slopekit.studies.protocol import DESK, Desk, Option, Outcome, Seed, documented, number_of, whole_number
 from slopekit.studies.sets.clustering import LEAST_JOINTS, MOST_SETS, Clusters, best, clusters_of, girdle_of
 from slopekit.studies.sets.density import CONTOURS, Contours, densest
 from slopekit.studies.sets.sizes import Lengths, Traces, spacings_of, traces_of
@@ -210,13 +210,12 @@ class JointSets(Outcome):
                 )
             ],
             "block": self.block, "scatter_block": self.scatter_block,
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
 
 
-@study
+@documented
 def sets(
     joints: AJointList,
     *,

@@ -2,6 +2,9 @@
 
 The probability comes from samples drawn with the same random numbers at every value: it is a step function of the
 value, so what is found is the place of a step, and the confidence limits of the estimate become limits of the value.
+
+Where a closed form counts the failures, PRE-IE looks at some samples of what is found, as it does in `prob`. Where its
+judgement is higher the value is moved until that judgement, the one `prob` leads with, is not above the target.
 """
 
 import math
@@ -25,15 +28,22 @@ from slopekit.studies.solve.solutions import end_advice
 
 _EVEN, _CLOSE, _EACH_DECADE = 9, 2, 1
 _RESOLUTION, _RESOLUTION_OF_LIMITS = 1e-9, 1e-5
+_ROUNDS, _HELD = 8, 0.05  # in which PRE-IE's judgement is brought to the target from below, within a part of it
+_BY_PRE_IE = "The closed form is too low here: slopekit prob --by pre-ie, value by value."
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A probability of failure with its confidence limits; without limits they are None."""
+    """A probability of failure with its confidence limits; without limits they are None.
+
+    `by` whom, in the words of `prob`; `disagree` : samples on which the methods disagree.
+    """
 
     value: float
     low: float | None = None
     high: float | None = None
+    by: str = ""
+    disagree: int = field(default=0, metadata={"json": None})
 
 
 #: What a design comes to; drawn with the same random numbers at every call.
@@ -48,6 +58,7 @@ class ProbableValue:
     Attributes
     ----------
     value : on the side where the probability is not above the target; estimate : the probability there
+    counted : by the closed form, where PRE-IE's judgement is the higher and led to the value; else None
     bracket : the two sides of the step, each a value and its estimate
     rises : whether the probability rises with the value there
     limits : values between which the target lies within the confidence limits; None where an end was not found
@@ -58,6 +69,7 @@ class ProbableValue:
     bracket: tuple[tuple[float, Estimate], tuple[float, Estimate]]
     rises: bool
     limits: tuple[float | None, float | None]
+    counted: Estimate | None = None
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -93,7 +105,9 @@ class ProbabilitySolution(Outcome):
 
     @property
     def exit_code(self) -> int:
-        """0 found, 1 there is no such value."""
+        """0 found, 1 there is no such value, 4 the methods disagree at it."""
+        if self.answer is not None and self.answer.estimate.disagree:
+            return 4
         return 0 if self.roots else 1
 
     def to_dict(self) -> dict[str, Any]:
@@ -110,7 +124,7 @@ class ProbabilitySolution(Outcome):
             "roots": [
                 {
                     "value": self.key.reduced(root.value), "probability": json_of(root.estimate),
-                    "rises": root.rises, "limits": list(root.limits),
+                    "counted": json_of(root.counted), "rises": root.rises, "limits": list(root.limits),
                     "bracket": [{"value": at, "probability": json_of(of)} for at, of in root.bracket],
                 }
                 for root in self.roots
@@ -121,7 +135,6 @@ class ProbabilitySolution(Outcome):
             },
             "evaluations": self.evaluations,
             "reason": json_of(self.reason),
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -132,6 +145,7 @@ def for_probability(
     key: str,
     pf: float,
     failure_probability: FailureProbability,
+    judged: FailureProbability | None = None,
     *,
     within: Within | None = None,
     advance: Advance = lambda _: None,
@@ -143,6 +157,7 @@ def for_probability(
     key : dotted path, or `path=low:high`; of a distribution one of its numbers: strength.weak.phi.mean
     pf : the target, between 0 and 1
     failure_probability : of a design, with the same random numbers at every call
+    judged : the same with PRE-IE's look at it, which takes longer: asked of the design and of what is found
     within : between which values to look
 
     Raises
@@ -163,8 +178,8 @@ def for_probability(
         advice = f"Name {' or '.join(parts)}." if parts else ""
         raise DesignError([Fault("E311", f"{one.path} {what}", one.path, advice)])
     low, high = parse_within(one, text if equals else within)
-    asked = _Asked(design, one, failure_probability, advance)
-    before = asked.ask(None)
+    asked = _Asked(design, one, failure_probability, judged, advance)
+    before = asked.lead(None)
     if isinstance(before, Fault) and before.code.startswith("E30"):
         raise DesignError([before])
     search = asked.search(pf, "value", high - low, _RESOLUTION)
@@ -176,18 +191,23 @@ def for_probability(
     if not found:
         search.add(grid)
         found = search.crossings()
-    limits = {side: asked.limits(search, pf, side) for side in ("low", "high")} if found else {}
-    roots = [_value(crossing, limits, search) for crossing in found]
+    counted = [_value(crossing, asked.limits(search, pf, pf)) for crossing in found]
+    held = [asked.held(search, pf, root) for root in counted]
+    roots = [one for one in held if isinstance(one, ProbableValue)]
     roots.sort(key=lambda root: root.value if one.value is None else one.apart(root.value, one.value))
     reached = [(sample.at, sample.level + pf) for sample in search.samples if sample.level is not None]
     least = min(reached, key=lambda end: end[1], default=None)
     most = max(reached, key=lambda end: end[1], default=None)
-    reason = None if roots else _reason(one, pf, (low, high), least, most, search.samples)
+    refused = next((one for one in held if isinstance(one, Fault)), None)
+    reason = (
+        None if roots else refused or asked.doubted(_reason(one, pf, (low, high), least, most, search.samples), before)
+    )
     solution = ProbabilitySolution(
         design, one, pf, (low, high), None if isinstance(before, Fault) else before, tuple(roots), least, most,
-        len(asked.known), reason,
+        len(asked.known) + len(asked.led), reason,
     )  # fmt: skip
-    return replace(solution, warnings=tuple(_notices(solution)), seconds=time.perf_counter() - began)
+    dropped = refused if roots else None
+    return replace(solution, warnings=tuple(_notices(solution, counted, dropped)), seconds=time.perf_counter() - began)
 
 
 @dataclass(slots=True)
@@ -195,20 +215,36 @@ class _Asked:
     design: Design
     key: Key
     failure_probability: FailureProbability
+    judged: FailureProbability | None
     advance: Advance
     known: dict[float | None, _Tried] = field(default_factory=dict)
+    led: dict[float | None, _Tried] = field(default_factory=dict)
+    limited: dict[tuple[float, float], list[float]] = field(default_factory=dict)
 
     def ask(self, value: float | None) -> _Tried:
         """The estimate at a value (None: the design as it is), or why there is none; each asked once."""
         if value not in self.known:
-            try:
-                values = {} if value is None else values_of(self.design, [self.key], [value])
-                found = self.failure_probability(with_values(self.design, values))
-                self.known[value] = found if isinstance(found, Estimate) else Estimate(float(found))
-            except SlopekitError as error:
-                self.known[value] = error.faults[0]
-            self.advance(1)
+            self.known[value] = self._asked_of(self.failure_probability, value)
         return self.known[value]
+
+    def lead(self, value: float | None) -> _Tried:
+        """The same with PRE-IE's look at it, where a closed form counts."""
+        counted = self.ask(value)
+        if self.judged is None or isinstance(counted, Fault) or counted.by == "PRE-IE":
+            return counted
+        if value not in self.led:
+            self.led[value] = self._asked_of(self.judged, value)
+        return self.led[value]
+
+    def _asked_of(self, function: FailureProbability, value: float | None) -> _Tried:
+        try:
+            values = {} if value is None else values_of(self.design, [self.key], [value])
+            found = function(with_values(self.design, values))
+            return found if isinstance(found, Estimate) else Estimate(float(found))
+        except SlopekitError as error:
+            return error.faults[0]
+        finally:
+            self.advance(1)
 
     def search(self, target: float, of: str, span: float, resolution: float) -> Search[_Tried]:
         sample = partial(self.samples, target, of)
@@ -223,22 +259,90 @@ class _Asked:
             found.append(Sample(value, None if share is None else share - target, label, tried))
         return found
 
-    def limits(self, search: Search[_Tried], target: float, side: str) -> list[float]:
-        """Where one of the confidence limits passes the target."""
-        other = self.search(target, side, search.span, _RESOLUTION_OF_LIMITS)
+    def crossings(
+        self, search: Search[_Tried], target: float, of: str, resolution: float = _RESOLUTION_OF_LIMITS
+    ) -> list[Crossing[_Tried]]:
+        """Where the probability, or one of its confidence limits, passes another target."""
+        other = self.search(target, of, search.span, resolution)
         other.add([sample.at for sample in search.samples])
-        return [crossing.best.at for crossing in other.crossings()]
+        return other.crossings()
+
+    def limits(self, search: Search[_Tried], low: float, high: float) -> list[float]:
+        """Where the lower confidence limit passes one target, and the upper one the other."""
+        key = low, high
+        if key not in self.limited:
+            found = [*self.crossings(search, low, "low"), *self.crossings(search, high, "high")]
+            self.limited[key] = [crossing.best.at for crossing in found]
+        return self.limited[key]
+
+    def doubted(self, reason: Fault, before: _Tried) -> Fault:
+        """Why the closed form has no value, E463 where PRE-IE's judgement of the design as it is lies above it."""
+        counted = self.ask(None)
+        if isinstance(before, Fault) or isinstance(counted, Fault) or before.value == counted.value:
+            return reason
+        message = f"by the closed form {reason.message}; as it is PRE-IE judges {before.value:.4g}"
+        return Fault("E463", message, reason.where, _BY_PRE_IE)
+
+    def held(self, search: Search[_Tried], target: float, root: ProbableValue) -> "ProbableValue | Fault":
+        """The value by the probability that `prob` leads with: where PRE-IE's judgement is higher, further off.
+
+        The closed form may count only so much as PRE-IE adds to it; how much that is changes little with the value.
+        """
+        best, first, began = list[ProbableValue](), self.lead(root.value), self.key.shown(root.value, 7)
+        places = [sample.at for sample in search.samples]
+        unsafe, safe, end = root.value, None, min(places) if root.rises else max(places)
+        at = root.value
+        for _ in range(_ROUNDS):
+            led, counted = self.lead(at), self.ask(at)
+            if isinstance(led, Fault) or isinstance(counted, Fault):
+                break
+            more = led.value - counted.value
+            if led.value <= target:
+                if at == root.value and more == 0.0:
+                    return replace(root, estimate=led)
+                shift = [(a or 0.0) - (b or 0.0) for a, b in ((led.low, counted.low), (led.high, counted.high))]
+                around = _around(self.limits(search, *(target - one for one in shift)), at)
+                best.append(replace(root, value=at, estimate=led, counted=counted, limits=around))
+                safe = at
+                if led.value >= target * (1.0 - _HELD):
+                    break
+            else:
+                unsafe = at
+            at = self._between(search, target * (1.0 - _HELD / 2.0) - more, unsafe, end if safe is None else safe)
+            if at in self.led:
+                break
+        if best:
+            found = max(best, key=lambda one: one.estimate.value)
+            sides = [(one, self.led[one]) for one in sorted({unsafe, found.value})]
+            bracket = [(one, of) for one, of in sides if isinstance(of, Estimate)]
+            return replace(found, bracket=(bracket[0], bracket[-1]))
+        if isinstance(first, Fault):
+            return first
+        message = f"the closed form counts a probability of failure of {number(target)} at {began}, PRE-IE judges it "
+        message += f"{first.value:.4g}, and at no value tried is that below the target"
+        return Fault("E463", message, "", _BY_PRE_IE)
+
+    def _between(self, search: Search[_Tried], aim: float, unsafe: float, safe: float) -> float:
+        """Where the closed form counts so much, or else half way from a value that will not do to one that may."""
+        low, high = min(unsafe, safe), max(unsafe, safe)
+        found = self.crossings(search, aim, "value", _RESOLUTION) if aim > 0.0 else []
+        inside = [one.best.at for one in found if low < one.best.at < high]
+        return min(inside, key=lambda one: abs(one - unsafe), default=0.5 * (low + high))
 
 
-def _value(crossing: Crossing[_Tried], limits: dict[str, list[float]], search: Search[_Tried]) -> ProbableValue:
+def _value(crossing: Crossing[_Tried], limits: Sequence[float]) -> ProbableValue:
     """The value on the safe side of a step, and how far off the limits of the estimate put it."""
     ends = [end for end in (crossing.before, crossing.after) if isinstance(end.found, Estimate)]
     safe = crossing.best if crossing.best.level == 0.0 else min(ends, key=lambda end: end.level or 0.0)
-    below = _nearest([at for side in limits.values() for at in side if at <= safe.at], safe.at)
-    above = _nearest([at for side in limits.values() for at in side if at > safe.at], safe.at)
     estimates = [(end.at, end.found) for end in ends if isinstance(end.found, Estimate)]
     assert isinstance(safe.found, Estimate)
-    return ProbableValue(safe.at, safe.found, (estimates[0], estimates[-1]), crossing.rises, (below, above))
+    around = _around(limits, safe.at)
+    return ProbableValue(safe.at, safe.found, (estimates[0], estimates[-1]), crossing.rises, around)
+
+
+def _around(limits: Sequence[float], value: float) -> tuple[float | None, float | None]:
+    """The nearest of them to both sides of a value."""
+    return (_nearest([at for at in limits if at <= value], value), _nearest([at for at in limits if at > value], value))
 
 
 def _nearest(found: list[float], at: float) -> float | None:
@@ -268,14 +372,27 @@ def _reason(
     return Fault("E315", text, "", end_advice(key, end[0], within))
 
 
-def _notices(solution: ProbabilitySolution) -> Iterable[Notice]:
-    key = solution.key
+def _notices(
+    solution: ProbabilitySolution, counted: Sequence[ProbableValue], dropped: Fault | None
+) -> Iterable[Notice]:  # fmt: skip
+    key, target = solution.key, number(solution.target)
+    moved = [root for root in solution.roots if root.counted is not None]
+    if moved and moved[0].counted is not None:
+        near = min(counted, key=lambda one: abs(one.value - moved[0].value))
+        yield Notice("W430", f"the value holds PRE-IE's judgement, the higher, which prob leads with: the closed form "
+                             f"counts {moved[0].counted.value:.4g} there, and {target} at {key.shown(near.value)}: "
+                             "do not use that")  # fmt: skip
+    if dropped is not None:
+        yield Notice("W430", f"a further value of the closed form is left out: {dropped.message}")
     if len(solution.roots) > 1:
         others = ", ".join(key.shown(root.value, 7) for root in solution.roots[1:])
-        text = f"{len(solution.roots)} values give {number(solution.target)}; further: {others}"
-        yield Notice("W356", text)
+        yield Notice("W356", f"{len(solution.roots)} values give {target}; further: {others}")
     found = solution.answer
-    if found is not None and abs(found.estimate.value - solution.target) > 0.1 * solution.target:
+    if (
+        found is not None
+        and found.counted is None
+        and abs(found.estimate.value - solution.target) > 0.1 * solution.target
+    ):
         (a, at_a), (b, at_b) = found.bracket
         yield Notice("W357", f"the probability steps from {at_a.value:.4g} to {at_b.value:.4g} between "
                              f"{key.shown(a)} and {key.shown(b)}: more samples make smaller steps")  # fmt: skip

@@ -5,10 +5,11 @@ from operator import attrgetter
 from typing import Any
 
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Table, factor_text
+from slopekit.core.sheet import Column, Section, Table
 from slopekit.design.common import Design
+from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.keys import values_of
-from slopekit.studies.points import Evaluation, Point, factor_at
+from slopekit.studies.points import Evaluation, Point, factor_at, status_of
 from slopekit.studies.solve.solutions import Solution
 
 _WITHIN = 1e-6  # that PRE-IE's own root may miss the target by
@@ -17,18 +18,6 @@ _WITHIN = 1e-6  # that PRE-IE's own root may miss the target by
 def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
     """What the study of a case takes: what was given."""
     return dict(given)
-
-
-@dataclass(frozen=True, slots=True)
-class InCase:
-    """A load case with the value: what it asks for, what both methods give, whether that is enough."""
-
-    case: str
-    target: float
-    own: float | None
-    limit: float | None
-    closed_form: float | None
-    met: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,23 +67,13 @@ class SolutionForAll:
 
     def sections(self) -> list[Section]:
         """The value, and every case with it."""
-        if self.value is None:
-            return [Section("FOR ALL", [self.line])]
+        return [Section("FOR ALL", [self.line, *([] if self.value is None else [self._table()])])]
+
+    def _table(self) -> Table[InCase]:
         key = next(iter(self.found.values())).key
-
-        def factor(value: float | None) -> str:
-            return factor_text(value).strip()
-
-        columns: list[Column[InCase]] = [
-            Column("with it", attrgetter("case"), "case", width=-22),
-            Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
-            Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
-            Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
-            Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
-            Column("  alone it needs", attrgetter("own"), "own_value", key.unit, width=-1, about="  {}",
-                   show=lambda own: "nothing" if own is None else key.shown(own)),
-        ]  # fmt: skip
-        return [Section("FOR ALL", [self.line, Table(columns, self.inside)])]
+        alone = Column[InCase]("alone it needs", attrgetter("own"), "own_value", key.unit,
+                               show=lambda own: "nothing" if own is None else key.shown(own))  # fmt: skip
+        return in_each_case("with it", self.inside, alone)
 
     def files(self) -> dict[str, str]:
         """None."""
@@ -107,10 +86,7 @@ class SolutionForAll:
             "reached": self.reached, "key": key.path, "unit": key.unit, "value": self.value,
             "more_is_safer": self.rises, "governing": self.governing,
             "reason": None if self.reached else self._why(),
-            "cases": [
-                {"case": row.case, "target_fos": row.target, "own_value": row.own, "limit": row.limit,
-                 "closed_form": row.closed_form, "met": row.met} for row in self.inside
-            ],
+            "cases": self._table().records(),
         }  # fmt: skip
 
 
@@ -152,4 +128,4 @@ def _in_case(name: str, one: Solution, value: float) -> InCase:
     limit, closed = factor_at(point, "pre_ie"), factor_at(point, "closed_form")
     met = limit is not None and limit >= one.target - _WITHIN
     own = None if one.answer is None else one.answer.value
-    return InCase(name, one.target, own, limit, closed, met)
+    return InCase(name, one.target, status_of(point, "pre_ie"), limit, closed, met, own)

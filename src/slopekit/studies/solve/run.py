@@ -8,11 +8,13 @@
 (43.41, 1.5)
 """
 
+from functools import partial
 from typing import Annotated, Any, overload
 
 from slopekit.core.errors import DesignError, Fault
 from slopekit.design.common import Design
-from slopekit.studies.prob import prob
+from slopekit.studies.cases import Cases
+from slopekit.studies.prob import Probability, prob
 from slopekit.studies.protocol import (
     DESK,
     ADesign,
@@ -38,14 +40,14 @@ _ABOUT = 60  # evaluations: for the bar
 def solve(
     design: Design, key: str, *, fos: float | None = None, pf: None = None, within: Within | None = None,
     n: None = None, seed: None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
-) -> Solution: ...  # fmt: skip
+) -> Solution | Cases[Solution]: ...  # fmt: skip
 
 
 @overload
 def solve(
     design: Design, key: str, *, pf: float, fos: float | None = None, within: Within | None = None,
     n: int | None = None, seed: int | None = None, jobs: Any = 1, scheduler: str | None = None, desk: Desk = DESK,
-) -> ProbabilitySolution: ...  # fmt: skip
+) -> ProbabilitySolution | Cases[ProbabilitySolution]: ...  # fmt: skip
 
 
 @study
@@ -64,8 +66,8 @@ def solve(
 ) -> Solution | ProbabilitySolution:
     """The value of any one number of a design that gives a target, by both methods.
 
-    With --pf, --fos is what fails lies below [1]. Exit codes: 0 found, 1 there is no such value (the sheet says why),
-    4 the methods disagree at it.
+    With --pf, --fos is what fails lies below [1], and the value holds the probability that `prob` leads with. Exit
+    codes: 0 found, 1 there is no such value (the sheet says why), 4 the methods disagree at it.
 
     Raises
     ------
@@ -90,14 +92,17 @@ def solve(
         with desk.bar("evaluations", _ABOUT) as advance:
             return for_factor(design, key, fos, within, crew, advance)
 
-    def failure_probability(changed: Design) -> Estimate:
-        """By the samples of `prob`, without PRE-IE's confirmation."""
-        found = prob(changed, n, seed=1 if seed is None else seed, fos=1.0 if fos is None else fos, confirm=0,
-                     near=0.0, jobs=jobs, scheduler=scheduler)  # fmt: skip
-        share = found.all_samples
-        if share.share is None or found.forming.share is None:  # no block is no safety
+    def failure_probability(changed: Design, **looks: Any) -> Estimate:
+        """What `prob` leads with, of the same samples."""
+        found = prob(changed, n, seed=1 if seed is None else seed, fos=1.0 if fos is None else fos, jobs=jobs,
+                     scheduler=scheduler, **looks)  # fmt: skip
+        assert isinstance(found, Probability)  # a case of a design has none itself
+        lead = found.leading
+        if lead.probability is None or found.forming.share is None:  # no block is no safety
             raise DesignError([Fault("E318", "no sample forms a block that could be judged")])
-        return Estimate(share.share, share.low, share.high)
+        disagree = found.disagree or (0 if found.confirmation is None else found.confirmation.disagree)
+        return Estimate(lead.probability, lead.low, lead.high, lead.by, disagree)
 
+    counted = partial(failure_probability, confirm=0, near=0.0)  # without a look by PRE-IE: hundred times as quick
     with desk.bar("probabilities", _ABOUT) as advance:
-        return for_probability(design, key, pf, failure_probability, within=within, advance=advance)
+        return for_probability(design, key, pf, counted, failure_probability, within=within, advance=advance)

@@ -71,6 +71,7 @@ def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
     key, found = solution.key, solution.answer
     now = "not known" if solution.before is None else _estimate(solution.before)
     bracket = [] if found is None else [f"{key.shown(at)}: {_estimate(of)}" for at, of in found.bracket]
+    by = " by the closed form" if found is not None and found.counted is not None else ""
     reach = [f"{end[1]:.6g} at {key.shown(end[0], 7)}" for end in (solution.least, solution.most) if end is not None]
     return (
         Section("TARGET", [f"probability of failure {number(solution.target)}"]),
@@ -78,7 +79,7 @@ def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
         Section("VALUE", _no_value(solution.reason) if found is None else _probable(key, found)),
         Section("BRACKET", bracket),
         Section("OTHERS", [f"{key.shown(one.value)}: {_estimate(one.estimate)}" for one in solution.roots[1:]]),
-        Section("REACH", [f"from {' to '.join(reach)}"] if reach else []),
+        Section("REACH", [f"from {' to '.join(reach)}{by}"] if reach else []),
         Section("ASKED", [f"{solution.evaluations} probabilities, with the same random numbers at every value"]),
     )
 
@@ -248,7 +249,8 @@ def _probable(key: Key, found: ProbableValue) -> list[str]:
 
 def _estimate(estimate: Estimate) -> str:
     limits = "" if estimate.low is None else f" ({estimate.low:.4g} to {estimate.high:.4g})"
-    return f"{estimate.value:.6g}{limits}"
+    by = f" by {estimate.by}" if estimate.by not in ("", "closed form") else ""
+    return f"{estimate.value:.6g}{limits}{by}"
 
 
 def _factor(factor: float, digits: int = 6) -> str:

@@ -151,7 +151,6 @@ class Solution(Outcome):
             "closed_form": None if self.closed_form is None else self._answers(self.closed_form),
             "pre_ie": self._answers(self.pre_ie),
             "reason": json_of(self.reason),
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }

@@ -20,7 +20,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.files import load
 from slopekit.kinds import analyse, kind_of
 from slopekit.result import METHODS, Result
-from slopekit.studies.protocol import DESK, Desk, Outcome, study
+from slopekit.studies.protocol import DESK, Desk, Outcome, documented
 from slopekit.studies.suite.references import Case, Reference, chosen, document, half_unit
 
 #: A limit above its static bound by more than this part is no limit: rounding of two programs.
@@ -162,7 +162,7 @@ class _Analysed:
     seconds: float
 
 
-@study
+@documented
 def suite(only: str | Iterable[str] | None = None, *, desk: Desk = DESK) -> Verification:
     """The verification suite: published and exact cases.
 

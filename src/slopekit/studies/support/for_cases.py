@@ -8,9 +8,10 @@ from typing import Any
 
 from slopekit.core.errors import GeometryError
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Section, Table, counted, factor_text
+from slopekit.core.sheet import Column, Section, Table, counted
 from slopekit.design.common import Bolt, Design
 from slopekit.kinds import dilates, factors_of
+from slopekit.studies.cases import InCase, in_each_case
 from slopekit.studies.support.records import Acts, Case, Support, snippet, written
 from slopekit.studies.support.search import Answer
 
@@ -23,18 +24,6 @@ def options(design: Design, given: Mapping[str, Any]) -> dict[str, Any]:
     """What the study of a case takes: the factor that its acceptance asks for, where no other is wanted."""
     asked = [rule.value for rule in design.rules if rule.name in ("fos", "fos.limit") and rule.relation in (">=", ">")]
     return {**({"fos": max(asked)} if asked else {}), **given}
-
-
-@dataclass(frozen=True, slots=True)
-class InCase:
-    """A load case with the bolts: what it asks for, what both methods give, whether that is enough."""
-
-    case: str
-    target: float
-    status: str
-    limit: float | None
-    closed_form: float | None
-    met: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,10 +137,7 @@ class SupportForAll:
                 {
                     "acts": one.acts, "governing": one.governing, "met": one.met, "count": len(one.bolts),
                     "force_kn": one.force, "raised": one.raised, "yaml": self._yaml(one),
-                    "cases": [
-                        {"case": row.case, "target_fos": row.target, "status": row.status, "limit": row.limit,
-                         "closed_form": row.closed_form, "met": row.met} for row in one.inside
-                    ],
+                    "cases": _table(one.inside).records(),
                 } for one in self.tried
             ],
             "lacking": list(self.lacking),
@@ -164,26 +150,17 @@ def _what(one: Tried, found: Mapping[str, Support]) -> str:
 
 
 def _table(inside: Sequence[InCase]) -> Table[InCase]:
-    def factor(value: float | None) -> str:
-        return factor_text(value).strip()
-
-    columns: list[Column[InCase]] = [
-        Column("with them", attrgetter("case"), "case", width=-22),
-        Column("asks", attrgetter("target"), "target_fos", show=".4g", width=7),
-        Column("FoS", attrgetter("limit"), "limit", show=factor, width=9),
-        Column("closed form", attrgetter("closed_form"), "closed_form", show=factor, width=13),
-        Column("met", attrgetter("met"), "met", show=lambda met: "yes" if met else "NO", width=6),
-        Column("  status", attrgetter("status"), "status", width=-1, about="  {}"),
-    ]
-    return Table(columns, inside)
+    return in_each_case("with them", inside, Column("status", attrgetter("status"), "status"))
 
 
-def for_all(found: Mapping[str, Support], given: Mapping[str, Any]) -> SupportForAll:
-    """Bolts for all cases, for each way they act.
+def for_all(found: Mapping[str, Any], given: Mapping[str, Any]) -> SupportForAll | None:
+    """Bolts for all cases, for each way they act; None of toppling columns, which stand case by case.
 
     The bolts of the case that needs most force come first: with them the others are asked. Where one of them is not
     satisfied, the bolts of every case are tried with more force, and those of least force are taken.
     """
+    if not all(isinstance(one, Support) for one in found.values()):
+        return None
     if all(one.stands for one in found.values()):
         return SupportForAll(found, (), ())
     tried, lacking = list[Tried](), list[str]()

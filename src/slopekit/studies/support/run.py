@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from slopekit.design.common import Bolt, Design
 from slopekit.kinds import dilates, kind_of
 from slopekit.notices import common_notices
 from slopekit.studies.protocol import DESK, ADesign, Desk, Option, study
+from slopekit.studies.support.columns import ColumnSupport
 from slopekit.studies.support.directions import NO_STRENGTH, BoltDirections, Optimum, Way
 from slopekit.studies.support.pattern import Layout, centre_of, groups, layout
 from slopekit.studies.support.records import (
@@ -85,7 +86,7 @@ def support(
     bond: Annotated[Any, Option("Anchorage behind the deepest joint [3 m].")] = 3.0,
     length: Annotated[Any, Option("Of every bolt [each as long as it must be].")] = None,
     desk: Desk = DESK,
-) -> Support:
+) -> Support | ColumnSupport:
     """Bolts for a factor of safety: force, best direction, pattern on the face, length; and pressure.
 
     For a wedge or a plane; of toppling columns the force on the toe block, on the crest, and on the column that needs
@@ -114,8 +115,7 @@ def support(
         from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
 
         if isinstance(design, ToppleDesign):
-            # typed as what wedges and planes get: a caller with columns knows his design
-            return cast(Support, support_of_columns(design, options, began))
+            return support_of_columns(design, options, began)
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
     search = _Search(site, options, bare, bare_limit)

@@ -38,7 +38,7 @@ from slopekit.studies.protocol import (
     number_of,
     study,
 )
-from slopekit.studies.ranges import MOST, how_written, parse_values
+from slopekit.studies.ranges import MOST, how_written, meant_in_steps, parse_values
 from slopekit.studies.running import Crew, Journal, checked_crew, run_all
 
 Methods = Literal["both", "closed-form", "pre-ie"]
@@ -85,6 +85,7 @@ class Sweep(Outcome):
     points : for each value of the second key, those of the first
     methods : both, closed-form or pre-ie
     levels : what the factor is held against: (level, words)
+    meant : ranges that may have been meant as steps
     """
 
     name: ClassVar[str] = "sweep"
@@ -95,6 +96,7 @@ class Sweep(Outcome):
     methods: Methods
     levels: tuple[tuple[float, str], ...]
     seconds: float = field(default=0.0, compare=False)
+    meant: tuple[Notice, ...] = ()
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -212,7 +214,7 @@ class Sweep(Outcome):
     @property
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader must know: points without a number, means taken."""
-        at_means = means_taken(self.design, [key.path for key in self.keys])
+        at_means = [*self.meant, *means_taken(self.design, [key.path for key in self.keys])]
         bare = [point for point in self.points if not is_number(factor_at(point, self.asked[0]))]
         if not bare:
             return tuple(at_means)
@@ -239,7 +241,6 @@ class Sweep(Outcome):
             "changes": json_of(self.changes),
             "critical": json_of(self.critical),
             "shape": {method: self.shape(method) or None for method in self.asked},
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -301,11 +302,12 @@ def sweep(
     crew = checked_crew(jobs, scheduler)
     one_or_two(keys)
     check_methods(design, methods)
-    faults, found = Faults(), list[tuple[Key, tuple[float, ...]]]()
+    faults, found, meant = Faults(), list[tuple[Key, tuple[float, ...]]](), list[Notice]()
     for path, given in keys.items():
         with faults.kept():
             key = key_of(design, path)
             found.append((key, parse_values(key, given)))
+            meant += meant_in_steps(key, given, found[-1][1])
     count = math.prod(len(values) for _, values in found)
     if count > MOST:
         faults.append(Fault("E312", f"{count} points are too many for one sweep (most: {MOST})"))
@@ -313,7 +315,7 @@ def sweep(
     if len({key.path for key, _ in found}) < len(found):
         raise DesignError([Fault("E313", f"{found[0][0].path} is given twice", "", "Name two different keys.")])
     own, values = tuple(key for key, _ in found), tuple(of for _, of in found)
-    swept = Sweep(design, own, values, (), methods, levels_of(design, fos))
+    swept = Sweep(design, own, values, (), methods, levels_of(design, fos), meant=tuple(meant))
     tasks = [values_of(design, own, place) for place in swept.places]
     points = tuple(evaluated(design, "sweep", tasks, methods, crew, desk))
     return replace(swept, points=points, seconds=time.perf_counter() - began)

@@ -139,7 +139,6 @@ class Tornado(Outcome):
             ],
             "left_out": [{"key": path, "why": why} for path, why in self.left_out],
             "disagree": self.disagree,
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
