@@ -18,13 +18,13 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.common import Seismic
-from slopekit.design.joint_lists import JointList, joint_list, own_or_given
+from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import Ground
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
-from slopekit.studies.surveys import range_of
+from slopekit.studies.surveys import range_of, strengths_of_joints
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
 TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
@@ -163,15 +163,10 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
             Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
-    strengths = []
+    strengths: list[tuple[Floats, int]] = []
     if listed is not None:
-        for key in ("c", "phi"):
-            common = None if given.get(key) is None else 0.0
-            if slope is not None and common is not None:
-                common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
-            values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
-            strengths.append((values, own))
-            faults += [] if fault is None else [fault]
+        strengths, missing = strengths_of_joints(listed, given, slope, option)
+        faults += missing
     heights, dips, trials = read["height"], read["face"], numbers["n"]
     if heights and dips and trials and len(heights) * len(dips) * trials > MOST_IN_ALL:
         message = f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}"
