@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
-from slopekit.core.arrays import frozen
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
@@ -300,7 +300,26 @@ def _sizes(design: WedgeDesign) -> SizesOfMany | None:
     return SizesOfMany(columns, limits.LIMITED_BY, found.by, found.why)
 
 
-ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes)
+def crack_reach(design: WedgeDesign) -> Floats | None:
+    """How long J1's trace on the upper slope is (n,), of one design or of one whose numbers are arrays.
+
+    Of a wedge with a basal joint it is asked one by one.
+    """
+    if design.basal is not None:
+        return None
+    planes = (*design.joints, design.face, design.upper)
+    first, second, face, upper = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        line, trace = np.cross(first, second), np.cross(first, face)
+        crest = trace * (np.atleast_1d(_heights(design)[0]) / trace[..., 2])[:, None]
+        back = line * ((upper * crest).sum(axis=-1) / (upper * line).sum(axis=-1))[:, None]
+    found: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
+    return found
+
+
+ON_ARRAYS = OnArrays(
+    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach
+)  # fmt: skip
 
 
 def closed_form(design: WedgeDesign) -> ClosedForm:
