@@ -31,7 +31,7 @@ from slopekit.kinds.words import line_in_words, loads_part, size_number, size_pa
 from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
-from slopekit.result import Result, Words
+from slopekit.result import Result, WithoutBasal, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds import ground_water
@@ -444,6 +444,14 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
+def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
+    if design.basal is None:
+        return None
+    from slopekit.kinds.wedge import basal
+
+    return basal.without_basal(design)
+
+
 def _parallel_note(design: WedgeDesign, apart: float) -> str:
     """How far one degree of one joint moves the line of intersection."""
     first, second = design.joints
@@ -524,5 +532,5 @@ KIND = kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
-    variants={"basal": _ON_THREE},
+    variants={"basal": _ON_THREE}, without_basal=_without_basal,
 )  # fmt: skip
