@@ -141,8 +141,19 @@ class _Part:
         return cls(**found)
 
 
+def strengths_at(ground: Ground, trials: Trials) -> tuple[Floats, Floats]:
+    """Cohesion and friction (2, n) of the first and second joint of each place."""
+    joints = np.stack([trials.first, trials.second])
+    cohesion, friction = trials.cohesion_kpa, trials.friction_deg
+    return (
+        ground.cohesion_kpa[joints] if cohesion is None else cohesion,
+        ground.friction_deg[joints] if friction is None else friction,
+    )
+
+
 def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
     a, b = trials.first, trials.second
+    cohesion, friction = strengths_at(ground, trials)
     planes = (
         ground.dips_deg[a], ground.dip_directions_deg[a], ground.dips_deg[b], ground.dip_directions_deg[b], face,
         ground.toward_deg, 0.0, ground.toward_deg,
@@ -164,8 +175,8 @@ def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part
             joint2_dip_deg=ground.dips_deg[two], joint2_dip_direction_deg=ground.dip_directions_deg[two],
             face_dip_deg=face, face_dip_direction_deg=ground.toward_deg, upper_dip_deg=0.0,
             upper_dip_direction_deg=ground.toward_deg, height_m=heights[those],
-            cohesion1_kpa=ground.cohesion_kpa[one], cohesion2_kpa=ground.cohesion_kpa[two],
-            friction1_deg=ground.friction_deg[one], friction2_deg=ground.friction_deg[two],
+            cohesion1_kpa=cohesion[0, those], cohesion2_kpa=cohesion[1, those],
+            friction1_deg=friction[0, those], friction2_deg=friction[1, those],
             unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressures_kpa=pressures,
             water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
             seismic_trend_deg=ground.toward_deg if ground.seismic else None,
@@ -196,11 +207,12 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     )
     if not those.size:
         return _Part.of(len(trials), those, **_nothing())
-    one, heights = a[those], (height * scale)[those]
+    cohesion, friction = strengths_at(ground, trials)
+    heights = (height * scale)[those]
     found = plane_failures(
         PlaneArrays(
             face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
-            cohesion_kpa=ground.cohesion_kpa[one], friction_deg=ground.friction_deg[one],
+            cohesion_kpa=cohesion[0, those], friction_deg=friction[0, those],
             unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressure_kpa=ground.pressure_kpa,
             water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
         )
@@ -221,12 +233,13 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     """Either joint of a place may be the steep one."""
     heights = height * (1.0 - trials.toe)
     found = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
-    for steep, base in ((trials.first, trials.second), (trials.second, trials.first)):
+    friction = strengths_at(ground, trials)[1]
+    for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
         dip, out = ground.dips_deg[steep], ground.dips_deg[base]
         into = _beside(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
         toward = _beside(ground.dip_directions_deg[base], ground.toward_deg)
         can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
-        can &= (dip >= 90.0 - face + ground.friction_deg[steep] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
+        can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
         those = np.flatnonzero(can & ~found.forms)
         if not those.size:
             continue

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any, Literal
 
@@ -18,10 +18,12 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.common import Seismic
+from slopekit.design.distributions import Distribution
 from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import Ground
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
+from slopekit.studies.bench_design.strengths import drawn_strength
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import parse_values
 from slopekit.studies.surveys import range_of, strengths_of_joints
@@ -68,7 +70,9 @@ class BenchInputs:
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
     cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.Ground`
+    drawn : of `c` and `phi` those that are drawn at each place, for joints without their own
     own : how many joints have c, φ, a trace and a spacing of their own
+    from_sets : whether the joints are drawn from sets, and none of them was measured
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
     defaults : names of the inputs that were left out
@@ -89,12 +93,19 @@ class BenchInputs:
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
+    drawn: Mapping[str, Distribution] = field(default_factory=dict)
+    from_sets: bool = False
 
     def number(self, name: str) -> float:
         """A number that is there, given or its default."""
         found = self.numbers[name]
         assert found is not None
         return found
+
+    @property
+    def has_cohesion(self) -> bool:
+        """Whether any joint has some."""
+        return bool("c" in self.drawn or (self.cohesion_kpa > 0.0).any())
 
     @property
     def near(self) -> float:
@@ -133,6 +144,8 @@ class BenchInputs:
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
             "toe": self.toe, "every_m": self.every_m, "agree_within": slope.agree_within,
             **json_of(self.numbers),
+            **({"drawn": {key: {"dist": one.name, **one.parameters} for key, one in self.drawn.items()}}
+               if self.drawn else {}),
         }  # fmt: skip
 
     def input_hash(self) -> str:
@@ -162,6 +175,8 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         faults.append(
             Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
+    drawn = {key: faults.of(partial(drawn_strength, key, given[key], option(key))) for key in ("c", "phi")}
+    given = {**given, **{key: one.centre for key, one in drawn.items() if one is not None}}
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:
@@ -190,6 +205,7 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
         (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
+        {key: one for key, one in drawn.items() if one is not None}, is_sets(given["joints"]),
     )  # fmt: skip
 
 

@@ -21,8 +21,9 @@ from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
 from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, study
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
@@ -125,8 +126,8 @@ def bench_design(
     face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
     dip_direction: Annotated[Any, Option("Dip direction of the faces.")] = None,
     berm: Annotated[Any, Option("Berm widths, m [the width needed for --reliability].")] = None,
-    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
-    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own; it may scatter: normal:10,3.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own, or normal:30,3.")] = None,
     reliability: Annotated[Any, Option("Part of the length whose berm shall keep the catch width [80%].")] = None,
     catch: Annotated[Any, Option("Catch width, m [modified Ritchie, 0.2 height + 4.5].")] = None,
     toe: Annotated[
@@ -171,7 +172,8 @@ def bench_design(
     ------
     DesignError
         Every fault: of the list, of the loads as for a wedge, E332 a strength that a joint needs, E410 to E412 heights,
-        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere.
+        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere, E422 a
+        strength that scatters in no known way.
 
     Notes
     -----
@@ -183,11 +185,17 @@ def bench_design(
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    benches = [
-        bench_of(asked.ground(height), trials, height, dip) for height in asked.heights_m for dip in asked.face_dips_deg
-    ]
+    trials = with_drawn(asked, trials)
+    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
+    benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
     judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
+    if asked.has_cohesion:
+        bare, own = without_cohesion(trials), zip(sizes, outcomes, strict=True)
+        outcomes = [
+            replace(of, bare=of_cohesion(asked, bench_of(asked.ground(height), bare, height, dip), of))
+            for (height, dip), of in own
+        ]  # fmt: skip
     shares = time.perf_counter()
     checked, journal = confirmed(asked, trials, benches, crew, desk)
     outcomes = [accepted(asked, one, checked) for one in outcomes]
