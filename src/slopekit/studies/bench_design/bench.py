@@ -270,6 +270,27 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     return found
 
 
+def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> tuple[int, int]:
+    """Of the columns that stand against toppling how many slide on their base all the same, and how many stand.
+
+    The first column of each place, by its weight: F = (c b + W cos ψ_b tan φ) / (W sin ψ_b), W = γ y Δx, b = Δx /
+    sin(ψ_d + ψ_b). Those whose width is not known are left out.
+    """
+    stands = np.flatnonzero(bench.forms[TOPPLING] & ~bench.fails[TOPPLING])
+    first, second = trials.first[stands], trials.second[stands]
+    is_base = _beside(ground.dip_directions_deg[first], ground.toward_deg) < 90.0  # else the steep one, into the slope
+    base, steep = np.where(is_base, first, second), np.where(is_base, second, first)
+    cohesion, friction = (np.where(is_base, part[0, stands], part[1, stands]) for part in strengths_at(ground, trials))
+    dip, out, widths = ground.dips_deg[steep], ground.dips_deg[base], ground.spacing_m[steep]
+    known = np.isfinite(widths)
+    widths = np.where(known, widths, 1.0)
+    high = column_sizes(dip, out, bench.face_dip_deg, bench.block_height_m[TOPPLING, stands], widths).height_m
+    along, weight = np.radians(out), ground.unit_weight_kn_m3 * high * widths
+    bond = cohesion * widths / np.sin(np.radians(dip) + along)
+    factor = (bond + weight * np.cos(along) * np.tan(np.radians(friction))) / (weight * np.sin(along))
+    return int((known & (factor < ground.target)).sum()), int(known.sum())
+
+
 def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:
     """The factor where something slides, and what fails: below the target, or without any contact."""
     words = [name.startswith("slides") for name in names]

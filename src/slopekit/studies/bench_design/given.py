@@ -31,6 +31,7 @@ from slopekit.studies.surveys import range_of, strengths_of_joints
 #: Trials where none are asked for; the most of them, and of benches times trials.
 TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
 MOST_VALUES = 200
+_SELDOM = 1e-4  # joints by the metre: sets that strike along the bench never meet it, but for rounding
 RELIABILITY, CONFIDENCE = 0.8, 0.95
 LATERAL_DEG, LATERAL_TOPPLING_DEG = 20.0, 30.0
 SWELL, REPOSE_DEG = 1.4, 37.0
@@ -298,7 +299,7 @@ def _sizes(
 
 
 def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:
-    """How far it is along the bench from joint to joint, from the spacings of the sets; None where they are unknown.
+    """How far it is along the bench from joint to joint, by the spacings of the sets; None where they do not say it.
 
     A set with the spacing s is met |n · t| / s times a metre along the direction t.
     """
@@ -312,4 +313,4 @@ def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:
         some = (names == name) & np.isfinite(spacings)
         if some.any():
             often += float(meets[some].mean() / spacings[some].mean())
-    return 1.0 / often if often > 0.0 else None
+    return 1.0 / often if often > _SELDOM else None

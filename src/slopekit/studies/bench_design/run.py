@@ -18,11 +18,11 @@ from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
-from slopekit.studies.bench_design.bench import bench_of
+from slopekit.studies.bench_design.bench import bench_of, sliding_columns
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
-from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.said import notices_of, of_columns
 from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, study
@@ -204,7 +204,8 @@ def bench_design(
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
         "total": end - began,
     }  # fmt: skip
-    notices = notices_of(asked, outcomes, checked)
+    columns = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
+    notices = [*notices_of(asked, outcomes, checked), *of_columns(columns)]
     found = BenchDesigns(
         asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal
     )  # fmt: skip

@@ -107,3 +107,14 @@ def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
         f"{len(measured)} traces are taken as whole as measured ({', '.join(parts)}): longer ones make more and larger "
         "blocks",
     )
+
+
+def of_columns(found: Sequence[tuple[int, int]]) -> Iterator[Notice]:
+    """W425, of columns of each bench that slide, and of those that stand against toppling."""
+    slide, stand = (sum(part) for part in zip(*found, strict=True))
+    if slide:
+        yield Notice(
+            "W425",
+            f"{slide} of {stand} columns that stand against toppling slide on their base: they do not count as failing "
+            "here, nor does PRE-IE look at columns; a base counts as a plane where it is the first joint of a place",
+        )
