@@ -10,7 +10,13 @@ import pytest
 import slopekit as sk
 from slopekit.core.errors import DesignError
 from slopekit.design.joint_lists import joint_list
-from slopekit.studies.bench_design.strengths import drawn_strength
+from slopekit.studies.bench_design.bench import bench_of
+from slopekit.studies.bench_design.columns import confirmed_columns
+from slopekit.studies.bench_design.run import accepted
+from slopekit.studies.bench_design.strengths import drawn_strength, with_drawn
+from slopekit.studies.bench_design.trials import drawn_trials
+from slopekit.studies.protocol import DESK
+from slopekit.studies.running import checked_crew
 from tests.commands import slopekit
 
 PLANES = ("40/180", "40/181")
@@ -177,3 +183,40 @@ def test_columns_that_slide_on_their_base_are_said(c, phi, slides) -> None:
     assert (column.fos.limit < 1.0) is slides
     assert bool(said) is slides
     assert all("100 of 100 columns" in one for one in said)
+
+
+def with_columns(**more: Any) -> tuple[Any, Any]:
+    """Joints of which columns form on bases that are not square to them; what was found, and the places."""
+    planes = ["80/000", "76/008", "70/355", "30/180", "38/175", "22/186", "45/183"]
+    joints = [replace(one, spacing_m=1.0 + 0.3 * k) for k, one in enumerate(joint_list(planes).joints)]
+    found = sk.bench_design(joints, c=2, phi="normal:30,4", every=5, **(SMALL | {"n": 400, "confirm": 12} | more))
+    return found, with_drawn(found.given, drawn_trials(found.joints, 400, 1, anywhere=True))
+
+
+def test_pre_ie_and_the_criterion_of_columns_say_the_same() -> None:
+    """PRE-IE on the column cut to its shape knows nothing of the criterion, nor of the formula of W425."""
+    found, _ = with_columns()
+    said = found.columns
+    assert said.samples >= 12
+    assert (said.pre_ie_only, said.closed_form_only, said.unanswered) == (0, 0, 0)
+    assert said.topple > 0
+    assert said.stand > 0
+    assert said.topple + said.stand == said.samples
+    assert said.slide > 0
+    assert found.to_dict()["pre_ie_columns"]["topple_by_pre_ie_only"] == 0
+    assert "turn over by both" in " ".join(str(found.sheet).split())
+    assert with_columns(confirm=0)[0].columns is None
+
+
+def test_columns_that_turn_over_by_pre_ie_alone_bar_their_bench() -> None:
+    """A criterion that is wrong, slenderness the wrong way up, is found out."""
+    found, places = with_columns()
+    asked = found.given
+    bench = bench_of(asked.ground(12.0), places, 12.0, 70.0)
+    said = confirmed_columns(asked, places, [replace(bench, factor=1.0 / bench.factor)], checked_crew(1, None), DESK)
+    assert said.pre_ie_only > 0
+    assert said.closed_form_only > 0
+    assert said.doubted == {(12.0, 70.0)}
+    asks = replace(asked, numbers={**asked.numbers, "accept": 0.0})
+    assert not accepted(asks, found.benches[0], None, said).berms[0].accepted
+    assert accepted(asks, found.benches[0], None, found.columns).berms[0].accepted

@@ -198,7 +198,7 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     a = trials.first
     dips = ground.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
-    beside = _beside(ground.dip_directions_deg[a], ground.toward_deg)
+    beside = beside_deg(ground.dip_directions_deg[a], ground.toward_deg)
     with np.errstate(invalid="ignore"):
         free = np.minimum(1.0, ground.trace_m[a] / whole.length_m)
     scale = free if ground.largest else 1.0 - trials.toe
@@ -236,8 +236,8 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     friction = strengths_at(ground, trials)[1]
     for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
         dip, out = ground.dips_deg[steep], ground.dips_deg[base]
-        into = _beside(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
-        toward = _beside(ground.dip_directions_deg[base], ground.toward_deg)
+        into = beside_deg(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
+        toward = beside_deg(ground.dip_directions_deg[base], ground.toward_deg)
         can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
         can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
         those = np.flatnonzero(can & ~found.forms)
@@ -278,7 +278,8 @@ def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> tuple[int, 
     """
     stands = np.flatnonzero(bench.forms[TOPPLING] & ~bench.fails[TOPPLING])
     first, second = trials.first[stands], trials.second[stands]
-    is_base = _beside(ground.dip_directions_deg[first], ground.toward_deg) < 90.0  # else the steep one, into the slope
+    # else it is the steep one, into the slope
+    is_base = beside_deg(ground.dip_directions_deg[first], ground.toward_deg) < 90.0
     base, steep = np.where(is_base, first, second), np.where(is_base, second, first)
     cohesion, friction = (np.where(is_base, part[0, stands], part[1, stands]) for part in strengths_at(ground, trials))
     dip, out, widths = ground.dips_deg[steep], ground.dips_deg[base], ground.spacing_m[steep]
@@ -305,7 +306,7 @@ def _nothing() -> dict[str, Floats]:
     return {name: np.empty(0) for name in names_of(_Part)}
 
 
-def _beside(directions_deg: Floats, toward_deg: float) -> Floats:
+def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
     """Degrees between dip directions and another direction, 0 to 180."""
     found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
     return found

@@ -1,6 +1,6 @@
 """PRE-IE beside the closed forms: wedges and planes of all benches, a random part and all near the target.
 
-Columns that topple have their criterion alone.
+Columns are looked at apart, see `columns`.
 """
 
 from collections.abc import Sequence

@@ -19,6 +19,7 @@ from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
 from slopekit.studies.bench_design.bench import bench_of, sliding_columns
+from slopekit.studies.bench_design.columns import ConfirmedColumns, confirmed_columns
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
 from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
@@ -38,7 +39,7 @@ class BenchDesigns(Outcome):
     ----------
     given : the survey, the benches, what counts
     benches : what came of each height and face
-    checked : what PRE-IE says of their wedges and planes, None where it was not asked
+    checked : what PRE-IE says of their wedges and planes, None where it was not asked; columns : of columns likewise
     """
 
     name: ClassVar[str] = "bench-design"
@@ -49,6 +50,7 @@ class BenchDesigns(Outcome):
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
     journal: Journal | None = field(default=None, compare=False)
+    columns: ConfirmedColumns | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -107,6 +109,7 @@ class BenchDesigns(Outcome):
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": None if self.checked is None else record_of(self.checked.said)
             | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
+            "pre_ie_columns": None if self.columns is None else record_of(self.columns),
             "warnings": json_of(self.warnings), "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -198,27 +201,30 @@ def bench_design(
         ]  # fmt: skip
     shares = time.perf_counter()
     checked, journal = confirmed(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked) for one in outcomes]
+    columns = confirmed_columns(asked, trials, benches, crew, desk)
+    outcomes = [accepted(asked, one, checked, columns) for one in outcomes]
     end = time.perf_counter()
     times = {
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
         "total": end - began,
     }  # fmt: skip
-    columns = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
-    notices = [*notices_of(asked, outcomes, checked), *of_columns(columns)]
+    sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
+    notices = [*notices_of(asked, outcomes, checked), *of_columns(sliding)]
     found = BenchDesigns(
-        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal
+        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
     )  # fmt: skip
     if desk.folder is None:
         found.done()
     return found
 
 
-def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
+def accepted(
+    asked: BenchInputs, bench: OfBench, checked: Confirmed | None, columns: ConfirmedColumns | None = None
+) -> OfBench:  # fmt: skip
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
+    doubted = any((bench.height_m, bench.face_dip_deg) in one.doubted for one in (checked, columns) if one is not None)
     berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

@@ -116,5 +116,5 @@ def of_columns(found: Sequence[tuple[int, int]]) -> Iterator[Notice]:
         yield Notice(
             "W425",
             f"{slide} of {stand} columns that stand against toppling slide on their base: they do not count as failing "
-            "here, nor does PRE-IE look at columns; a base counts as a plane where it is the first joint of a place",
+            "here; a base counts as a plane where it is the first joint of a place",
         )

@@ -28,7 +28,7 @@ def sheet_of(found: BenchDesigns) -> Sheet:
         Section("BERMS", [_OF_BERMS, _berms(found)] if found.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(found), _needed(found)]),
         Section("BEST", _best(found)),
-        Section("PRE-IE", _pre_ie(found)),
+        Section("PRE-IE", [*_pre_ie(found), *_pre_ie_columns(found)]),
         Section("READS AS", [_MEANING]),
         Section("DEFAULTS", _defaults(found)),
         Section("TIME", [f"{found.timing_s['total']:.1f} s, {found.crew}"]),
@@ -273,6 +273,18 @@ def _pre_ie(found: BenchDesigns) -> list[str]:
     if said.governed:
         rows.append(f"moments govern in {said.governed} of {said.at_random} at random")
     return rows
+
+
+def _pre_ie_columns(found: BenchDesigns) -> list[str]:
+    said = found.columns
+    if said is None:
+        return []
+    none = f", {said.unanswered} without an answer" if said.unanswered else ""
+    return [
+        f"{counted(said.samples, 'column')}, each alone on its base ({said.near} near turning over): {said.topple} "
+        f"turn over by both, {said.stand} by neither, {said.pre_ie_only} by PRE-IE alone, {said.closed_form_only} by "
+        f"the criterion alone{none}; {said.slide} of those that do not slide by PRE-IE"
+    ]  # fmt: skip
 
 
 def _defaults(found: BenchDesigns) -> list[str]:
