@@ -107,6 +107,9 @@ def test_on_the_command_line(tmp_path) -> None:
     code, _, said = slopekit(*given, "--c", "normal:10", "--phi", "30")
     assert code == 2
     assert "E422 normal:10 has 1 number," in said
+    assert "--c normal:10" in said
+    assert "E339" not in said
+    assert "E106" not in said
 
 
 # -- cohesion -------------------------------------------------------------------------------------------------------

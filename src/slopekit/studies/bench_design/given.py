@@ -176,8 +176,12 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         faults.append(
             Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
-    drawn = {key: faults.of(partial(drawn_strength, key, given[key], option(key))) for key in ("c", "phi")}
-    given = {**given, **{key: one.centre for key, one in drawn.items() if one is not None}}
+    drawn: dict[str, Distribution | None] = {}
+    for key in ("c", "phi"):
+        before = len(faults)
+        drawn[key] = one = faults.of(partial(drawn_strength, key, given[key], option(key)))
+        if one is not None or len(faults) > before:  # a fault of it is said once
+            given = {**given, key: 1.0 if one is None else one.centre}
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
     strengths: list[tuple[Floats, int]] = []
     if listed is not None:

@@ -43,7 +43,7 @@ def drawn_strength(key: str, given: Any, where: str) -> Distribution | None:
     if isinstance(given, str) and given.lstrip().startswith("{"):
         return _read(key, _from_text(given, where), where, given)
     if isinstance(given, str) and ":" in given:
-        given = _in_short(key, given, where)
+        return _read(key, document_from({key: _in_short(key, given, where)}), where, given)
     return _read(key, document_from({key: given}), where, given) if isinstance(given, Mapping) else None
 
 
