@@ -258,6 +258,30 @@ class ResidualFactors:
     agree: bool | None
 
 
+@dataclass(frozen=True, slots=True)
+class WithoutBasal:
+    """What the whole wedge on J1 and J2 does by its closed form, where a basal joint cuts its toe off.
+
+    `closed_form` is None where it has no factor.
+    """
+
+    status: str
+    closed_form: float | None
+
+    def in_words(self) -> str:
+        """Status and factor."""
+        said = self.status.replace("_", " ")
+        return said if self.closed_form is None else f"{said}, F {self.closed_form:.4g}"
+
+    def meets(self, rule: Rule) -> bool:
+        """Whether it keeps a least factor of safety: what is lifted or falls keeps none."""
+        if rule.relation not in (">=", ">"):
+            return True
+        if self.closed_form is None:
+            return self.status not in ("lifted", "falls")
+        return rule.met(self.closed_form)
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
@@ -266,6 +290,7 @@ class Result(Shown):
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
     `residual` has the factors on residual strength, None where no strength has one.
+    `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
@@ -298,6 +323,7 @@ class Result(Shown):
     turns_over: str = ""
     curved_strength: CurvedStrength | None = None
     residual: ResidualFactors | None = None
+    without_basal: WithoutBasal | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -337,7 +363,12 @@ class Result(Shown):
         return (name, value) if value < limit * (1.0 - _SAME) else None
 
     def judged(self, rule: Rule) -> bool:
-        """Whether the result meets a rule; what stands without strength meets every least factor of safety."""
+        """Whether the result meets a rule; what stands without strength meets every least factor of safety.
+
+        A block whose basal joint cuts the toe off a larger wedge meets none that this one breaks.
+        """
+        if self.without_basal is not None and not self.without_basal.meets(rule):
+            return False
         if self.status == "no_driving_force" and rule.relation in (">=", ">"):
             return True
         if self.status == "not_converged" or self.agree is False:
@@ -362,13 +393,16 @@ class Result(Shown):
     @property
     def margin(self) -> float | None:
         """The number that acceptance hangs on over what it asks (1 without a rule); 0 without one, inf at rest."""
+        least = [max(rule.value, 1e-9) for rule in self.design.rules if rule.relation in (">=", ">")]
+        whole = None if self.without_basal is None else self.without_basal.closed_form
+        most = float("inf") if whole is None else min((whole / value for value in least), default=whole)
         if self.status == "no_driving_force":
-            return float("inf")
+            return most
         judged = [
             (self.value_of(rule) or 0.0) / max(rule.value, 1e-9)
             for rule in self.design.rules if rule.relation in (">=", ">")
         ]  # fmt: skip
-        return min(judged, default=self.criterion_fos or 0.0)
+        return min(most, min(judged, default=self.criterion_fos or 0.0))
 
     def case_columns(self) -> "list[Column[Any]]":
         """What a table over load cases has of each."""
@@ -529,6 +563,7 @@ class Result(Shown):
             "cohesion_under_moments": json_of(self.cohesion_under_moments),
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
+            **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

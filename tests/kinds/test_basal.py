@@ -137,7 +137,7 @@ def test_turned_mirrored_moved_and_scaled_it_is_the_same(number) -> None:
         ({"basal__height": 11}, "E441"),
         ({"basal__plane": "30/000"}, "E443"),
         ({"basal__plane": "80/000", "basal__height": 9.9}, "E443"),
-        ({"joints__J2__plane": "60/090"}, "E201"),
+        ({"joints__J2__plane": "60/090"}, "E434"),
         ({"crack": {"plane": "90/180", "distance": 40}}, "E207"),
     ],
 )
@@ -243,3 +243,62 @@ def test_its_page_calls_it_by_its_name() -> None:
     assert (said.title, said.rests_on) == ("wedge on two joints and a basal joint", "vectors: forces only")
     assert words_named("wedge", {}).title == "wedge on two joints"
     assert ("basal", "10", "24", "0", "0") in list(_strengths(inputs, set()))
+
+
+CUT_OFF = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+    "joints": {"J1": {"plane": "45/115", "strength": "a"}, "J2": {"plane": "50/240", "strength": "b"}},
+    "basal": {"plane": "20/000", "height": 5, "strength": "c"},
+    "strength": {"a": {"c": 10, "phi": 20}, "b": {"c": 15, "phi": 22}, "c": {"c": 5, "phi": 18}},
+    "rock": {"unit_weight": 26}, "acceptance": {"rules": ["fos >= 1.5"]},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {}, {"basal__plane": "15/180"}, {"water": "full"}, {"water__pressures": [3, 4, 5]},
+        {"loads__seismic": {"k": 0.05, "toward": 170}},
+        {"support__bolts": [{"force": 400, "toward": "000/05", "acts": "passive", "head": [0, -6, 12], "length": 60}]},
+        {"crack": {"plane": "90/180", "distance": "12 m"}, "water": "full"},
+        {"loads__surcharge": "20 kPa"},
+    ],
+)  # fmt: skip
+def test_the_wedge_whose_toe_is_cut_off_is_judged_too(change) -> None:
+    """As the design without its basal joint, and its pressure, says of itself: another file, another closed form."""
+    design = put(CUT_OFF, **change)
+    found = sk.run(design)
+    alone = put({key: value for key, value in design.items() if key != "basal"})
+    del alone["strength"]["c"]
+    if "pressures" in (alone.get("water") or ()):
+        del alone["water"]["pressures"][2]
+    whole = sk.run(alone)
+    assert found.without_basal.closed_form == pytest.approx(whole.fos.closed_form, rel=1e-12)
+    assert whole.fos.closed_form < 1.5
+    assert found.accepted is False
+    assert found.exit_code == 1
+    assert found.margin <= whole.fos.closed_form / 1.5 * (1.0 + 1e-12)
+    said = next(str(notice) for notice in found.warnings if notice.code == "W410")
+    assert f"F {whole.fos.closed_form:.4g} by the closed form" in said
+    assert found.to_dict()["without_basal"]["closed_form"] == found.without_basal.closed_form
+    assert f"without_basal {whole.fos.closed_form:.4f}" in found.line or found.fos.limit < whole.fos.closed_form
+
+
+def test_what_the_whole_wedge_keeps_is_met() -> None:
+    """A rule below its factor; a wedge that does not daylight adds none."""
+    met = sk.run(put(CUT_OFF, acceptance__rules=["fos >= 1.1"]))
+    assert met.status == "no_driving_force"
+    assert met.accepted is True
+    assert met.margin == pytest.approx(met.without_basal.closed_form / 1.1)
+    assert {"W410", "W424"} <= {notice.code for notice in met.warnings}
+    steep = {"joints__J1__plane": "88/100", "joints__J2__plane": "88/260", "basal__plane": "20/180"}
+    other = sk.run(put(CUT_OFF, **steep))  # the line of J1 and J2 is steeper than the face
+    assert other.without_basal is None
+    assert "W410" not in {notice.code for notice in other.warnings}
+
+
+def test_a_basal_joint_into_the_slope_is_said() -> None:
+    """Typed the wrong way round it holds all that lies on it."""
+    codes = {plane: {notice.code for notice in sk.run(put(CUT_OFF, basal__plane=plane)).warnings}
+             for plane in ("20/000", "20/080", "20/180", "0/000")}  # fmt: skip
+    assert ["W424" in codes[plane] for plane in codes] == [True, True, False, False]

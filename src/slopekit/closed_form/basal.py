@@ -40,10 +40,10 @@ from slopekit.core.records import dataclass
 #: What may become of a wedge on three joints; the numbers of the statuses of one on two joints are the same.
 OUTCOMES: Final = (
     "slides_on_J1_and_J2", *STATUSES[1:], "slides_on_basal", "slides_on_J1_and_basal", "slides_on_J2_and_basal",
-    "E201", "E206", "E209", "E441", "E443", "E442", "E440", "E444", "E207",
+    "E434", "E206", "E209", "E441", "E443", "E442", "E440", "E444", "E207",
 )  # fmt: skip
 _NUMBER: Final = {name: np.int8(number) for number, name in enumerate(OUTCOMES)}
-_REFUSED: Final = _NUMBER["E201"]
+_REFUSED: Final = _NUMBER["E434"]
 _CHUNK: Final = 2048  # edges take fifteen rows of each
 _RADIAN: Final = math.pi / 180.0
 _NONE: Final = 1e-12  # of the surface of the block: a face below it is none
@@ -211,7 +211,7 @@ def _block(columns: Columns, count: int) -> _Block:
         (np.abs(traces[2][0]) < SAME_DIRECTION, "E206"),
         ((squares < SAME_DIRECTION**2).any(axis=0), "E206"),
         (dot(crest_edge, crest_edge) < SAME_DIRECTION**2, "E209"),
-        (dot(line, line) < SAME_DIRECTION**2, "E201"),
+        (dot(line, line) < SAME_DIRECTION**2, "E434"),
     ):
         code[where] = _NUMBER[name]
 

@@ -15,8 +15,8 @@ from slopekit.design.words import line_of_words
 
 Scatter: TypeAlias = "Distribution | Fisher | Angles"
 Name = Literal["normal", "lognormal", "uniform", "triangular"]
-# needed and further parameters of each
-_PARAMETERS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+#: Needed and further parameters of each distribution, in the order in which they are written.
+PARAMETERS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "normal": (("mean", "sd"), ("min", "max")),
     "lognormal": (("mean", "sd"), ("min", "max")),
     "uniform": (("min", "max"), ()),
@@ -178,7 +178,7 @@ def read_distribution(node: Node, kind: str, name: str) -> Distribution:
         raise DesignError([Fault("E166", f"{name} is a number, fisher is for orientations", str(node.place), advice)])
     faults = _wrong_parameters(node, dist, name)
     values: dict[str, float] = {}
-    for key in sum(_PARAMETERS[dist], ()):
+    for key in sum(PARAMETERS[dist], ()):
         given = node.get(key)
         if given is None:
             continue
@@ -264,17 +264,17 @@ def read_angles(node: Node, name: str, of: OrientationKind = "plane") -> Angles:
 def _dist(node: Node, name: str) -> str:
     given = node.get("dist")
     text = (given.text or "").strip() if given is not None else ""
-    if text.lower() in _PARAMETERS:
+    if text.lower() in PARAMETERS:
         return text.lower()
     where = str(given.key_place if given is not None else node.place)
-    near = get_close_matches(text.lower(), _PARAMETERS, n=1)
-    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(_PARAMETERS)}."
+    near = get_close_matches(text.lower(), PARAMETERS, n=1)
+    advice = f"Did you mean {near[0]}?" if near else f"Known: {', '.join(PARAMETERS)}."
     shown = repr(text) if text else "not named"
     raise DesignError([Fault("E165", f"the distribution of {name} is {shown}, which is not known", where, advice)])
 
 
 def _wrong_parameters(node: Node, dist: str, name: str) -> list[Fault]:
-    needed, further = _PARAMETERS[dist]
+    needed, further = PARAMETERS[dist]
     faults = []
     for key, given in node.items():
         if key in (*needed, *further, "dist"):

@@ -59,8 +59,17 @@ def basal_rock_mass(
     Raises
     ------
     GeometryError
-        E201, E206, E209 as for two joints.
+        E206, E209 as for two joints; E434 J1 and J2 are parallel.
     """
+    across = cross(joints[0], joints[1])
+    if (sine := math.sqrt(float(across @ across))) < SAME_DIRECTION:
+        degrees = math.degrees(math.asin(min(1.0, sine)))
+        message = (
+            f"J1 and J2 are parallel (to {degrees:.2g}°): they meet the face in no common point, over which the basal "
+            "joint has its height"
+        )
+        advice = "Two joints of one set with a base between them: kind: plane on the base, per metre, or kind: bench."
+        raise GeometryError([Fault("E434", message, "", advice)])
     line, crest1, crest2, offset = traces_of(joints, face, upper, height, daylights=False)
     at = crest1 * (basal_height / height)
     below = -1.0 if basal_height < 0.0 else 1.0

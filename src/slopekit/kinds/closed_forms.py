@@ -84,6 +84,8 @@ class OnArrays(Generic[D]):
         of them or an array
     bounds : the planes that bound the blocks of a design, whose numbers may be arrays
     sizes : of the blocks of a design, whose numbers may be arrays; None where it has none, or they are not known
+    crack_reach_m : how far the place of a crack may lie, of a design whose numbers may be arrays; not a number where
+        the planes make no block; None where a design is asked one by one
     """
 
     arguments: Callable[[D], Arguments]
@@ -93,6 +95,7 @@ class OnArrays(Generic[D]):
     closed_forms: Callable[[Mapping[str, Any], Sequence[Sequence[float]]], ClosedForms]
     bounds: Callable[[D], Bounds]
     sizes: Callable[[D], SizesOfMany | None] | None = None
+    crack_reach_m: Callable[[D], Floats | None] | None = None
 
     def of(self, design: D) -> ClosedForm:
         """One design, on the secants of its strengths where these are curved.

@@ -62,6 +62,7 @@ from slopekit.result import (
     ReductionStep,
     Result,
     SecantLine,
+    WithoutBasal,
     Words,
 )  # fmt: skip
 
@@ -171,6 +172,7 @@ def kind_of_one_block(
     on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
     carried: Carried = Carried(),  # noqa: B008  (frozen)
     variants: Mapping[str, Words] = MappingProxyType({}),
+    without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
 ) -> Kind[D]:  # fmt: skip
     """A kind of one block on flat joints with a closed form.
 
@@ -182,6 +184,7 @@ def kind_of_one_block(
     on_arrays : the closed form of many designs in one call, where it can be had
     has_site : support can be looked for, by the block's `face`
     variants : what designs call things that have the input of that name, where it is not as the kind does
+    without_basal : a block that the one analysed is part of, and that may fail before it
     """
 
     def analyse(design: D) -> Result:
@@ -203,7 +206,8 @@ def kind_of_one_block(
         forces = forces_of(made, solved, water_forces(made.loads, made.faces))
         of_design = tuple(notices(design))
         own = next((said for key, said in variants.items() if getattr(design, key) is not None), words)
-        return result(own, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
+        answer = result(own, design, made, solved, status, closed, forces, clock, governs=governs, extra=of_design)
+        return replace(answer, without_basal=without_basal(design))
 
     def factors(design: D) -> Factors:
         made, closed = cut(design), closed_form(design)

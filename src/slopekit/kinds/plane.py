@@ -37,6 +37,7 @@ from slopekit.notices import Interface
 from slopekit.result import Result, Words
 
 if TYPE_CHECKING:
+    from slopekit.closed_form.sizes import PlaneSizes
     from slopekit.kinds import ground_water
 
 WIDEST_DEG = 20.0  # degrees between the strikes of plane and face (Hoek & Bray 1981, ch. 7)
@@ -428,21 +429,29 @@ def _sizes(design: PlaneDesign) -> SizesOfMany | None:
     crack = design.crack
     if crack is not None and (crack.distance_m is None or crack.depth_m is not None):
         return None
+    found = _extents(design, None if crack is None else crack.distance_m)
+    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
+    none = np.zeros(len(found.area_m2), dtype=np.int8)
+    return SizesOfMany(columns, ("",), none, none)
+
+
+def _extents(design: PlaneDesign, distance_m: Any) -> "PlaneSizes":
+    """The sizes with a crack so far behind the crest, or without one (None)."""
     from slopekit.closed_form.sizes import plane_sizes
 
     dips = []
     for plane in (design.joint, design.upper):
         same = np.cos(np.radians(np.subtract(plane.dip_direction_deg, design.face.dip_direction_deg))) >= 0.0
         dips.append(np.where(same, plane.dip_deg, np.negative(plane.dip_deg)))
-    found = plane_sizes(
-        dips[0], design.face.dip_deg, dips[1], design.height_m, None if crack is None else crack.distance_m
-    )
-    columns = {"volume_m3": found.area_m2, "height_m": found.height_m, "setback_m": found.setback_m}
-    none = np.zeros(len(found.area_m2), dtype=np.int8)
-    return SizesOfMany(columns, ("",), none, none)
+    return plane_sizes(dips[0], design.face.dip_deg, dips[1], design.height_m, distance_m)
 
 
-ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes)
+def crack_reach(design: PlaneDesign) -> Floats:
+    """How far behind the crest the plane comes out (n,), of one design or of one whose numbers are arrays."""
+    return _extents(design, None).setback_m
+
+
+ON_ARRAYS = OnArrays(arguments, _passive, _strengths, _of_strengths, closed_forms, bounds, _sizes, crack_reach)
 
 
 def closed_form(design: PlaneDesign) -> ClosedForm:

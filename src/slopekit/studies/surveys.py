@@ -1,16 +1,19 @@
 """What studies of joint lists share: how a list is given, what its document and its sheet say of it first."""
 
-from collections.abc import Sequence
-from typing import Annotated, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from slopekit._version import __version__
 from slopekit.core.arrays import Floats, Ints
-from slopekit.core.errors import Notice
+from slopekit.core.errors import Fault, Notice
 from slopekit.core.sheet import counted
-from slopekit.design.joint_lists import JointList
+from slopekit.design.joint_lists import JointList, own_or_given
+from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.protocol import Argument, Option
+
+_STRENGTHS: tuple[Literal["c", "phi"], ...] = ("c", "phi")
 
 
 def _conventions(incomplete: str) -> list[str]:
@@ -69,6 +72,27 @@ def partners_entry(label: str, most: Sequence[tuple[str, int]]) -> list[str]:
 def range_of(values: Floats, own: int) -> dict[str, float | int]:
     """Strengths (n,) of joints, of which `own` are the joints' own, as JSON values."""
     return {"least": float(values.min()), "most": float(values.max()), "own": own, "given": len(values) - own}
+
+
+def strengths_of_joints(
+    joints: JointList, given: Mapping[str, Any], slope: WedgeDesign | None, option: Callable[[str], str]
+) -> tuple[list[tuple[Floats, int]], list[Fault]]:
+    """Cohesion and friction of every joint (n,), how many have their own, and the faults E332 of those without.
+
+    Parameters
+    ----------
+    given : by parameter, `c` and `phi` among them; slope : these as they were read, None where it is faulty: what is
+        missing is said all the same
+    """
+    strengths, faults = [], []
+    for key in _STRENGTHS:
+        common = None if given.get(key) is None else 0.0
+        if slope is not None and common is not None:
+            common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
+        values, own, fault = own_or_given(joints, key, common, option(key))
+        strengths.append((values, own))
+        faults += [] if fault is None else [fault]
+    return strengths, faults
 
 
 def left_out(joints: JointList) -> list[Notice]:

@@ -267,6 +267,8 @@ def _judgement(result: Result, rule: Rule) -> str:
         if lowest is not None and rule.name in ("fos", "fos.limit") and not rule.met(lowest):
             return f"MET, but not for every locked-in force (same mechanism down to {lowest:.4g})"
         return "MET"
+    if result.without_basal is not None and not result.without_basal.meets(rule):
+        return f"NOT MET (the whole wedge, without the basal joint: {result.without_basal.in_words()})"
     if result.agree is False or result.status == "not_converged":
         return "NOT MET (the methods disagree or did not converge: no number to judge)"
     if result.fos.limit is None and result.status != "no_driving_force":

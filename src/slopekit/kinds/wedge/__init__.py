@@ -31,7 +31,7 @@ from slopekit.kinds.words import line_in_words, loads_part, size_number, size_pa
 from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
-from slopekit.result import Result, Words
+from slopekit.result import Result, WithoutBasal, Words
 
 if TYPE_CHECKING:
     from slopekit.kinds import ground_water
@@ -315,7 +315,26 @@ def _sizes(design: WedgeDesign) -> SizesOfMany | None:
     return SizesOfMany(columns, limits.LIMITED_BY, found.by, found.why)
 
 
-ON_ARRAYS = OnArrays(arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes)
+def crack_reach(design: WedgeDesign) -> Floats | None:
+    """How long J1's trace on the upper slope is (n,), of one design or of one whose numbers are arrays.
+
+    Of a wedge with a basal joint it is asked one by one.
+    """
+    if design.basal is not None:
+        return None
+    planes = (*design.joints, design.face, design.upper)
+    first, second, face, upper = (upward(plane.dip_deg, plane.dip_direction_deg) for plane in planes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        line, trace = np.cross(first, second), np.cross(first, face)
+        crest = trace * (np.atleast_1d(_heights(design)[0]) / trace[..., 2])[:, None]
+        back = line * ((upper * crest).sum(axis=-1) / (upper * line).sum(axis=-1))[:, None]
+    found: Floats = np.sqrt(((back - crest) ** 2).sum(axis=-1))
+    return found
+
+
+ON_ARRAYS = OnArrays(
+    arguments, passive_bolts, strengths_of, _of_strengths, closed_forms, bounds, _sizes, crack_reach
+)  # fmt: skip
 
 
 def closed_form(design: WedgeDesign) -> ClosedForm:
@@ -441,6 +460,14 @@ def _notices(design: WedgeDesign) -> Iterator[Notice]:
         yield Notice("W305", "map coordinates: computed about the toe and put back, no digits lost")
 
 
+def _without_basal(design: WedgeDesign) -> WithoutBasal | None:
+    if design.basal is None:
+        return None
+    from slopekit.kinds.wedge import basal
+
+    return basal.without_basal(design)
+
+
 def _parallel_note(design: WedgeDesign, apart: float) -> str:
     """How far one degree of one joint moves the line of intersection."""
     first, second = design.joints
@@ -524,5 +551,5 @@ KIND = kind_of_one_block(
     "wedge", WedgeDesign, read_wedge, _WORDS,
     cut, compared, changes=_changes, strengths=strengths_of, slope=_slope, notices=_notices,
     on_arrays=ON_ARRAYS, has_site=True, paper_keys=("slope.", "strength.", "rock.density"), carried=Carried(_carried),
-    variants={"basal": _ON_THREE},
+    variants={"basal": _ON_THREE}, without_basal=_without_basal,
 )  # fmt: skip

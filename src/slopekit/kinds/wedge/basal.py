@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from slopekit.closed_form.basal import OUTCOMES, BasalWedgeArrays, basal_wedges
 from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import GeometryError, Notice
-from slopekit.core.orientation import Line, line_of
+from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.extents import WedgeGeometry
 from slopekit.geometry.basal import (
     BASAL,
@@ -25,7 +26,6 @@ from slopekit.geometry.basal import (
 )
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import node_pairs
-from slopekit.geometry.rockmass import wedge_rock_mass
 from slopekit.kinds.closed_forms import ClosedForms
 from slopekit.kinds.held_bolts import Bounds, upward
 from slopekit.kinds.one_block import Cut
@@ -37,12 +37,14 @@ from slopekit.kinds.words import line_in_words, size_number
 from slopekit.loads import Loads, PointForce, WaterPressure, block_loads, check_bolt
 from slopekit.notices import Interface
 from slopekit.preie.model import build_model
+from slopekit.result import WithoutBasal
 
 if TYPE_CHECKING:
     from slopekit.kinds import ground_water
 
 JOINTS = ((J1, "J1"), (J2, "J2"), (BASAL, "basal"))
 _IDS = tuple(joint for joint, _ in JOINTS)
+_ACROSS = 1e-9  # a cosine: along the strike of the face it dips neither way
 
 
 def cut(design: WedgeDesign) -> Cut:
@@ -256,22 +258,47 @@ def notices(design: WedgeDesign) -> Iterator[Notice]:
     assert basal is not None
     if basal.height_m < 0.0:
         yield Notice("W411", "a socket wedge: it lies below the point where J1, J2 and the face meet")
-    elif float(basal.plane.normal() @ _rock_mass(design).basal_at) > 0.0 and _daylights(design):
+    elif (whole := without_basal(design)) is not None:
+        held = "; acceptance is held against it too" if design.rules else ""
         yield Notice(
             "W410",
-            "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay: run it "
-            "without basal too",
+            "the basal joint cuts the toe off the wedge on J1 and J2, and what lies below it is taken to stay; the "
+            f"whole wedge, without basal: {whole.in_words()} by the closed form{held}",
+        )
+    apart = math.radians(basal.plane.dip_direction_deg - design.face.dip_direction_deg)
+    if basal.plane.dip_deg > 0.0 and math.cos(apart) < -_ACROSS:
+        turned = Plane(basal.plane.dip_deg, (basal.plane.dip_direction_deg + 180.0) % 360.0)
+        yield Notice(
+            "W424",
+            f"the basal joint ({basal.plane}) dips into the slope: the block does not slide out on it, it would have "
+            f"to climb; is {turned} meant?",
         )
     if basal.plane.dip_deg == 0.0:
         yield Notice("W412", "the basal joint is level: on it alone nothing drives the block but other loads")
 
 
-def _daylights(design: WedgeDesign) -> bool:
+def without_basal(design: WedgeDesign) -> WithoutBasal | None:
+    """What the wedge on J1 and J2 alone does by its closed form, where the basal joint cuts its toe off.
+
+    The rock below the basal joint is part of it, and no part of the block that is analysed. None where J1 and J2 make
+    no wedge that daylights, or the basal joint leaves its toe.
+    """
+    from slopekit.kinds.wedge import closed_form
+
+    basal = design.basal
+    if basal is None or basal.height_m < 0.0:
+        return None
+    if float(basal.plane.normal() @ _rock_mass(design).basal_at) <= 0.0:
+        return None
+    water = replace(design.water, pressures_kpa=(*design.water.pressures_kpa[:2], *design.water.pressures_kpa[3:]))
+    whole = replace(design.with_strengths(design.strengths[:2]), basal=None, water=water)
     try:
-        wedge_rock_mass(
-            np.array([plane.normal() for plane in design.joints]), design.face.normal(), design.upper.normal(),
-            design.height_m,
-        )  # fmt: skip
+        found = closed_form(whole)
     except GeometryError:
-        return False
-    return True
+        if whole.crack is None:
+            return None
+        try:  # the crack may lie behind it
+            found = closed_form(replace(whole, crack=None, water=replace(water, crack_fill=None)))
+        except GeometryError:
+            return None
+    return WithoutBasal(found.status, found.factor)

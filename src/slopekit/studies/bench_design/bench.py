@@ -141,8 +141,19 @@ class _Part:
         return cls(**found)
 
 
+def strengths_at(ground: Ground, trials: Trials) -> tuple[Floats, Floats]:
+    """Cohesion and friction (2, n) of the first and second joint of each place."""
+    joints = np.stack([trials.first, trials.second])
+    cohesion, friction = trials.cohesion_kpa, trials.friction_deg
+    return (
+        ground.cohesion_kpa[joints] if cohesion is None else cohesion,
+        ground.friction_deg[joints] if friction is None else friction,
+    )
+
+
 def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part:
     a, b = trials.first, trials.second
+    cohesion, friction = strengths_at(ground, trials)
     planes = (
         ground.dips_deg[a], ground.dip_directions_deg[a], ground.dips_deg[b], ground.dip_directions_deg[b], face,
         ground.toward_deg, 0.0, ground.toward_deg,
@@ -164,8 +175,8 @@ def _wedges(ground: Ground, trials: Trials, height: float, face: float) -> _Part
             joint2_dip_deg=ground.dips_deg[two], joint2_dip_direction_deg=ground.dip_directions_deg[two],
             face_dip_deg=face, face_dip_direction_deg=ground.toward_deg, upper_dip_deg=0.0,
             upper_dip_direction_deg=ground.toward_deg, height_m=heights[those],
-            cohesion1_kpa=ground.cohesion_kpa[one], cohesion2_kpa=ground.cohesion_kpa[two],
-            friction1_deg=ground.friction_deg[one], friction2_deg=ground.friction_deg[two],
+            cohesion1_kpa=cohesion[0, those], cohesion2_kpa=cohesion[1, those],
+            friction1_deg=friction[0, those], friction2_deg=friction[1, those],
             unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressures_kpa=pressures,
             water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
             seismic_trend_deg=ground.toward_deg if ground.seismic else None,
@@ -187,7 +198,7 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     a = trials.first
     dips = ground.dips_deg[a]
     whole = plane_sizes(dips, face, 0.0, height)
-    beside = _beside(ground.dip_directions_deg[a], ground.toward_deg)
+    beside = beside_deg(ground.dip_directions_deg[a], ground.toward_deg)
     with np.errstate(invalid="ignore"):
         free = np.minimum(1.0, ground.trace_m[a] / whole.length_m)
     scale = free if ground.largest else 1.0 - trials.toe
@@ -196,11 +207,12 @@ def _planes(ground: Ground, trials: Trials, height: float, face: float) -> _Part
     )
     if not those.size:
         return _Part.of(len(trials), those, **_nothing())
-    one, heights = a[those], (height * scale)[those]
+    cohesion, friction = strengths_at(ground, trials)
+    heights = (height * scale)[those]
     found = plane_failures(
         PlaneArrays(
             face_dip_deg=face, upper_dip_deg=0.0, plane_dip_deg=dips[those], height_m=heights,
-            cohesion_kpa=ground.cohesion_kpa[one], friction_deg=ground.friction_deg[one],
+            cohesion_kpa=cohesion[0, those], friction_deg=friction[0, those],
             unit_weight_kn_m3=ground.unit_weight_kn_m3, fill=ground.fill, pressure_kpa=ground.pressure_kpa,
             water_unit_weight_kn_m3=ground.water_unit_weight_kn_m3, seismic=ground.seismic,
         )
@@ -221,12 +233,13 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     """Either joint of a place may be the steep one."""
     heights = height * (1.0 - trials.toe)
     found = _Part.of(len(trials), np.empty(0, dtype=np.int64), **_nothing())
-    for steep, base in ((trials.first, trials.second), (trials.second, trials.first)):
+    friction = strengths_at(ground, trials)[1]
+    for at, (steep, base) in enumerate(((trials.first, trials.second), (trials.second, trials.first))):
         dip, out = ground.dips_deg[steep], ground.dips_deg[base]
-        into = _beside(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
-        toward = _beside(ground.dip_directions_deg[base], ground.toward_deg)
+        into = beside_deg(ground.dip_directions_deg[steep], ground.toward_deg + 180.0)
+        toward = beside_deg(ground.dip_directions_deg[base], ground.toward_deg)
         can = (into <= ground.lateral_toppling_deg + _ANGLE) & (toward <= ground.lateral_toppling_deg + _ANGLE)
-        can &= (dip >= 90.0 - face + ground.friction_deg[steep] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
+        can &= (dip >= 90.0 - face + friction[at] - _ANGLE) & (out > 0.0) & (out < face) & (dip < 90.0)
         those = np.flatnonzero(can & ~found.forms)
         if not those.size:
             continue
@@ -257,6 +270,28 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     return found
 
 
+def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> tuple[int, int]:
+    """Of the columns that stand against toppling how many slide on their base all the same, and how many stand.
+
+    The first column of each place, by its weight: F = (c b + W cos ψ_b tan φ) / (W sin ψ_b), W = γ y Δx, b = Δx /
+    sin(ψ_d + ψ_b). Those whose width is not known are left out.
+    """
+    stands = np.flatnonzero(bench.forms[TOPPLING] & ~bench.fails[TOPPLING])
+    first, second = trials.first[stands], trials.second[stands]
+    # else it is the steep one, into the slope
+    is_base = beside_deg(ground.dip_directions_deg[first], ground.toward_deg) < 90.0
+    base, steep = np.where(is_base, first, second), np.where(is_base, second, first)
+    cohesion, friction = (np.where(is_base, part[0, stands], part[1, stands]) for part in strengths_at(ground, trials))
+    dip, out, widths = ground.dips_deg[steep], ground.dips_deg[base], ground.spacing_m[steep]
+    known = np.isfinite(widths)
+    widths = np.where(known, widths, 1.0)
+    high = column_sizes(dip, out, bench.face_dip_deg, bench.block_height_m[TOPPLING, stands], widths).height_m
+    along, weight = np.radians(out), ground.unit_weight_kn_m3 * high * widths
+    bond = cohesion * widths / np.sin(np.radians(dip) + along)
+    factor = (bond + weight * np.cos(along) * np.tan(np.radians(friction))) / (weight * np.sin(along))
+    return int((known & (factor < ground.target)).sum()), int(known.sum())
+
+
 def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:
     """The factor where something slides, and what fails: below the target, or without any contact."""
     words = [name.startswith("slides") for name in names]
@@ -271,7 +306,7 @@ def _nothing() -> dict[str, Floats]:
     return {name: np.empty(0) for name in names_of(_Part)}
 
 
-def _beside(directions_deg: Floats, toward_deg: float) -> Floats:
+def beside_deg(directions_deg: Floats, toward_deg: float) -> Floats:
     """Degrees between dip directions and another direction, 0 to 180."""
     found: Floats = np.abs((directions_deg - toward_deg + 180.0) % 360.0 - 180.0)
     return found

@@ -1,6 +1,6 @@
 """PRE-IE beside the closed forms: wedges and planes of all benches, a random part and all near the target.
 
-Columns that topple have their criterion alone.
+Columns are looked at apart, see `columns`.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength, Water
 from slopekit.kinds.plane import PlaneDesign
-from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench
+from slopekit.studies.bench_design.bench import MODES, PLANE, WEDGE, Bench, strengths_at
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.trials import Trials
 from slopekit.studies.points import GIVEN_UP, Point, falls_short
@@ -55,12 +55,13 @@ def confirmed(
     if not len(index.all):
         return None, None
     rows = [divmod(int(one), len(trials)) for one in index.all]
-    keys = []
+    keys, strengths = [], strengths_at(asked.ground(0.0), trials)
     for part, trial in rows:
         bench, mode = benches[part // len(_MODES)], _MODES[part % len(_MODES)]
         first, second = int(trials.first[trial]), int(trials.second[trial])
         other = second if mode == WEDGE else -1
-        keys.append((mode, first, other, float(bench.block_height_m[mode, trial]), bench.face_dip_deg))
+        strength = tuple(float(part[k, trial]) for part in strengths for k in range(2))
+        keys.append((mode, first, other, float(bench.block_height_m[mode, trial]), bench.face_dip_deg, strength))
     different = list(dict.fromkeys(keys))
     designs = [_design(asked, *key) for key in different]
     folder = desk.folder
@@ -98,16 +99,19 @@ def both_methods(design: Design) -> Record:
         return Point(None, fault.code, fault.message).to_record()
 
 
-def _design(asked: BenchInputs, mode: int, first: int, second: int, height: float, face_dip: float) -> Design:
-    """The block of a trial as a design of its own, per metre where it is a plane."""
+def _design(
+    asked: BenchInputs, mode: int, first: int, second: int, height: float, face_dip: float, strength: tuple[float, ...]
+) -> Design:  # fmt: skip
+    """The block of a trial as a design of its own, per metre where it is a plane.
+
+    `strength`: cohesion of both joints, then their friction angles.
+    """
     joints, slope, face = asked.joints.joints, asked.slope, Plane(face_dip, asked.toward_deg)
     if mode == WEDGE:
-        pair = (first, second)
         return replace(
             slope, joints=(joints[first].plane, joints[second].plane), face=face, height_m=height,
             joint_names=(joints[first].name, joints[second].name),
-            cohesion_kpa=(float(asked.cohesion_kpa[pair[0]]), float(asked.cohesion_kpa[pair[1]])),
-            friction_angle_deg=(float(asked.friction_deg[pair[0]]), float(asked.friction_deg[pair[1]])),
+            cohesion_kpa=strength[:2], friction_angle_deg=strength[2:],
         )  # fmt: skip
     common = {own.name: getattr(slope, own.name) for own in fields(Design)}
     if slope.water.mode == "pressures":
@@ -116,5 +120,5 @@ def _design(asked: BenchInputs, mode: int, first: int, second: int, height: floa
     return PlaneDesign(
         **common, joint=Plane(joints[first].plane.dip_deg, asked.toward_deg), joint_name=joints[first].name, face=face,
         upper=Plane(0.0, asked.toward_deg), height_m=height,
-        strength=Strength(float(asked.cohesion_kpa[first]), float(asked.friction_deg[first])),
+        strength=Strength(strength[0], strength[2]),
     )  # fmt: skip

@@ -44,6 +44,7 @@ _NUMBERS: Final[Mapping[str, tuple[str, float, float]]] = {
     "spacing": ("length", 1e-3, 1e5), "trace": ("length", 1e-3, 1e6), "c": ("pressure", 0.0, 1e9),
     "phi": ("angle", 0.0, 89.99),
 }  # fmt: skip
+STRENGTHS: Final = {key: _NUMBERS[key] for key in ("c", "phi")}
 _PARTS: Final[Mapping[str, tuple[str, float, float]]] = {
     "scatter": ("angle", 0.0, 45.0), "spacing_scatter": ("ratio", 0.0, 1.0)
 }  # fmt: skip
@@ -112,7 +113,7 @@ def _set(name: str, parts: list[Node]) -> tuple[Fisher | Angles | Plane, _Values
         if key not in given:
             continue
         try:
-            values[key] = _number(given[key], kind, f"{key} of {name}", least, most, key in _NUMBERS)
+            values[key] = number_or_scatter(given[key], kind, f"{key} of {name}", least, most, key in _NUMBERS)
         except DesignError as error:
             faults += error.faults
     plane: Fisher | Angles | Plane | None = None
@@ -145,7 +146,7 @@ def _plane(node: Node, name: str) -> Fisher | Angles | Plane:
     return parse_plane(node.text if node.text is not None else node.plain(), name, str(node.place))
 
 
-def _number(
+def number_or_scatter(
     node: Node, kind: str, name: str, least: float, most: float, may_scatter: bool
 ) -> Distribution | float:  # fmt: skip
     """A number, or how it scatters: cut off where no joint can be, as long as that is little of it."""

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import partial
 from typing import Any, Literal
 
@@ -18,17 +18,20 @@ from slopekit.core.records import dataclass
 from slopekit.core.units import quantity
 from slopekit.design import words
 from slopekit.design.common import Seismic
-from slopekit.design.joint_lists import JointList, joint_list, own_or_given
+from slopekit.design.distributions import Distribution
+from slopekit.design.joint_lists import JointList, joint_list
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.studies.bench_design.bench import Ground
 from slopekit.studies.bench_design.drawn import is_sets, joints_of_sets
+from slopekit.studies.bench_design.strengths import drawn_strength
 from slopekit.studies.keys import Key
 from slopekit.studies.ranges import meant_in_steps, parse_values
-from slopekit.studies.surveys import range_of
+from slopekit.studies.surveys import range_of, strengths_of_joints
 
 #: Trials where none are asked for; the most of them, and of benches times trials.
 TRIALS, MOST_TRIALS, MOST_IN_ALL = 10_000, 200_000, 20_000_000
 MOST_VALUES = 200
+_SELDOM = 1e-4  # joints by the metre: sets that strike along the bench never meet it, but for rounding
 RELIABILITY, CONFIDENCE = 0.8, 0.95
 LATERAL_DEG, LATERAL_TOPPLING_DEG = 20.0, 30.0
 SWELL, REPOSE_DEG = 1.4, 37.0
@@ -68,7 +71,9 @@ class BenchInputs:
     heights_m, face_dips_deg : of the benches, each with each; berms_m : of each of those, None: the width needed
     toward_deg : dip direction of the faces; toe : one of `TOES`
     cohesion_kpa, friction_deg, trace_m, spacing_m : (n,) of the joints, see `bench.Ground`
+    drawn : of `c` and `phi` those that are drawn at each place, for joints without their own
     own : how many joints have c, φ, a trace and a spacing of their own
+    from_sets : whether the joints are drawn from sets, and none of them was measured
     numbers : by name, those of `_NUMBERS`; None where nothing was said
     every_m : along the bench, by the height of a bench where None
     defaults : names of the inputs that were left out; meant : ranges that may have been meant as steps
@@ -89,6 +94,8 @@ class BenchInputs:
     numbers: Mapping[str, float | None]
     every_m: float | None
     defaults: tuple[str, ...]
+    drawn: Mapping[str, Distribution] = field(default_factory=dict)
+    from_sets: bool = False
     meant: tuple[Notice, ...] = ()
 
     def number(self, name: str) -> float:
@@ -96,6 +103,11 @@ class BenchInputs:
         found = self.numbers[name]
         assert found is not None
         return found
+
+    @property
+    def has_cohesion(self) -> bool:
+        """Whether any joint has some."""
+        return bool("c" in self.drawn or (self.cohesion_kpa > 0.0).any())
 
     @property
     def near(self) -> float:
@@ -134,6 +146,8 @@ class BenchInputs:
             "water_unit_weight_kn_m3": slope.water_unit_weight_kn_m3, "seismic": slope.seismic.coefficient,
             "toe": self.toe, "every_m": self.every_m, "agree_within": slope.agree_within,
             **json_of(self.numbers),
+            **({"drawn": {key: {"dist": one.name, **one.parameters} for key, one in self.drawn.items()}}
+               if self.drawn else {}),
         }  # fmt: skip
 
     def input_hash(self) -> str:
@@ -163,16 +177,17 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         faults.append(
             Fault("E308", f"{toe} is not a place of the toe", f"{option('toe')} {toe}", f"Known: {', '.join(TOES)}.")
         )
+    drawn: dict[str, Distribution | None] = {}
+    for key in ("c", "phi"):
+        before = len(faults)
+        drawn[key] = one = faults.of(partial(drawn_strength, key, given[key], option(key)))
+        if one is not None or len(faults) > before:  # a fault of it is said once
+            given = {**given, key: 1.0 if one is None else one.centre}
     slope: WedgeDesign | None = faults.of(partial(_slope, given, toward or 0.0, option))
-    strengths = []
+    strengths: list[tuple[Floats, int]] = []
     if listed is not None:
-        for key in ("c", "phi"):
-            common = None if given.get(key) is None else 0.0
-            if slope is not None and common is not None:
-                common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
-            values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
-            strengths.append((values, own))
-            faults += [] if fault is None else [fault]
+        strengths, missing = strengths_of_joints(listed, given, slope, option)
+        faults += missing
     heights, dips, trials = read["height"], read["face"], numbers["n"]
     if heights and dips and trials and len(heights) * len(dips) * trials > MOST_IN_ALL:
         message = f"{len(heights)} heights x {len(dips)} faces x {number(trials)} trials are more than {MOST_IN_ALL:,}"
@@ -199,7 +214,8 @@ def bench_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> Benc
         defaults.remove("density")
     return BenchInputs(
         listed, slope, heights, dips, read["berm"] or None, toward, toe, cohesion, friction, traces, spacings,
-        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults), tuple(meant),
+        (own_c, own_phi, own_traces, own_spacings), numbers, every, tuple(defaults),
+        {key: one for key, one in drawn.items() if one is not None}, is_sets(given["joints"]), tuple(meant),
     )  # fmt: skip
 
 
@@ -301,7 +317,7 @@ def _sizes(
 
 
 def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:
-    """How far it is along the bench from joint to joint, from the spacings of the sets; None where they are unknown.
+    """How far it is along the bench from joint to joint, by the spacings of the sets; None where they do not say it.
 
     A set with the spacing s is met |n · t| / s times a metre along the direction t.
     """
@@ -315,4 +331,4 @@ def _apart(joints: JointList, spacings: Floats, toward: float) -> float | None:
         some = (names == name) & np.isfinite(spacings)
         if some.any():
             often += float(meets[some].mean() / spacings[some].mean())
-    return 1.0 / often if often > 0.0 else None
+    return 1.0 / often if often > _SELDOM else None

@@ -89,6 +89,24 @@ class OfBerm:
 
 
 @dataclass(frozen=True, slots=True)
+class OfCohesion:
+    """The same bench without cohesion.
+
+    Attributes
+    ----------
+    fails_if_formed, fails : shares of the blocks and of the places, by the words of `MODES` and `any`
+    berm_needed_m : for the reliability wanted
+    decides : whether the answer hangs on cohesion: half or more of what fails without it is held by it, and that is
+        more than the limits of the share with it allow
+    """
+
+    fails_if_formed: Mapping[str, float | None]
+    fails: Mapping[str, float]
+    berm_needed_m: float
+    decides: bool
+
+
+@dataclass(frozen=True, slots=True)
 class OfBench:
     """A height and a face.
 
@@ -101,6 +119,7 @@ class OfBench:
     volume_m3, crest_lost : on 100 m of bench: what fails, and the part of the crest above it
     spill : where something fails, m
     berm_needed_m : so that the share wanted of the length keeps the catch width; inter_ramp_deg : with that berm
+    bare : without cohesion, None where there is none
     """
 
     height_m: float
@@ -118,6 +137,27 @@ class OfBench:
     berm_needed_m: float
     inter_ramp_deg: float = field(metadata={"json": "inter_ramp_at_berm_needed_deg"})
     berms: tuple[OfBerm, ...] = field(metadata={"json": "reliability"})
+    bare: OfCohesion | None = field(default=None, metadata={"json": "without_cohesion"})
+
+
+def of_cohesion(asked: BenchInputs, bench: Bench, of: OfBench) -> OfCohesion:
+    """What is said of a bench judged without cohesion.
+
+    Parameters
+    ----------
+    bench : without cohesion; of : what is said of it with cohesion
+    """
+    forms, fails = ([*part, part.any(axis=0)] for part in (bench.forms, bench.fails))
+    shares = {name: float(part.mean()) for name, part in zip(_CALLED, fails, strict=True)}
+    among = {
+        name: float((bad & there).sum() / there.sum()) if there.any() else None
+        for name, bad, there in zip(_CALLED, fails, forms, strict=True)
+    }
+    steps = steps_of(bench, asked.ground(bench.height_m).every_m)
+    lost = quantiles(bench.setback_m, [asked.number("reliability")], steps)[0]
+    given = of.modes["any"].fails
+    decides = shares["any"] > given.high and 2.0 * (given.share or 0.0) <= shares["any"]
+    return OfCohesion(among, shares, asked.catch_m(bench.height_m) + lost, decides)
 
 
 def outcome_of(asked: BenchInputs, trials: Trials, bench: Bench) -> OfBench:

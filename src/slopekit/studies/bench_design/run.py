@@ -18,11 +18,13 @@ from slopekit.core.codec import record_of
 from slopekit.core.errors import Notice
 from slopekit.core.records import dataclass
 from slopekit.design.joint_lists import JointList
-from slopekit.studies.bench_design.bench import bench_of
+from slopekit.studies.bench_design.bench import bench_of, sliding_columns
+from slopekit.studies.bench_design.columns import ConfirmedColumns, confirmed_columns
 from slopekit.studies.bench_design.confirmed import Confirmed, confirmed
 from slopekit.studies.bench_design.given import BenchInputs, bench_inputs
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, outcome_of
-from slopekit.studies.bench_design.said import notices_of
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, of_cohesion, outcome_of
+from slopekit.studies.bench_design.said import notices_of, of_columns
+from slopekit.studies.bench_design.strengths import with_drawn, without_cohesion
 from slopekit.studies.bench_design.trials import drawn_trials
 from slopekit.studies.protocol import DESK, Argument, Desk, Jobs, Option, Outcome, Scheduler, documented
 from slopekit.studies.running import Journal, checked_crew, crew_in_words
@@ -37,7 +39,7 @@ class BenchDesigns(Outcome):
     ----------
     given : the survey, the benches, what counts
     benches : what came of each height and face
-    checked : what PRE-IE says of their wedges and planes, None where it was not asked
+    checked : what PRE-IE says of their wedges and planes, None where it was not asked; columns : of columns likewise
     """
 
     name: ClassVar[str] = "bench-design"
@@ -48,6 +50,7 @@ class BenchDesigns(Outcome):
     warnings: tuple[Notice, ...]
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
     journal: Journal | None = field(default=None, compare=False)
+    columns: ConfirmedColumns | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -106,6 +109,7 @@ class BenchDesigns(Outcome):
             "accept": self.given.numbers["accept"], "accepted": self.accepted,
             "pre_ie": None if self.checked is None else record_of(self.checked.said)
             | {"by_mode": self.checked.by_mode, "different_blocks": self.checked.blocks},
+            "pre_ie_columns": None if self.columns is None else record_of(self.columns),
             "timing_s": dict(self.timing_s),
             **self.words(),
         }  # fmt: skip
@@ -125,8 +129,8 @@ def bench_design(
     face: Annotated[Any, Option("Face angles, degrees: 60:80:5, 60:80:+5 or 65,75.")] = None,
     dip_direction: Annotated[Any, Option("Dip direction of the faces.")] = None,
     berm: Annotated[Any, Option("Berm widths, m [the width needed for --reliability].")] = None,
-    c: Annotated[Any, Option("Cohesion of joints without their own.")] = None,
-    phi: Annotated[Any, Option("Friction angle of joints without their own.")] = None,
+    c: Annotated[Any, Option("Cohesion of joints without their own; it may scatter: normal:10,3.")] = None,
+    phi: Annotated[Any, Option("Friction angle of joints without their own, or normal:30,3.")] = None,
     reliability: Annotated[Any, Option("Part of the length whose berm shall keep the catch width [80%].")] = None,
     catch: Annotated[Any, Option("Catch width, m [modified Ritchie, 0.2 height + 4.5].")] = None,
     toe: Annotated[
@@ -171,7 +175,8 @@ def bench_design(
     ------
     DesignError
         Every fault: of the list, of the loads as for a wedge, E332 a strength that a joint needs, E410 to E412 heights,
-        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere.
+        faces and berms, E413 to E415 other numbers, E416 too many, E417 an earthquake that acts elsewhere, E422 a
+        strength that scatters in no known way.
 
     Notes
     -----
@@ -183,33 +188,43 @@ def bench_design(
     asked = bench_inputs(given, desk.named)
     read = time.perf_counter()
     trials = drawn_trials(asked.joints, int(asked.number("n")), int(asked.number("seed")), asked.toe == "anywhere")
-    benches = [
-        bench_of(asked.ground(height), trials, height, dip) for height in asked.heights_m for dip in asked.face_dips_deg
-    ]
+    trials = with_drawn(asked, trials)
+    sizes = [(height, dip) for height in asked.heights_m for dip in asked.face_dips_deg]
+    benches = [bench_of(asked.ground(height), trials, height, dip) for height, dip in sizes]
     judged = time.perf_counter()
     outcomes = [outcome_of(asked, trials, bench) for bench in benches]
+    if asked.has_cohesion:
+        bare, own = without_cohesion(trials), zip(sizes, outcomes, strict=True)
+        outcomes = [
+            replace(of, bare=of_cohesion(asked, bench_of(asked.ground(height), bare, height, dip), of))
+            for (height, dip), of in own
+        ]  # fmt: skip
     shares = time.perf_counter()
     checked, journal = confirmed(asked, trials, benches, crew, desk)
-    outcomes = [accepted(asked, one, checked) for one in outcomes]
+    columns = confirmed_columns(asked, trials, benches, crew, desk)
+    outcomes = [accepted(asked, one, checked, columns) for one in outcomes]
     end = time.perf_counter()
     times = {
         "read": read - began, "closed_form": judged - read, "shares": shares - judged, "pre_ie": end - shares,
         "total": end - began,
     }  # fmt: skip
-    notices = notices_of(asked, outcomes, checked)
+    sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
+    notices = [*notices_of(asked, outcomes, checked), *of_columns(sliding)]
     found = BenchDesigns(
-        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal
+        asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
     )  # fmt: skip
     if desk.folder is None:
         found.done()
     return found
 
 
-def accepted(asked: BenchInputs, bench: OfBench, checked: Confirmed | None) -> OfBench:
+def accepted(
+    asked: BenchInputs, bench: OfBench, checked: Confirmed | None, columns: ConfirmedColumns | None = None
+) -> OfBench:  # fmt: skip
     """The bench with what is said of acceptance: the lower limit counts, and that PRE-IE doubts no block of it."""
     least = asked.numbers["accept"]
     if least is None:
         return bench
-    doubted = checked is not None and (bench.height_m, bench.face_dip_deg) in checked.doubted
+    doubted = any((bench.height_m, bench.face_dip_deg) in one.doubted for one in (checked, columns) if one is not None)
     berms = (replace(berm, accepted=not doubted and berm.reliability.low >= least) for berm in bench.berms)
     return replace(bench, berms=tuple(berms))

@@ -15,7 +15,7 @@ _FEW = 30  # joints: below it, a survey says little of its sets
 
 
 def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirmed | None) -> Iterator[Notice]:
-    """W432, W366, W373, W351, W390 to W397."""
+    """W432, W366, W373, W351, W390 to W397, W422, W423."""
     yield from asked.meant
     yield from left_out(asked.joints)
     n = len(asked.joints)
@@ -27,6 +27,8 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             f"{n - known} of {n} joints have no trace length and run as far as a block needs: blocks are too large"
         )
         yield Notice("W391", message)
+    if asked.own[2] and not asked.from_sets:
+        yield from _hidden_ends(asked)
     if not np.isfinite(asked.spacing_m).all():
         without = int((~np.isfinite(asked.spacing_m)).sum())
         message = f"{without} of {n} joints have no spacing: columns between them form and are not judged"
@@ -56,6 +58,7 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
             f"to {number(round(worst, 1))} m): the bench above, which would come along, is left out"
         )
         yield Notice("W394", message)
+    yield from _cohesion(benches)
     slope = asked.slope
     if any(bench.modes["toppling"].forms.count for bench in benches) and (
         slope.water.mode != "dry" or slope.seismic.coefficient
@@ -72,3 +75,47 @@ def notices_of(asked: BenchInputs, benches: Sequence[OfBench], checked: Confirme
     if said.settled < said.samples:
         yield Notice("W351", f"PRE-IE gave no answer for {said.samples - said.settled} of the {said.samples} blocks it "
                      "was asked of: they confirm nothing")  # fmt: skip
+
+
+def _cohesion(benches: Sequence[OfBench]) -> Iterator[Notice]:
+    """W422, of the bench in which cohesion holds the most."""
+    hanging = [(bench, bench.bare) for bench in benches if bench.bare is not None and bench.bare.decides]
+    if not hanging:
+        return
+    bench, bare = max(hanging, key=lambda one: one[1].fails["any"] - (one[0].modes["any"].fails.share or 0.0))
+    of_formed = 100.0 * (bench.modes["any"].fails_if_formed.share or 0.0)
+    yield Notice(
+        "W422",
+        f"the answer hangs on cohesion in {len(hanging)} of {len(benches)} benches: at {number(bench.height_m)} m and "
+        f"{number(bench.face_dip_deg)}° {of_formed:.3g} % of the blocks that form fail, with c = 0 "
+        f"{100.0 * (bare.fails_if_formed['any'] or 0.0):.3g} %; the berm needed is {bench.berm_needed_m:.3g} m or "
+        f"{bare.berm_needed_m:.3g} m",
+    )
+
+
+def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
+    """W423, of traces that were measured: they run at least so far."""
+    measured = [joint for joint in asked.joints.joints if joint.trace_m is not None]
+    hidden, unknown = (sum(test) for test in (
+        [joint.ends is not None and joint.ends < 2 for joint in measured], [joint.ends is None for joint in measured]
+    ))  # fmt: skip
+    if not hidden and not unknown:
+        return
+    parts = [f"{hidden} with a hidden end"] if hidden else []
+    parts += [f"{unknown} without a word of their ends"] if unknown else []
+    yield Notice(
+        "W423",
+        f"{len(measured)} traces are taken as whole as measured ({', '.join(parts)}): longer ones make more and larger "
+        "blocks",
+    )
+
+
+def of_columns(found: Sequence[tuple[int, int]]) -> Iterator[Notice]:
+    """W425, of columns of each bench that slide, and of those that stand against toppling."""
+    slide, stand = (sum(part) for part in zip(*found, strict=True))
+    if slide:
+        yield Notice(
+            "W425",
+            f"{slide} of {stand} columns that stand against toppling slide on their base: they do not count as failing "
+            "here; a base counts as a plane where it is the first joint of a place",
+        )

@@ -7,10 +7,12 @@ import numpy as np
 
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted
+from slopekit.design.distributions import Distribution
 from slopekit.studies.bench_design.bench import MODES
 from slopekit.studies.bench_design.given import LATERAL_DEG, LATERAL_TOPPLING_DEG
-from slopekit.studies.bench_design.outcomes import OfBench, OfBerm
+from slopekit.studies.bench_design.outcomes import OfBench, OfBerm, OfCohesion
 from slopekit.studies.bench_design.run import BenchDesigns
+from slopekit.studies.bench_design.strengths import in_words
 from slopekit.studies.prob.estimates import Share
 from slopekit.studies.surveys import head, survey_entry
 
@@ -21,11 +23,12 @@ def sheet_of(found: BenchDesigns) -> Sheet:
         Section("SURVEY", [survey_entry(found.joints), _strength(found), _sizes(found)]),
         Section("TRIALS", _trials(found)),
         Section("FAILS", [_OF_PLACES, _fails(found)]),
+        Section("COHESION", [_OF_COHESION, _cohesion(found)] if found.given.has_cohesion else []),
         Section("BACKBREAK", [_backbreak_said(found), _backbreak(found)]),
         Section("BERMS", [_OF_BERMS, _berms(found)] if found.given.berms_m is not None else []),
         Section("NEEDED", [_needed_said(found), _needed(found)]),
         Section("BEST", _best(found)),
-        Section("PRE-IE", _pre_ie(found)),
+        Section("PRE-IE", [*_pre_ie(found), *_pre_ie_columns(found)]),
         Section("READS AS", [_MEANING]),
         Section("DEFAULTS", _defaults(found)),
         Section("TIME", [f"{found.timing_s['total']:.1f} s, {found.crew}"]),
@@ -57,6 +60,10 @@ def _strength(found: BenchDesigns) -> str:
     friction = f"φ {number(low)}°" if low == high else f"φ {number(low)} to {number(high)}°"
     low, high = float(asked.cohesion_kpa.min()), float(asked.cohesion_kpa.max())
     cohesion = f"c {number(low)} kPa" if low == high else f"c {number(low)} to {number(high)} kPa"
+    if "c" in asked.drawn:
+        cohesion = _scatters("c", asked.drawn["c"], " kPa", asked.own[0])
+    if "phi" in asked.drawn:
+        friction = _scatters("φ", asked.drawn["phi"], "°", asked.own[1])
     water = asked.slope.water
     wet = "dry" if water.mode == "dry" or (not water.fill and not water.pressures_kpa) else (
         f"u {number(water.pressures_kpa[0])} kPa" if water.pressures_kpa else f"water {number(100.0 * water.fill)} %"
@@ -65,6 +72,11 @@ def _strength(found: BenchDesigns) -> str:
     return f"{cohesion}, {friction}, {number(asked.slope.unit_weight_kn_m3)} kN/m³, {wet}" + (
         f", seismic {number(quake)}" if quake else ""
     )
+
+
+def _scatters(symbol: str, scatters: Distribution, unit: str, own: int) -> str:
+    of = f" ({counted(own, 'joint')} with their own)" if own else ""
+    return f"{symbol} drawn at each place ({in_words(scatters)}{unit}){of}"
 
 
 def _sizes(found: BenchDesigns) -> str:
@@ -137,6 +149,36 @@ def _fails(found: BenchDesigns) -> Table[OfBench]:
         ),
     ]  # fmt: skip
     return Table(columns, found.benches)
+
+
+def _cohesion(found: BenchDesigns) -> Table[OfBench]:
+    """What fails, and the berm needed, as given and without cohesion."""
+
+    def bare(row: OfBench) -> OfCohesion:
+        assert row.bare is not None
+        return row.bare
+
+    columns = _size_columns()
+    for mode in (*MODES[:2], "any"):
+        columns += [
+            Column(mode, _if_formed(mode), f"{mode}_fails_if_formed_percent", "%", ".1f", 8),
+            Column("c = 0", lambda row, mode=mode: _percent_of(bare(row).fails_if_formed[mode]),  # type: ignore[misc]
+                   f"{mode}_fails_if_formed_without_cohesion_percent", "%", ".1f", 7),
+        ]  # fmt: skip
+    columns += [
+        Column("berm", lambda row: row.berm_needed_m, "berm_needed_m", "m", ".2f", 8),
+        Column("c = 0", lambda row: bare(row).berm_needed_m, "berm_needed_without_cohesion_m", "m", ".2f", 8),
+        Column("", lambda row: bare(row).decides, "cohesion_decides", width=9, show=lambda own: " decides" * bool(own)),
+    ]
+    return Table(columns, found.benches)
+
+
+def _if_formed(mode: str) -> Callable[[OfBench], float | None]:
+    return lambda row: _percent_of(row.modes[mode].fails_if_formed.share)
+
+
+def _percent_of(share: float | None) -> float | None:
+    return None if share is None else 100.0 * share
 
 
 def _backbreak(found: BenchDesigns) -> Table[OfBench]:
@@ -242,6 +284,18 @@ def _pre_ie(found: BenchDesigns) -> list[str]:
     return rows
 
 
+def _pre_ie_columns(found: BenchDesigns) -> list[str]:
+    said = found.columns
+    if said is None:
+        return []
+    none = f", {said.unanswered} without an answer" if said.unanswered else ""
+    return [
+        f"{counted(said.samples, 'column')}, each alone on its base ({said.near} near turning over): {said.topple} "
+        f"turn over by both, {said.stand} by neither, {said.pre_ie_only} by PRE-IE alone, {said.closed_form_only} by "
+        f"the criterion alone{none}; {said.slide} of those that do not slide by PRE-IE"
+    ]  # fmt: skip
+
+
 def _defaults(found: BenchDesigns) -> list[str]:
     asked = found.given
     words = {
@@ -260,6 +314,10 @@ def _defaults(found: BenchDesigns) -> list[str]:
 
 _LISTED = 9  # values in full
 _OF_PLACES = "per cent of the places: a block forms, and fails; topple: columns"
+_OF_COHESION = (
+    "per cent of the blocks that form which fail, as given and without cohesion; the berm needed likewise, m; decides: "
+    "cohesion holds half or more of what would fail, beyond the limits"
+)
 _OF_BERMS = (
     "per cent of the length that keeps the catch width; m of the berm that are left on 80 and 95 % of it; per cent of "
     "the places whose broken rock such a berm holds; inter-ramp angle of the design"
@@ -328,6 +386,8 @@ def _benches_table(found: BenchDesigns) -> Table[OfBench]:
         Column("", lambda row: row.catch_width_m, "catch_width_m"),
         Column("", lambda row: row.berm_needed_m, "berm_needed_m"),
         Column("", lambda row: row.inter_ramp_deg, "inter_ramp_at_berm_needed_deg"),
+        Column("", lambda row: row.bare and row.bare.fails["any"], "any_fails_without_cohesion"),
+        Column("", lambda row: row.bare and row.bare.berm_needed_m, "berm_needed_without_cohesion_m"),
     ]
     return Table(columns, found.benches)
 

@@ -27,10 +27,10 @@ from slopekit.core.orientation import Plane, number
 from slopekit.core.records import dataclass, names_of
 from slopekit.core.units import quantity
 from slopekit.design import words
-from slopekit.design.joint_lists import JointList, joint_list, own_or_given, plane_of
+from slopekit.design.joint_lists import JointList, joint_list, plane_of
 from slopekit.kinds.wedge.design import WedgeDesign
 from slopekit.kinds.wedge.limits import scale_within
-from slopekit.studies.surveys import range_of
+from slopekit.studies.surveys import range_of, strengths_of_joints
 
 _PARALLEL = 1e-6  # as in geometry.rockmass
 HEIGHT_M = 15.0
@@ -223,16 +223,10 @@ def pair_inputs(given: Mapping[str, Any], option: Callable[[str], str]) -> PairI
     where = f"{option('fos')} {fos}"
     target = None if fos is None else faults.of(partial(words.above_zero, fos, "ratio", "fos", "E336", where))
     top = faults.of(partial(_top, given["top"], option("top")))
-    strengths = []
+    strengths: list[tuple[Floats, int]] = []
     if listed is not None:
-        for key in ("c", "phi"):
-            # where the slope is faulty, what is missing is still said
-            common = None if given.get(key) is None else 0.0
-            if slope is not None and common is not None:
-                common = (slope.cohesion_kpa if key == "c" else slope.friction_angle_deg)[0]
-            values, own, fault = own_or_given(listed, "c" if key == "c" else "phi", common, option(key))
-            strengths.append((values, own))
-            faults += [] if fault is None else [fault]
+        strengths, missing = strengths_of_joints(listed, given, slope, option)
+        faults += missing
     faults.refuse()
     # no fault, so nothing is missing: what follows only tells the type checker
     assert listed is not None and slope is not None and sizes is not None  # noqa: PT018

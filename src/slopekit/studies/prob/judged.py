@@ -4,7 +4,7 @@ Those that PRE-IE looks at besides are a random part, and all near the target.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -64,6 +64,15 @@ class Judged:
     def disagree(self) -> int:
         """Samples on which the methods disagree or PRE-IE did not converge, where PRE-IE looked at all."""
         return sum(point.is_in_doubt for point in self.points)
+
+
+def nowhere(judged: Judged, those: Bools) -> Judged:
+    """The same, with those samples (n,) refused in which no place of the crack gives a factor (E459)."""
+    if not those.any():
+        return judged
+    outcome, factor = judged.outcome.copy(), judged.factor.copy()
+    outcome[those], factor[those] = len(judged.names), np.nan
+    return replace(judged, names=(*judged.names, "E459"), outcome=outcome, factor=factor, fails=judged.fails & ~those)
 
 
 def failing(names: Sequence[str], outcome: np.ndarray, factor: Floats, target: float) -> Bools:

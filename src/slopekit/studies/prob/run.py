@@ -34,6 +34,7 @@ from slopekit.studies.prob.bolts import (
     notices_of_bolts,
     without_force,
 )
+from slopekit.studies.prob.cracks import WorstCracks, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed
 from slopekit.studies.prob.judged import (
@@ -44,6 +45,7 @@ from slopekit.studies.prob.judged import (
     confirmation_of,
     failing,
     notices_of,
+    nowhere,
     sensitivities,
 )
 from slopekit.studies.prob.sampling import METHODS, Method, Samples
@@ -128,6 +130,7 @@ class Probability(Outcome):
     bolts : how often they give no force; None where no bolt has a head
     survey : P(forms) and P(fails | forms) where the joints come from a survey, else None
     sizes : how large it is what the samples form; None where it is not known
+    cracks : where a crack that is looked for is worst, all samples at once; None without, or where each is alone
     """
 
     name: ClassVar[str] = "prob"
@@ -155,6 +158,7 @@ class Probability(Outcome):
     bolts: WithoutForce | None = None
     survey: FromSurvey | None = None
     sizes: SampleSizes | None = None
+    cracks: WorstCracks | None = None
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -245,6 +249,7 @@ class Probability(Outcome):
             "pre_ie": json_of(self.confirmation),
             **({} if self.bolts is None else {"bolts_without_force": json_of(self.bolts)}),
             "sizes": None if self.sizes is None else self.sizes.to_dict(),
+            **({} if self.cracks is None else {"worst_crack": json_of(self.cracks)}),
             "defaults": list(self.design.defaults),
             "timing_s": dict(self.timing_s),
             **self.words(),
@@ -335,16 +340,21 @@ def prob(
         scatters = design.variables if source is None else design.variables[2:]
         others = drawn(scatters, design.correlation, asked.n, asked.seed, asked.method)
         samples = others if source is None else source.samples(others, design.variables, asked.n, asked.seed)
-    at_work = _AtWork(design, asked, crew, desk)
     with clock("factors"):
-        judged = _judge(samples, at_work)
-        fast = vectorised(design, samples.values, samples.settings)
-        bolts = without_force(design, _holding(samples, design, fast), judged.forms)
-        sizes = sizes_of_samples(design, fast, samples.values, _Settings(samples), judged.forms, judged.fails)
+        # a crack that is looked for is at a place of its own in each sample, as if that had been drawn
+        cracks = cracked(design, samples)
+        placed, those = (design, samples) if cracks is None else (cracks.design, cracks.samples)
+        at_work = _AtWork(placed, asked, crew, desk)
+        judged = _judge(those, at_work)
+        if cracks is not None:
+            judged = nowhere(judged, cracks.nowhere)
+        fast = vectorised(placed, those.values, those.settings)
+        bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
+        sizes = sizes_of_samples(placed, fast, those.values, _Settings(those), judged.forms, judged.fails)
     confirmation = None
     if asked.by == "closed-form":
         with clock("confirm"):
-            confirmation = _confirmed(samples, judged, at_work)
+            confirmation = _confirmed(those, judged, at_work)
     all_samples = share_of(judged.fails, judged.counted, samples.replicate, confidence)
     forming = share_of(judged.fails, judged.counted & judged.forms, samples.replicate, confidence)
     means = point_of(given, {}) if given.source is not None else Point(None)
@@ -357,6 +367,7 @@ def prob(
          *_not_used(given), *(source.notices if source else ())), clock.done(),
         int(judged.unjudged.sum()), judged.disagree, tuple(at_work.journals), bolts,
         None if source is None else source.outcome(judged, asked.seed, confidence), sizes,
+        None if cracks is None else cracks.found,
     )  # fmt: skip
     if desk.folder is None:
         found.done()

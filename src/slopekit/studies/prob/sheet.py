@@ -129,7 +129,12 @@ def _inputs(study: Probability) -> list[Entry]:
     left = len(study.variables) - _MOST_INPUTS
     rest = f"and {left} more: see the JSON" if left > 0 else ""
     ranks = [f"rank correlation {a} / {b}: {number(value)}" for a, b, value in study.design.correlation]
-    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *ranks]
+    found = study.cracks
+    placed = [] if found is None or found.mean_m is None else [
+        f"crack at the worst place of each sample by the closed form: {found.mean_m:.4g} m from the crest on "
+        f"average, {found.least_m:.4g} to {found.most_m:.4g} m"
+    ]  # fmt: skip
+    return [Table(columns, study.variables, study.variables[:_MOST_INPUTS], rest), *ranks, *placed]
 
 
 def _outcomes(study: Probability) -> Table[tuple[str, int]]:

@@ -22,6 +22,7 @@ from slopekit.design.reader import strength_of
 from slopekit.kinds import kind_of
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany
 from slopekit.kinds.held_bolts import held
+from slopekit.kinds.worst_crack import Lowest, worst_of_many
 from slopekit.studies.prob.bolts import as_laid_out, standing
 
 #: A design's values at a sample: what `with_values` takes.
@@ -44,11 +45,13 @@ class Vectorised:
 
     def __call__(self, values: Floats) -> ClosedForms:
         """Outcome and factor of every sample; of a design without passive bolts."""
-        found = self.on_arrays.closed_forms(self.arguments(values), ())
-        if len(found.factor) == len(values):
+        return self._each(self.on_arrays.closed_forms(self.arguments(values), ()), len(values))
+
+    def _each(self, found: ClosedForms, count: int) -> ClosedForms:
+        """The closed form of each sample where nothing that scatters is an argument: all are alike."""
+        if len(found.factor) == count:
             return found
-        # nothing that scatters is an argument: all samples are alike
-        return ClosedForms(found.names, np.repeat(found.outcome, len(values)), np.repeat(found.factor, len(values)))
+        return ClosedForms(found.names, np.repeat(found.outcome, count), np.repeat(found.factor, count))
 
     def sizes(self, values: Floats) -> SizesOfMany | None:
         """The sizes of the blocks of every sample."""
@@ -66,6 +69,20 @@ class Vectorised:
     def _holds(self, design: Design, count: int) -> Bools:
         found = held(self.on_arrays.bounds(design), design.bolts, self.before).holds
         return np.broadcast_to(found, (len(design.bolts), count))
+
+    def worst_cracks(self, values: Floats) -> tuple[ClosedForms, Lowest] | None:
+        """Of each sample what it is without its crack, and where a crack is worst; None where they are asked alone.
+
+        Bolts pull as they were laid out: those that a place of the crack frees are found with it.
+        """
+        on_arrays, design = self.on_arrays, self._scattered(values)
+        reach = None if on_arrays.crack_reach_m is None else on_arrays.crack_reach_m(design)
+        if reach is None or on_arrays.bolts(self.design):
+            return None
+        arguments = on_arrays.arguments(design) | on_arrays.of_strengths(self._strengths(values))
+        found = worst_of_many(on_arrays, arguments, (), np.broadcast_to(reach, len(values)))
+        whole = on_arrays.closed_forms({name: None if "crack" in name else own for name, own in arguments.items()}, ())
+        return self._each(whole, len(values)), found
 
     def arguments(self, values: Floats) -> Arguments:
         """The arguments of all samples: (n,) of those that scatter."""

@@ -1,0 +1,81 @@
+"""The worst place of a tension crack in each sample, all samples at once: `crack: {distance: worst}`.
+
+The place that is found is one more number of the sample. Whatever follows takes it as one that was drawn: the closed
+form, bolts, sizes, PRE-IE.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats
+from slopekit.core.errors import DesignError
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design
+from slopekit.design.distributions import Distribution, Variable
+from slopekit.design.files import with_values
+from slopekit.kinds.worst_crack import WHERE
+from slopekit.studies.prob.sampling import Samples
+from slopekit.studies.prob.vectorised import vectorised
+
+PLACE = "crack.distance"
+
+
+@dataclass(frozen=True, slots=True)
+class WorstCracks:
+    """Where the crack is worst in the samples.
+
+    Attributes
+    ----------
+    mean_m, least_m, most_m : of those that have such a place, None where none has
+    where : how many of each kind, see `kinds.worst_crack.WHERE`
+    """
+
+    mean_m: float | None
+    least_m: float | None
+    most_m: float | None
+    where: dict[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Cracked:
+    """A design with its crack at a place, which each of its samples says.
+
+    `nowhere` (n,): of samples in which no place gives a factor.
+    """
+
+    design: Design
+    samples: Samples
+    nowhere: Bools
+    found: WorstCracks
+
+
+def cracked(design: Design, samples: Samples) -> Cracked | None:
+    """The samples of a design whose crack was looked for, with its place; None where each is looked for alone."""
+    searched, crack = getattr(design, "crack_searched", ""), getattr(design, "crack", None)
+    if not searched or crack is None or any(bolt.acts == "passive" for bolt in design.bolts):
+        return None
+    try:
+        fixed = with_values(design, {PLACE: float(crack.distance_m)})
+    except DesignError:
+        return None  # written in one word, 80/180@worst
+    fast = vectorised(fixed, samples.values, samples.settings)
+    found = None if fast is None else fast.worst_cracks(samples.values)
+    if found is None:
+        return None
+    bare, lowest = found
+    blocks = ~np.array([name.startswith("E") for name in bare.names])[bare.outcome]
+    known = blocks & np.isfinite(lowest.places)
+    # without a block any place says the same of it
+    places: Floats = np.where(known, lowest.places, crack.distance_m)
+    own = places[known] if known.any() else places
+    variable = Variable(PLACE, Distribution("uniform", {"min": float(own.min()), "max": float(own.max())}, "length"))
+    values = np.asfortranarray(np.column_stack([samples.values, places]))
+    values.setflags(write=False)
+    counts = np.bincount(lowest.where[blocks], minlength=len(WHERE))
+    where = {name: int(count) for name, count in zip(WHERE, counts, strict=True) if count}
+    said = WorstCracks(None, None, None, where)
+    if known.any():
+        said = WorstCracks(float(own.mean()), float(own.min()), float(own.max()), where)
+    placed = Samples((*samples.variables, variable), (*samples.names, PLACE), values, samples.replicate)
+    return Cracked(replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known, said)

@@ -1,0 +1,110 @@
+"""The worst crack of all samples at once: against the search of each design by itself, and Hoek & Bray's formula."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.core.errors import GeometryError
+from slopekit.design.files import with_values
+from slopekit.kinds import kind_of
+from slopekit.studies.prob.bolts import as_laid_out, standing
+from slopekit.studies.prob.cracks import PLACE, cracked
+from slopekit.studies.prob.sampling import samples
+
+SCATTER = {"c": {"dist": "uniform", "min": 20, "max": 60}, "phi": {"dist": "normal", "mean": 25, "sd": 3}}
+WEDGE = {
+    "slopekit": 1, "kind": "wedge", "slope": {"face": "60/180", "upper": "10/180", "height": 30},
+    "joints": {"J1": {"plane": {"dip": {"dist": "normal", "mean": 45, "sd": 6}, "dip_direction": 115}},
+               "J2": {"plane": "45/245"}},
+    "strength": {"s": SCATTER}, "rock": {"density": 2600}, "crack": {"plane": "80/180", "distance": "worst"},
+}  # fmt: skip
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "5/180"},
+    "joints": {"J1": {"plane": {"dip": {"dist": "uniform", "min": 30, "max": 62}, "dip_direction": 180}}},
+    "strength": {"s": SCATTER}, "rock": {"density": 2600}, "crack": {"distance": "worst", "water": "30 %"},
+}  # fmt: skip
+BOLT = {"force": 200, "head": [0, -3, 8], "toward": "000/-05", "length": 9, "acts": "active"}
+CASES = {
+    "wedge": WEDGE, "plane": PLANE, "wet wedge": {**WEDGE, "water": "full"},
+    "bolted wedge": {**WEDGE, "support": {"bolts": [BOLT]}},
+    "no block": {**WEDGE, "slope": {"face": "30/180", "upper": "10/180", "height": 30}},
+    "dry plane": {**PLANE, "crack": {"distance": "worst"}, "loads": {"seismic": {"k": 0.1}}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_as_each_sample_read_by_itself(name) -> None:
+    """The single search is `crack: {distance: worst}` of a design with the sample's values, another way through.
+
+    Factors agree to 1e-9: at a minimum they are flat, and its place is known to the root of that (1e-4 of the place).
+    """
+    design = sk.load(CASES[name])
+    found = sk.prob(design, n=20, confirm=0, near=0.0, seed=4)
+    assert found.evaluator == "closed form, all at once"
+    drawn = samples(design.variables, (), 20, 4)
+    at = cracked(design, drawn)
+    own = kind_of(design).on_arrays
+    for row in range(20):
+        sample = standing(with_values(design, drawn.settings(row)), as_laid_out(design))
+        outcome = found.names[found.outcome[row]]
+        if outcome.startswith("E"):
+            with pytest.raises(GeometryError, match=outcome):
+                own.of(sample)
+            continue
+        single = own.of(sample)
+        assert outcome == single.status
+        if single.factor is None:
+            assert math.isnan(found.factor[row])
+            continue
+        assert found.factor[row] == pytest.approx(single.factor, rel=1e-9)
+        if sample.crack_searched == "inside":
+            assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-4)
+        else:
+            assert at.samples.values[row, -1] == pytest.approx(sample.crack.distance_m, rel=1e-9)
+    assert sum(found.cracks.where.values()) == int(np.isfinite(found.factor).sum()) + int(
+        np.isin([found.names[one] for one in found.outcome], ["lifted", "falls", "no_driving_force"]).sum()
+    )
+
+
+def test_dry_planes_have_hoek_and_brays_crack() -> None:
+    """b_c / H = sqrt(cot ψ_f cot ψ_p) - cot ψ_f below level ground (Hoek & Bray 1981, ch. 7), at every dip drawn."""
+    design = sk.load(
+        {**PLANE, "slope": {"face": "60/180", "height": 12, "upper": "0/180"}, "crack": {"distance": "worst"}}
+    )
+    drawn = samples(design.variables, (), 50, 2)
+    at = cracked(design, drawn)
+    dips = np.radians(drawn.values[:, drawn.names.index("joints.J1.plane.dip")])
+    slides = dips < math.radians(60.0)
+    cot_f, cot_p = 1.0 / math.tan(math.radians(60.0)), 1.0 / np.tan(dips[slides])
+    np.testing.assert_allclose(at.samples.values[slides, -1], 12.0 * (np.sqrt(cot_f * cot_p) - cot_f), rtol=1e-5)
+    assert 20 < slides.sum() < 50
+
+
+def test_pre_ie_is_asked_with_the_crack_at_the_place_found() -> None:
+    """What a worker reads of a sample has a fixed crack there: it looks for none, and both methods agree."""
+    design = sk.load(WEDGE)
+    drawn = samples(design.variables, (), 6, 1)
+    at = cracked(design, drawn)
+    for row in range(6):
+        settings = at.samples.settings(row)
+        sample = with_values(at.design, settings)
+        assert sample.crack_searched == ""
+        assert sample.crack.distance_m == settings[PLACE]
+    found = sk.prob(design, n=6, confirm=3, near=0.0)
+    assert (found.confirmation.agree, found.confirmation.disagree) == (3, 0)
+    assert "worst place of each sample" in str(found.sheet)
+    said = found.to_dict()["worst_crack"]
+    assert said["least_m"] <= said["mean_m"] <= said["most_m"] == pytest.approx(at.samples.values[:, -1].max())
+
+
+def test_what_is_looked_for_alone_still_is() -> None:
+    """Passive bolts are searched sample by sample; a crack with a place is not looked for."""
+    bolted = sk.load(CASES["bolted wedge"])
+    passive = replace(bolted, bolts=tuple(replace(bolt, acts="passive") for bolt in bolted.bolts))
+    assert cracked(bolted, samples(bolted.variables, (), 3, 1)) is not None
+    assert cracked(passive, samples(passive.variables, (), 3, 1)) is None
+    fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
+    assert cracked(fixed, samples(fixed.variables, (), 3, 1)) is None
