@@ -329,6 +329,18 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
     assert "opens from (-6.299, -4.52, 6.533); J2 100 % pressed" in line
 
 
+def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
+    """The second wedge of seed 5 moves at 0.2017, as separate springs say (0.197), and rests again farther off."""
+    inputs, _, _ = opened[1]
+    result = sk.wedge(**inputs)
+    found = result.cohesion_under_moments
+    assert found.range[0] == pytest.approx(0.2017, rel=1e-3)
+    assert found.range[0] < result.fos.limit == found.headline
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert "at a factor of 0.2017 and comes to rest again" in said["W398"]
+    assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
+
+
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:
     """Neither the plain wedge nor one that has lost all contact on one joint."""
     monkeypatch.setattr("slopekit.kinds.one_block.limit_by_rules", judge_never)
