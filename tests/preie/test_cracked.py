@@ -13,6 +13,7 @@ from slopekit.kinds import cut, moments, wedge
 from slopekit.kinds.moments import limit_by_rules, opens_cohesive
 from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
+from slopekit.preie import cracked
 from slopekit.preie.cracked import cracked_base, cracked_limit
 from slopekit.preie.limit import limit_analysis
 from slopekit.preie.model import JointStrength, build_model
@@ -157,30 +158,65 @@ def test_random_wedges_against_separate_springs(opened) -> None:
         if bracket is None:
             continue
         compared += 1
-        off = abs(found.factor / bracket[0] - 1.0)
+        # a block that moves and comes to rest again may run on where its springs are others
+        either = [factor for factor in (found.factor, found.moved_at) if factor is not None]
+        off = min(abs(factor / bracket[0] - 1.0) for factor in either)
         if off > 0.02:
             finer = by_springs(inputs, found.factor, 1600)
-            assert abs(found.factor / finer[0] - 1.0) < 0.65 * off
+            assert min(abs(factor / finer[0] - 1.0) for factor in either) < 0.65 * off
     assert compared >= 9
 
 
 def test_the_slopes_are_those_of_the_forces(opened) -> None:
-    """Against central differences, with the pressed part changing: the term along the zero line is part of them."""
+    """Against central differences to 1e-7, with the pressed part changing: its points move, and their areas grow."""
     rng = np.random.default_rng(1)
     cut = 0
-    for _, scene, _ in opened[:12]:
-        springs = BedSprings(bed_on(scene), 4)
-        u = springs.bonded * (1.0 + 0.2 * rng.standard_normal(6))
-        at = springs.unbalanced(u, u, 0.3, False)
-        scale = float(np.abs(at.by_opening + at.by_slip).max())
-        for k in range(6):
-            step = np.zeros(6)
-            step[k] = 1e-5 * springs.first
-            ahead, behind = (springs.unbalanced(u + s, u + s, 0.3, False).out for s in (step, -step))
-            slope = (ahead - behind) / (2.0 * step[k])
-            assert slope == pytest.approx((at.by_opening + at.by_slip)[:, k], abs=2e-2 * scale)
+    in_section = dam(2.0, 150.0, 40.0, 1500.0, True, 17.0)
+    for bed in (*(bed_on(scene) for _, scene, _ in opened[:12]), in_section):
+        springs = BedSprings(bed, 2)
+        count = len(bed.load)
+        u, slip = (springs.bonded * (1.0 + 0.2 * rng.standard_normal(count)) for _ in range(2))
         cut += any(0.0 < (rows[:, 0] @ u < 0.0).mean() < 1.0 for rows in springs.rows)
+        for running in (False, True):
+            at = springs.unbalanced(u, slip, 0.3, running)
+            scale = float(np.abs(at.by_opening + at.by_slip).max())
+            for k, step in enumerate(1e-6 * springs.first * np.eye(count)):
+                opened_by = springs.unbalanced(u + step, slip, 0.3, running).out
+                slopes = (opened_by - springs.unbalanced(u - step, slip, 0.3, running).out) / (2.0 * step[k])
+                assert slopes == pytest.approx(at.by_opening[:, k], abs=1e-7 * scale)
+                slipped = springs.unbalanced(u, slip + step, 0.3, running).out
+                slopes = (slipped - springs.unbalanced(u, slip - step, 0.3, running).out) / (2.0 * step[k])
+                assert slopes == pytest.approx(at.by_slip[:, k], abs=1e-7 * scale)
+            weaker = springs.unbalanced(u, slip, 0.3 + 1e-6, running).out - at.out
+            assert weaker / 1e-6 == pytest.approx(at.by_reduction, abs=1e-6 * scale)
     assert cut > 3
+
+
+@pytest.mark.parametrize("seed", [1111, 17])
+def test_the_limit_does_not_depend_on_the_steps_of_the_path(seed, monkeypatch) -> None:
+    """Steps of half the length, and a start from another guess; with long steps past a least λ this was 4.9 to 6.3."""
+    for _, scene, analysis in opened_by_moments(2, seed):
+        guess = analysis.governing.factor
+        factors = [cracked_limit(bed_on(scene), guess * times, 2).factor for times in (0.7, 1.0, 1.5)]
+        with monkeypatch.context() as shorter:
+            shorter.setattr(cracked, "_FIRST", 0.05)
+            shorter.setattr(cracked, "_LONGEST", 0.5)
+            factors.append(cracked_limit(bed_on(scene), guess, 2).factor)
+        assert factors == pytest.approx([factors[0]] * 4, rel=1e-5)
+
+
+def test_no_force_jumps_where_a_corner_opens() -> None:
+    """The sums on either side of the first opening of a corner differ by what the displacement does alone."""
+    bed = dam(4.0 / 3.0, 150.0, 40.0, 1500.0, False)
+    springs = BedSprings(bed, 1)
+    rows = springs.rows[0]
+    slip = np.random.default_rng(3).standard_normal(6) * springs.bonded
+    opened = np.linalg.lstsq(rows[:, 0], np.array([0.0, -1.0, -2.0, -1.0]), rcond=None)[0] * springs.first
+    size = float(np.abs(opened).max())
+    for away in (1e-6, 1e-9):
+        tip = np.linalg.lstsq(rows[:, 0], np.array([away, 0.0, -away, 0.0]), rcond=None)[0] * springs.first
+        before, after = (springs.unbalanced(opened + way * tip, slip, 0.3, False).out for way in (-1.0, 1.0))
+        assert float(np.abs(after - before).max()) < 50.0 * away * size
 
 
 def test_the_cracked_base_converges_with_its_triangles(opened) -> None:
@@ -291,6 +327,18 @@ def test_the_sheet_and_the_json_carry_the_rules() -> None:
     assert line.startswith("cracked base 3.764, by mechanism 1.625, bond gone 1.279; used: bond gone;")
     assert "bond gone 1.279; used: bond gone; J1 93 % pressed, force at (" in line
     assert "opens from (-6.299, -4.52, 6.533); J2 100 % pressed" in line
+
+
+def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
+    """The second wedge of seed 5 moves at 0.2017, as separate springs say (0.197), and rests again farther off."""
+    inputs, _, _ = opened[1]
+    result = sk.wedge(**inputs)
+    found = result.cohesion_under_moments
+    assert found.range[0] == pytest.approx(0.2017, rel=1e-3)
+    assert found.range[0] < result.fos.limit == found.headline
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert "at a factor of 0.2017 and comes to rest again" in said["W398"]
+    assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
 
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:

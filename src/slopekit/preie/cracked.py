@@ -14,6 +14,7 @@ against it: F depends on the ratio of the two springs only.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from slopekit.preie.polygon_bed import BedSprings, PointForces, PolygonBed, Unba
 from slopekit.preie.tolerances import (
     BED_BALANCED,
     FINER_PRESSED,
+    LANDED,
     LEVEL,
     PATH_ENDS,
     SAME_FOLD,
@@ -40,9 +42,16 @@ _RUNS = 1e4  # times the first displacement: what has moved so far runs
 _TURNED = 1.2  # λ so far above its least value does not come back
 _MARCH = 0.05  # of λ: the first step by λ alone; each next is a fifth of it
 _BEYOND = 0.04  # of λ: a block that moves past a least λ is let go at this much less at least, to see where it goes
+_FIRST, _LONGEST = 0.1, 4.0  # steps along the path, in parts of the displacement so far and of λ
+_TURNS, _STRAYS = 0.8, 0.5  # cosine of the angle that a step may turn by, and parts of it that it may leave the tangent
+_STRAIGHT, _STRAIGHTER = 0.98, 0.9999  # where the path turns by less, the next step is twice or four times as long
+_LEAST_LEARNT = 0.2  # a step of Newton's method may be so much shorter, or longer, by what the last one missed
+_CORNER = 1e-3  # steps may turn by more where they are as short: the path has corners where a point begins to slip
 _STRONG = 4.0  # the path starts at this many times the strength that the guess needs, or at more
 _HARDEST = 1024.0  # times that strength: what does not rest then, does not rest
 _FLOWS = 30.0  # times the displacement: what flows so far runs
+_SETTLES = 5.0  # times its slope: λ of a path that runs is as near to that of the running state
+_CALMER = 0.7  # of what drove it: a block that flows and is driven by less may come to rest
 _MOST_FLOW = 40  # steps of viscous flow
 _STIFFEST = 1e3  # viscous resistance, in parts of the bonded stiffness, that Newton's method must manage
 
@@ -61,6 +70,7 @@ class CrackedBase:
     forces : of the points of the bed
     change : what splitting the triangles once more does to F, in parts of it (first order)
     residual : unbalanced force in parts of the load; points : of the path
+    moved_at : the factor at which it first moved, where it came to rest again at less strength
     """
 
     factor: float | None
@@ -73,6 +83,7 @@ class CrackedBase:
     change: float = 0.0
     residual: float = 0.0
     points: int = 0
+    moved_at: float | None = None
 
 
 def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
@@ -107,6 +118,20 @@ class _PathPoint:
     tangent: Floats
 
 
+@dataclass(frozen=True, slots=True)
+class _Fold:
+    """A step of the path on which λ stops falling, from one point to the next; `length` along the tangent."""
+
+    before: _PathPoint
+    after: _PathPoint
+    length: float
+
+    @property
+    def lowest(self) -> float:
+        """ln λ is not less on it, as far as its ends say."""
+        return _meet(self.before, self.after, self.length)[1]
+
+
 class _Path:
     """The elastic path of one bed."""
 
@@ -123,12 +148,15 @@ class _Path:
         return self.springs.unbalanced(opening, slip, reduction, running, sticks)
 
     def start(self, reduction: float) -> tuple[Floats, float] | None:
-        """The block at rest at a λ of this size, or at the least multiple of it where it is found to rest."""
-        bonded = self.springs.bonded
+        """The block at rest where a first point slips; else at a λ of this size or the least multiple with a rest."""
+        bonded, most = self.springs.bonded, reduction * _HARDEST
         stuck = self._rest(bonded, reduction, sticks=True)
-        most = reduction * _HARDEST
+        if stuck is not None:
+            first = self.springs.first_slip(stuck)
+            if most / _HARDEST**2 < first < most:
+                return stuck, first
         while reduction < most:
-            for guess in (bonded, stuck):
+            for guess in (stuck, bonded):
                 rest = None if guess is None else self._rest(guess, reduction)
                 if rest is not None:
                     return rest, reduction
@@ -167,7 +195,7 @@ class _Path:
 
     def _flow(self, u: Floats, reduction: float) -> Floats | None:
         """Where the block comes to rest at one λ if it may move slowly from u (implicit viscous flow); None if not."""
-        slow, far = 1.0, _FLOWS * max(self.springs.first, math.sqrt(float(u @ u)))
+        slow, pushed, far = 1.0, math.inf, _FLOWS * max(self.springs.first, math.sqrt(float(u @ u)))
         for _ in range(_MOST_FLOW):
             if self.work > _MOST_WORK:
                 return None
@@ -178,10 +206,13 @@ class _Path:
                     return None
                 continue
             moved = at_rest - u
+            push = slow * float(np.abs(self.springs.stiffness @ moved).max())
             u, slow = at_rest, slow * 0.2
-            rest = self._rest(u, reduction)
+            # where what drives the block grows as it goes there is no rest near
+            rest = self._rest(u, reduction) if push < _CALMER * pushed else None
             if rest is not None:
                 return rest
+            pushed = push
             if math.sqrt(float(u @ u)) > far or not float(np.abs(moved).max()) > 0.0:
                 return None
         return None
@@ -199,27 +230,37 @@ class _Path:
             return None
         return np.asarray(tangent / math.sqrt(float(tangent @ tangent)), dtype=np.float64)
 
-    def _step(self, point: _PathPoint, length: float) -> tuple[_PathPoint, int] | None:
-        """The point of the path that lies `length` along the tangent, in parts of the displacement so far."""
+    def _step(self, point: _PathPoint, length: float, smooth: bool = True) -> tuple[_PathPoint, float] | None:
+        """The point of the path that lies `length` along the tangent, in parts of the displacement so far.
+
+        And the cosine of the angle by which the path turns on the way. `smooth`: None where it turns or leaves the
+        tangent by too much for the step to be one along the same path.
+        """
         scale = math.sqrt(float(point.u @ point.u))
         count = len(point.u)
         goal = np.append(point.u / scale, point.log_reduction)
-        y = goal + length * point.tangent
+        y = ahead = goal + length * point.tangent
         matrix = np.empty((count + 1, count + 1))
         matrix[count] = point.tangent
-        last = math.inf
+        last, part, before = math.inf, 1.0, goal
         for used in range(_MOST_NEWTON):
             u, reduction = y[:count] * scale, math.exp(float(y[count]))
             at = self.forces(u, u, reduction, False)
             size = float(np.abs(at.out).max())
             if size < BED_BALANCED * max(1.0, reduction):
                 tangent = self._tangent(at, reduction, scale, point.tangent)
-                if tangent is None or float(tangent @ point.tangent) < 0.0:
+                if tangent is None:
+                    return None
+                turned, off = float(tangent @ point.tangent), y - ahead
+                if turned < 0.0:
+                    return None
+                strays = turned < _TURNS or float(off @ off) > (_STRAYS * length) ** 2
+                if smooth and length > _CORNER and strays:
                     return None
                 # the next step is measured in this point's own displacement
                 renewed = np.append(tangent[:count] * scale, tangent[count])
                 renewed[:count] /= math.sqrt(float(u @ u))
-                return _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), used
+                return _PathPoint(u, float(y[count]), renewed / math.sqrt(float(renewed @ renewed))), turned
             if used > 4 and size > last:
                 return None
             last = size
@@ -231,7 +272,12 @@ class _Path:
                 return None
             if not float(np.abs(step).max()) < 10.0 * max(length, 0.1):
                 return None
-            y = y + step
+            if used:
+                # the slopes know nothing of how the points of a sum move: what they miss is learnt from step to step
+                change = step - before
+                learnt = -part * float(before @ change) / max(float(change @ change), TINY)
+                part = learnt if _LEAST_LEARNT < learnt < 1.0 / _LEAST_LEARNT else 1.0
+            y, before = y + part * step, step
         return None
 
     def follow(self, u: Floats, reduction: float) -> CrackedBase:
@@ -240,7 +286,10 @@ class _Path:
         if begun is None:
             return CrackedBase(None, "the elastic path could not be followed")
         point = best = begun
-        length, most, is_fold, ended = 0.1, _RUNS * math.sqrt(float(u @ u)), False, False
+        folds: list[_Fold] = []
+        moved: float | None = None
+        last = point, _FIRST
+        length, most, is_fold, ended = _FIRST, _RUNS * math.sqrt(float(u @ u)), False, False
         while not ended:
             self.points += 1
             if self.work > _MOST_WORK:
@@ -251,30 +300,64 @@ class _Path:
                 length /= 4.0
                 if length > SHORTEST_PATH_STEP:
                     continue
+                best, is_fold = self._lowest(folds, best, is_fold)
                 onward = self._march(best)  # a corner of the path: by λ alone, from the last state that rests
                 if onward is None:
                     is_fold = True
                     break
-                after, length = onward, 0.01
+                after, length, folds = onward, _FIRST / 10.0, []
             else:
-                after, used = stepped
+                after, turned = stepped
+                if length > _CORNER and _misses(point, after, length):
+                    length /= 4.0
+                    continue
                 if point.tangent[-1] < 0.0 < after.tangent[-1]:
-                    fold = self._least(point, length)
-                    if fold.log_reduction < best.log_reduction:
-                        best, is_fold = fold, True
-                length = min(length * (2.0 if used < 5 else 1.0), 1.0)
+                    folds.append(_Fold(point, after, length))
+                longer = 4.0 if turned > _STRAIGHTER else 2.0 if turned > _STRAIGHT else 1.0
+                last, length = (point, length), min(length * longer, _LONGEST)
             if after.log_reduction < best.log_reduction:
                 best, is_fold = after, False
             point = after
             ended = math.sqrt(float(point.u @ point.u)) > most
             if not ended and point.log_reduction > best.log_reduction + math.log(_TURNED):
+                best, is_fold = self._lowest(folds, best, is_fold)
                 onward = self._march(best, _BEYOND)  # it moves: to rest again farther off?
                 ended = onward is None
                 if onward is not None:
+                    moved = moved or math.exp(-best.log_reduction)
                     point = best = onward
-                    length, is_fold = 0.01, False
-        running = self._running(best, SAME_FOLD if is_fold else SAME_RUN)
-        return running or self._at_rest(best, not is_fold)
+                    length, is_fold, folds = _FIRST / 10.0, False, []
+        best, is_fold = self._lowest(folds, best, is_fold)
+        # far along a path that settles λ changes by no more than its slope there
+        slope = 0.0 if is_fold else abs(float(best.tangent[-1]))
+        running = self._running(best, min(SAME_RUN, SAME_FOLD + _SETTLES * slope))
+        if running is None and ended and best is point:
+            best = self._landed(*last, point, most)
+        return replace(running or self._at_rest(best, not is_fold), moved_at=moved)
+
+    def _landed(self, before: _PathPoint, length: float, after: _PathPoint, most: float) -> _PathPoint:
+        """Where between two points of a path that creeps the displacement is `most`, however long the steps were."""
+        for _ in range(_MOST_NEWTON):
+            start, end = (math.sqrt(float(point.u @ point.u)) for point in (before, after))
+            if abs(end / most - 1.0) < LANDED:
+                break
+            length *= (most - start) / (end - start)
+            landed = self._step(before, length, smooth=False)
+            if landed is None:
+                break
+            after = landed[0]
+        return after
+
+    def _lowest(self, folds: "list[_Fold]", best: _PathPoint, is_fold: bool) -> tuple[_PathPoint, bool]:
+        """The point of least λ, on the folds passed as well, and whether it is on one of them."""
+        for fold in sorted(folds, key=lambda fold: fold.lowest):
+            if fold.lowest >= best.log_reduction - BED_BALANCED:
+                break
+            least = self._least(fold)
+            if least.log_reduction <= best.log_reduction:
+                best, is_fold = least, True
+        folds.clear()
+        return best, is_fold
 
     def _begin(self, u: Floats, reduction: float) -> _PathPoint | None:
         """A state of rest as a point of the path that goes on toward less strength."""
@@ -295,27 +378,27 @@ class _Path:
             part /= 5.0
         return None
 
-    def _least(self, point: _PathPoint, length: float) -> _PathPoint:
-        """The least λ within a step: where its tangent turns up, by regula falsi (Illinois)."""
-        low, high, best = 0.0, length, point
-        at_low, at_high = float(point.tangent[-1]), 1.0
-        side = 0
-        for count in range(30):
-            at = (low * at_high - high * at_low) / (at_high - at_low) if count else 0.5 * length
-            stepped = self._step(point, at)
-            if stepped is None:
+    def _least(self, fold: "_Fold") -> _PathPoint:
+        """The least λ on a fold: where the cubic by its ends is least, or at a corner, where their tangents meet."""
+        low, high, span = fold.before, fold.after, fold.length
+        for count in range(60):
+            best = min(low, high, key=lambda point: point.log_reduction)
+            at, least = _meet(low, high, span)
+            if best.log_reduction - least < LEVEL**2 or span < LEVEL * fold.length:
                 break
-            turns = float(stepped[0].tangent[-1])
-            if stepped[0].log_reduction < best.log_reduction:
-                best = stepped[0]
-            if turns > 0.0:
-                high, at_high, at_low = at, turns, at_low * (0.5 if side == 1 else 1.0)
-                side = 1
+            at = at if count % 2 else _bottom(low, high, span)
+            if count % 6 == 5 or not 0.0 < at < span:
+                at = 0.5 * span
+            found = self._step(low, at, smooth=False)
+            if found is None:
+                break
+            if abs(found[0].tangent[-1]) < LEVEL:
+                return found[0]
+            if found[0].tangent[-1] < 0.0:
+                low = found[0]
+                span = _along(low, high)
             else:
-                low, at_low, at_high = at, turns, at_high * (0.5 if side == -1 else 1.0)
-                side = -1
-            if abs(turns) < LEVEL or high - low < LEVEL * length:
-                break
+                high, span = found[0], at
         return best
 
     # -- the running state --------------------------------------------------------------------------------
@@ -392,6 +475,37 @@ class _Path:
             return abs(float(np.linalg.solve(matrix, np.append(finer, 0.0))[-1]))
         except np.linalg.LinAlgError:
             return math.inf
+
+
+def _misses(before: _PathPoint, after: _PathPoint, length: float) -> bool:
+    """Whether λ does between two points what its slopes at them cannot make: it turned on the way."""
+    slope, after_slope = float(before.tangent[-1]), float(after.tangent[-1])
+    change = after.log_reduction - before.log_reduction
+    if slope < 0.0 < after_slope:
+        return not 0.0 < _meet(before, after, length)[0] < length
+    return slope * after_slope > 0.0 > slope * change and abs(change) > SAME_FOLD
+
+
+def _along(before: _PathPoint, after: _PathPoint) -> float:
+    """How far a point of the path lies along the tangent at another."""
+    moved = (after.u - before.u) / math.sqrt(float(before.u @ before.u))
+    ahead = float(before.tangent[-1]) * (after.log_reduction - before.log_reduction)
+    return float(before.tangent[:-1] @ moved) + ahead
+
+
+def _meet(before: _PathPoint, after: _PathPoint, span: float) -> tuple[float, float]:
+    """Where between two points on either side of a fold their tangents in ln λ meet, and at which ln λ."""
+    down, up = float(before.tangent[-1]), float(after.tangent[-1])
+    at = (after.log_reduction - before.log_reduction - up * span) / (down - up)
+    return at, before.log_reduction + down * at
+
+
+def _bottom(before: _PathPoint, after: _PathPoint, span: float) -> float:
+    """Where between them the cubic with their ln λ and its slopes is least."""
+    down, up = float(before.tangent[-1]), float(after.tangent[-1])
+    rise = 3.0 * (before.log_reduction - after.log_reduction) / span + down + up
+    root = math.sqrt(max(rise * rise - down * up, 0.0))
+    return span * (1.0 - (up + root - rise) / (up - down + 2.0 * root))
 
 
 def _motion(point: _PathPoint) -> Floats:

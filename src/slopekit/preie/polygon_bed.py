@@ -83,19 +83,66 @@ class PointForces:
     pulls: Floats
 
 
+class _Flat:
+    """One contact in coordinates (ξ, η) of its own plane: what moves there is linear in φ = (1, ξ, η).
+
+    rows : (9, u) opening, first and second slip by 1, ξ and η; plane : (j, 2) its corners
+    """
+
+    def __init__(self, bed: PolygonBed, k: int) -> None:
+        corners, axes = bed.corners[k], bed.axes[k]
+        self.middle, self.tangents = corners.mean(axis=0), axes[1:]
+        moved = np.zeros((3, 3, 6))
+        moved[:, 0, :3], moved[:, 0, 3:] = axes, cross(np.broadcast_to(self.middle, axes.shape), axes)
+        for j, tangent in enumerate(self.tangents, 1):
+            moved[:, j, 3:] = cross(np.broadcast_to(tangent, axes.shape), axes)
+        self.rows: Floats = np.ascontiguousarray(moved[:, :, bed.columns].reshape(9, -1))
+        self.plane: Floats = (corners - self.middle) @ self.tangents.T
+        self.corners: Floats = np.concatenate([np.ones((len(corners), 1)), self.plane], axis=1)
+        self.share = float(bed.area[k])
+        self.cohesion, self.tan_friction = float(bed.cohesion[k]), float(bed.tan_friction[k])
+
+    def places(self, at: Floats) -> Floats:
+        """Arms (q, 3) of points of its plane."""
+        arms: Floats = self.middle + at @ self.tangents
+        return arms
+
+
+@dataclass(frozen=True, slots=True)
+class _Grown:
+    """What the points of a cut contact do as the ends (a) of its zero line move along the sides they lie on.
+
+    points : (a, q, 2) how they move; area : (a, q) how theirs grows; ends : (a, 3) how the ends move with the gap by
+    1, ξ and η
+    """
+
+    points: Floats
+    area: Floats
+    ends: Floats
+
+
 class BedSprings:
-    """The springs of a bed, their shear summed over triangles that are split in four `split` times."""
+    """The springs of a bed, their shear summed over triangles that are split in four `split` times.
+
+    The forces are moments of the tractions by 1, ξ and η in the plane of each contact, their slopes second moments.
+    """
 
     def __init__(self, bed: PolygonBed, split: int) -> None:
         self.bed = bed
         self.rows = [bed.corner_rows(k) for k in range(len(bed.corners))]
         self.templates = {2: _line_template(split), 3: _triangle_template(split)}
+        self.flats = [_Flat(bed, k) for k in range(len(bed.corners))]
+        self._whole: list[tuple[Floats, Floats, Floats]] = []
         unknowns = len(bed.load)
         stiffness = np.zeros((unknowns, unknowns))
-        for k, rows in enumerate(self.rows):
-            at, area = self._cells(k, rows, bed.corners[k])
-            flat = at.reshape(-1, unknowns)
-            stiffness += (flat.T * np.outer(area, [1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL]).ravel()) @ flat
+        for flat in self.flats:
+            at, area = self._points(flat, flat.plane)
+            powers = _powers(at)
+            self._whole.append((np.ascontiguousarray(powers[:, :3].T), powers, area))
+            moments = (area @ powers)[_SECOND]
+            for axis, spring in enumerate((1.0, SHEAR_TO_NORMAL, SHEAR_TO_NORMAL)):
+                along = flat.rows[3 * axis : 3 * axis + 3]
+                stiffness += spring * (along.T @ moments @ along)
         #: (u, u) stiffness with every point bonded, and the displacement under the loads then
         self.stiffness = stiffness
         self.bonded = np.asarray(np.linalg.lstsq(stiffness, bed.load, rcond=None)[0], dtype=np.float64)
@@ -113,50 +160,60 @@ class BedSprings:
         bed, count = self.bed, len(opening)
         out = bed.load.copy()
         by_opening, by_slip, by_reduction = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-        turn = np.zeros(6)
-        turn[bed.columns] = opening
-        for k, rows in enumerate(self.rows):
-            gaps = rows[:, 0] @ opening
-            weights, chord = _pressed(gaps)
-            if weights is None:
+        field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ opening
+            part = self._pressed_part(k, gap)
+            if part is None:
                 continue
-            own = rows if len(weights) == len(rows) and chord is None else np.tensordot(weights, rows, 1)
-            at, area = self._cells(k, own, weights @ bed.corners[k])
-            normal = -at[:, 0] @ opening
-            if chord is not None:
-                steep = math.sqrt(float((cross(bed.axes[k, 0], turn[3:]) ** 2).sum()))
-                ends = weights[chord] @ bed.corners[k]
-                edge, length = _chord(own[chord], ends)
-                at = np.concatenate([at, edge])
-                normal = np.concatenate([normal, np.zeros(len(edge))])
-                # the pressed part grows by -δg / |∇g| along its zero line, and its shear with it
-                grows = length * (bed.area[k] / max(steep, TINY))
-            across = at[:, 1:] @ slip
-            size = np.sqrt((across * across).sum(axis=1))
-            strength = line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal)
-            elastic = SHEAR_TO_NORMAL * size
+            (phi, powers, area), grown = part
+            field[0], field[1:] = -gap, (flat.rows[3:] @ slip).reshape(2, 3)
+            normal, first, second = field @ phi
+            size = np.sqrt(first * first + second * second)
+            strength = line(flat.cohesion, flat.tan_friction, normal)
+            allowed, elastic = reduction * strength, SHEAR_TO_NORMAL * size
+            size = np.maximum(size, TINY)
+            first, second = first / size, second / size
             if sticks:
-                slides = np.zeros(len(size), dtype=bool)
+                sliding, shear = np.zeros(len(size)), elastic
             elif running:
-                slides = np.ones(len(size), dtype=bool)
+                sliding, shear = area, allowed
             else:
-                slides = elastic > reduction * strength
-            direction = across / np.maximum(size, TINY)[:, None]
-            shear = np.where(slides, reduction * strength, elastic)
-            n = len(area)
-            normal_rows, shear_rows = at[:n, 0], at[:n, 1:]
-            along = np.einsum("qt,qtu->qu", direction, at[:, 1:])
-            out += (area * normal[:n]) @ normal_rows - (area * shear[:n]) @ along[:n]
-            by_opening -= (normal_rows.T * area) @ normal_rows
-            sliding = area * slides[:n]
-            by_opening += (along[:n].T * (sliding * reduction * bed.tan_friction[k])) @ normal_rows
-            by_reduction -= (sliding * strength[:n]) @ along[:n]
-            turning = area * np.where(slides[:n], shear[:n] / np.maximum(size[:n], TINY), SHEAR_TO_NORMAL)
-            flat = shear_rows.reshape(-1, count)
-            by_slip -= (flat.T * np.repeat(turning, 2)) @ flat
-            by_slip += (along[:n].T * np.where(slides[:n], turning, 0.0)) @ along[:n]
-            if chord is not None:
-                by_opening += (along[n:].T * (grows * shear[n:])) @ at[n:, 0]
+                slides = elastic > allowed
+                sliding, shear = area * slides, np.where(slides, allowed, elastic)
+            turning = shear / size
+            turning[elastic == 0.0] = 0.0 if running else SHEAR_TO_NORMAL
+            turning *= area
+            slips = turning if running else turning * (sliding > 0.0)
+            weights = np.empty((10, len(area)))
+            np.negative(area, out=weights[0])
+            drags = sliding * (reduction * flat.tan_friction)
+            weights[1], weights[2] = drags * first, drags * second
+            turned = slips * first
+            weights[3], weights[4] = turning - turned * first, -turned * second
+            weights[5] = turning - slips * second * second
+            carried = area * shear
+            weights[6], weights[7] = carried * first, carried * second
+            lost = sliding * strength
+            weights[8], weights[9] = lost * first, lost * second
+            moments = weights @ powers
+            second_moments = moments[:6, _SECOND]
+            across = flat.rows[3:]
+            out += (second_moments[0] @ gap) @ flat.rows[:3] - moments[6:8, :3].ravel() @ across
+            by_opening += (flat.rows.T @ second_moments[:3].reshape(9, 3)) @ flat.rows[:3]
+            turns = second_moments[_TURNS].transpose(0, 2, 1, 3).reshape(6, 6)
+            by_slip -= across.T @ turns @ across
+            by_reduction -= moments[8:, :3].ravel() @ across
+            if grown is not None:  # where the pressed part grows its points move, and its shear with them
+                slipped, pressed = grown.points @ field[1:, 1:].T, grown.points @ -gap[1:]
+                along = (slipped[:, :, 0] * first + slipped[:, :, 1] * second) * slips - drags * pressed
+                gained = np.empty((len(pressed), 2, len(area)))
+                more = grown.area * shear - along
+                gained[:, 0] = more * first + turning * slipped[:, :, 0]
+                gained[:, 1] = more * second + turning * slipped[:, :, 1]
+                by_ends = gained @ phi.T
+                by_ends[:, :, 1:] += weights[6:8] @ grown.points
+                by_opening -= (across.T @ by_ends.reshape(-1, 6).T) @ (grown.ends @ flat.rows[:3])
         if len(bed.bolt_capacity):
             drawn = -bed.bolt_rows @ slip
             if running:
@@ -164,8 +221,7 @@ class BedSprings:
                 out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
                 by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
             else:
-                give = BOLT_GIVE * self.first
-                stiff = bed.bolt_capacity / give
+                stiff = self.bolt_springs
                 full = drawn * stiff > reduction * bed.bolt_capacity
                 if sticks:
                     full = np.zeros(len(drawn), dtype=bool)
@@ -175,53 +231,110 @@ class BedSprings:
             by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
         return Unbalanced(out, by_opening, by_slip, by_reduction)
 
+    @property
+    def bolt_springs(self) -> Floats:
+        """Stiffness of the passive bolts, (b,)."""
+        springs: Floats = self.bed.bolt_capacity / (BOLT_GIVE * self.first)
+        return springs
+
+    def first_slip(self, u: Floats) -> float:
+        """λ at which a first point would slip or a first bolt would pull fully if none had at more."""
+        most = 0.0
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ u
+            part = self._pressed_part(k, gap)
+            if part is None:
+                continue
+            (phi, _, _), _ = part
+            slip = (flat.rows[3:] @ u).reshape(2, 3) @ phi
+            strength = line(flat.cohesion, flat.tan_friction, -gap @ phi)
+            shear = SHEAR_TO_NORMAL * np.sqrt((slip * slip).sum(axis=0))
+            most = max(most, float((shear / np.maximum(strength, TINY)).max()))
+        if len(self.bed.bolt_capacity):
+            most = max(most, float((-self.bed.bolt_rows @ u).max() / (BOLT_GIVE * self.first)))
+        return most
+
     def carried(self, opening: Floats, slip: Floats, reduction: float, running: bool) -> "PointForces":
         """The forces point by point, pressed parts first to last contact, then the points of their open parts."""
         bed, none = self.bed, np.zeros(0)
         by_contact: list[tuple[Floats, ...]] = []
-        for k, rows in enumerate(self.rows):
-            gaps = rows[:, 0] @ opening
+        for k, flat in enumerate(self.flats):
+            gap = flat.rows[:3] @ opening
             for open_part in (False, True):
-                weights, _ = _pressed(-gaps if open_part else gaps)
-                if weights is None:
+                clipped, _ = _pressed(flat.corners @ (-gap if open_part else gap), flat.plane)
+                if clipped is None:
                     continue
-                corners = weights @ bed.corners[k]
-                at, area = self._cells(k, np.tensordot(weights, rows, 1), corners)
-                normal = np.zeros(len(area)) if open_part else np.maximum(-at[:, 0] @ opening, 0.0)
-                across = at[:, 1:] @ slip
+                at, area = self._points(flat, clipped)
+                phi = _powers(at)[:, :3]
+                normal = np.zeros(len(area)) if open_part else np.maximum(-phi @ gap, 0.0)
+                across = phi @ (flat.rows[3:] @ slip).reshape(2, 3).T
                 size = np.maximum(np.sqrt((across * across).sum(axis=1)), TINY)
-                cap = reduction * (line(float(bed.cohesion[k]), float(bed.tan_friction[k]), normal))
+                cap = reduction * (line(flat.cohesion, flat.tan_friction, normal))
                 shear = cap if running else np.minimum(SHEAR_TO_NORMAL * size, cap)
                 shear = np.zeros(len(area)) if open_part else shear * area
                 by_contact.append((
-                    self._places(corners), area, np.full(len(area), k), normal * area,
+                    flat.places(at), area, np.full(len(area), k), normal * area,
                     -(shear / size)[:, None] * across, np.full(len(area), not open_part),
                 ))  # fmt: skip
         points, area, contact, normal, shear, pressed = (np.concatenate(part) for part in zip(*by_contact, strict=True))
         pulls = none
         if len(bed.bolt_capacity):
             drawn, most = -bed.bolt_rows @ slip, reduction * bed.bolt_capacity
-            stiff = bed.bolt_capacity / (BOLT_GIVE * self.first)
-            pulls = np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0) if running else np.clip(stiff * drawn, 0.0, most)
+            pulls = (
+                np.where(drawn > NOT_DRAWN_ON_BED, most, 0.0)
+                if running
+                else np.clip(self.bolt_springs * drawn, 0.0, most)
+            )
         return PointForces(points, area, contact, normal, shear, pressed, pulls)
 
-    def _places(self, corners: Floats) -> Floats:
-        """Where the points of `_cells` lie."""
-        cells = _fan(corners)
-        return (self.templates[cells.shape[1]][0] @ cells).reshape(-1, 3)
+    def _pressed_part(self, k: int, gap: Floats) -> "tuple[tuple[Floats, Floats, Floats], _Grown | None] | None":
+        """φ (3, q), its products (q, 6) and area (q,) at points of what is pressed, and how they move with g.
 
-    def _cells(self, k: int, rows: Floats, corners: Floats) -> tuple[Floats, Floats]:
-        """Motions (q, 3, u) and areas (q,) at the points of a pressed part."""
-        cells = _fan(corners)
-        points, weights = self.templates[cells.shape[1]]
-        sides = cells[:, 1:] - cells[:, :1]
-        if cells.shape[1] == 2:
-            size = np.sqrt((sides * sides).sum(axis=(1, 2)))
+        None where nothing is pressed; nothing moves where all of it is.
+        """
+        flat = self.flats[k]
+        gaps = flat.corners @ gap
+        clipped, chord = _pressed(gaps, flat.plane)
+        if clipped is None:
+            return None
+        if chord is None:
+            return self._whole[k], None
+        edges = [edge for _, edge in chord]
+        after = [(edge + 1) % len(gaps) for edge in edges]
+        here, there = gaps[edges, None], gaps[after, None]
+        ends = (here * flat.corners[after] - there * flat.corners[edges]) / (here - there) ** 2
+        ways = flat.plane[after] - flat.plane[edges]
+        at = [corner for corner, _ in chord]
+        if len(clipped) == 2:
+            points, weights = self.templates[2]
+            part = clipped[1] - clipped[0]
+            length = math.hypot(float(part[0]), float(part[1]))
+            places, area = points @ clipped, (length * flat.share) * weights
+            moves = points[:, at[0], None] * ways
+            growth = float(part @ ways[0]) / length * (1.0 if at[0] else -1.0)
+            grown = _Grown(moves[None], (growth * flat.share * weights)[None], ends)
         else:
-            double = cross(sides[:, 0], sides[:, 1])
-            size = 0.5 * np.sqrt((double * double).sum(axis=1))
-        at = points @ _fan(rows.reshape(len(rows), -1))
-        return at.reshape(-1, 3, rows.shape[2]), ((size * self.bed.area[k])[:, None] * weights).ravel()
+            points, weights = self.templates[3]
+            cells, size = _fan(clipped)
+            places, area = (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
+            cells_move, grows = _fan_moves(clipped, cells, at, ways)
+            count = len(at)
+            grown = _Grown(
+                (points @ cells_move).reshape(count, -1, 2),
+                ((grows * flat.share)[:, :, None] * weights).reshape(count, -1), ends,
+            )  # fmt: skip
+        powers = _powers(places)
+        return (np.ascontiguousarray(powers[:, :3].T), powers, area), grown
+
+    def _points(self, flat: _Flat, corners: Floats) -> tuple[Floats, Floats]:
+        """Points (q, 2) and areas (q,) of a part of a contact by its corners."""
+        if len(corners) == 2:
+            points, weights = self.templates[2]
+            way = corners[1] - corners[0]
+            return points @ corners, (math.hypot(float(way[0]), float(way[1])) * flat.share) * weights
+        points, weights = self.templates[3]
+        cells, size = _fan(corners)
+        return (points @ cells).reshape(-1, 2), ((size * flat.share)[:, None] * weights).ravel()
 
 
 def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> PolygonBed:
@@ -266,55 +379,82 @@ def bed_of(model: Model, polygons: Mapping[int, Floats], centroid: Floats) -> Po
 # -- polygons -----------------------------------------------------------------------------------------------
 
 
-def _pressed(gaps: Floats) -> tuple[Floats | None, list[int] | None]:
-    """The pressed part (g < 0) of a convex polygon: its corners as weights (j, k) of the old ones, and its new edge.
+_SECOND = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # which of the products of `_powers` φ_i φ_j is
+_TURNS = np.array([[3, 4], [4, 5]])
 
-    The new edge is given by its one or two corners; None where nothing is cut off. A line (k = 2) has one.
+
+def _powers(at: Floats) -> Floats:
+    """1, ξ, η, ξξ, ξη, ηη (q, 6) at points."""
+    powers = np.empty((len(at), 6))
+    powers[:, 0], powers[:, 1:3] = 1.0, at
+    np.multiply(at, at[:, :1], out=powers[:, 3:5])
+    np.multiply(at[:, 1], at[:, 1], out=powers[:, 5])
+    return powers
+
+
+def _pressed(gaps: Floats, plane: Floats) -> tuple[Floats | None, list[tuple[int, int]] | None]:
+    """The pressed part (g < 0) of a convex polygon (k, 2): its corners (j, 2), and which are the ends of its new edge.
+
+    Those with the side of the polygon that they lie on. A new edge has two ends, one where a line (k = 2) is cut; None
+    where nothing is cut off.
     """
-    count = len(gaps)
-    if gaps.max() <= 0.0:
-        return np.eye(count), None
-    if gaps.min() >= 0.0:
+    at, count = gaps.tolist(), len(gaps)
+    if max(at) <= 0.0:
+        return plane, None
+    if min(at) >= 0.0:
         return None, None
-    rows, chord = [], []
+    corners: list[list[float]] = []
+    chord: list[tuple[int, int]] = []
+    places = plane.tolist()
     for k in range(count):
         after = (k + 1) % count
-        if gaps[k] < 0.0:
-            rows.append(_one(count, k))
-        if (gaps[k] < 0.0) != (gaps[after] < 0.0) and (count > 2 or k == 0):
-            part = float(gaps[k] / (gaps[k] - gaps[after]))
-            chord.append(len(rows))
-            rows.append((1.0 - part) * _one(count, k) + part * _one(count, after))
-    return np.array(rows), chord
+        if at[k] < 0.0:
+            corners.append(places[k])
+        if (at[k] < 0.0) != (at[after] < 0.0) and (count > 2 or k == 0):
+            part = at[k] / (at[k] - at[after])
+            chord.append((len(corners), k))
+            (x, y), (to_x, to_y) = places[k], places[after]
+            corners.append([(1.0 - part) * x + part * to_x, (1.0 - part) * y + part * to_y])
+    return np.array(corners), chord
 
 
-def _fan(corners: Floats) -> Floats:
-    """Cells (t, 3, d) of a polygon by its corners (j, d): triangles about their mean, so that no corner is the first.
+def _fan(corners: Floats) -> tuple[Floats, Floats]:
+    """Triangles (j, 3, 2) of a polygon about its centroid, and their areas (j,).
 
-    A triangle or a line is one cell.
+    A corner that comes, or goes, where it is cut has a triangle of no area: the points move without a jump.
     """
-    if len(corners) <= 3:
-        return corners[None]
-    middle = np.broadcast_to(corners.mean(axis=0), corners.shape)
-    return np.stack([middle, corners, np.roll(corners, -1, axis=0)], axis=1)
+    middle = corners.mean(axis=0)
+    after = np.concatenate([corners[1:], corners[:1]])
+    one, other = corners - middle, after - middle
+    double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    whole = float(double.sum())
+    if whole:
+        middle = middle + (double @ (one + other)) / (3.0 * whole)
+        one, other = corners - middle, after - middle
+        double = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    cells = np.empty((len(corners), 3, 2))
+    cells[:, 0], cells[:, 1], cells[:, 2] = middle, corners, after
+    return cells, 0.5 * np.abs(double)
 
 
-def _chord(rows: Floats, ends: Floats) -> tuple[Floats, Floats]:
-    """Motions and lengths at points of the new edge: Simpson's rule, or the one point of a line."""
-    if len(ends) == 1:
-        return rows, np.ones(1)
-    length = math.sqrt(float(((ends[1] - ends[0]) ** 2).sum()))
-    return np.array([rows[0], 0.5 * (rows[0] + rows[1]), rows[1]]), np.array([1.0, 4.0, 1.0]) / 6.0 * length
+def _fan_moves(corners: Floats, cells: Floats, ends: list[int], ways: Floats) -> tuple[Floats, Floats]:
+    """How the triangles of `_fan` move (a, j, 3, 2) and grow (a, j) as a corner (a) of the new edge moves its way.
 
-
-@cache
-def _unit(count: int) -> Floats:
-    return np.eye(count)
-
-
-def _one(count: int, k: int) -> Floats:
-    row: Floats = _unit(count)[k]
-    return row
+    The part gains a sliver along the new edge then, as wide as the way at that corner and closed at the other.
+    """
+    middle, count = cells[0, 0], len(corners)
+    one, other = cells[:, 1] - middle, cells[:, 2] - middle
+    double = float((one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    moves, grows = np.zeros((len(ends), count, 3, 2)), np.empty((len(ends), count))
+    for m, (k, far) in enumerate(zip(ends, reversed(ends), strict=True)):
+        way, across = ways[m], cells[k, 2] - corners[k - 1]
+        sliver = (2.0 * corners[k] + corners[far]) / 3.0
+        moved = (float(way[0] * across[1] - way[1] * across[0]) / double) * (sliver - middle)
+        moves[m, :, 0] = moved
+        moves[m, k, 1] = moves[m, k - 1, 2] = way
+        a, b = moves[m, :, 1] - moved, moves[m, :, 2] - moved
+        grows[m] = a[:, 0] * other[:, 1] - a[:, 1] * other[:, 0] + one[:, 0] * b[:, 1] - one[:, 1] * b[:, 0]
+    return moves, grows * math.copysign(0.5, double)
 
 
 @cache

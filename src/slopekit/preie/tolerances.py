@@ -243,6 +243,9 @@ SHORTEST_STRIDE = 1e-5
 #: Step along the path of the cracked base, in parts of the displacement: it meets a corner.
 SHORTEST_PATH_STEP = 1e-6
 
+#: Of the displacement at which a path that creeps ends: λ changes by a hundredth of that, or less.
+LANDED = 1e-6
+
 #: Part of λ: no rest even at so little less strength is the end of that path.
 PATH_ENDS = 1e-6
 
