@@ -27,6 +27,7 @@ from tests.preie.block_scenes import (
     active_passive,
     bench,
     boxes_in_space,
+    first_part,
     random_bench,
     rectangles,
     stack,
@@ -325,6 +326,15 @@ def test_a_short_step_far_along_does_not_end_the_way() -> None:
         patched.setattr(proposal, "stepped", there)
         limit = proposal._climbed(Slow(), begun)
     assert limit.parameter == pytest.approx(1.0, abs=2e-6)
+
+
+@pytest.mark.parametrize("by", [0.5, 3.0])
+def test_the_strength_does_not_move_the_static_bound_of_blocks_that_jam(by) -> None:
+    """Bench 15: its bound is flat towards where blocks jam, and searches from λ = 1 ended up to 5 % apart."""
+    model = first_part(populations.bench(15)).model
+    one, other = (limit_of_blocks(given, ranged=False) for given in (model, weaker(model, by)))
+    assert by * other.factor == pytest.approx(one.factor, rel=1e-9)
+    assert by * other.static_bound == pytest.approx(one.static_bound, rel=1e-6)
 
 
 @pytest.mark.parametrize("by", [0.5, 3.0])

@@ -20,7 +20,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
+from slopekit.preie.distance import Distance, StaticBound, bound_by_programs, nothing_balances
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.tolerances import (
     BOUND_BALANCED,
@@ -64,12 +64,15 @@ def static_bound(model: AssemblyModel) -> StaticBound:
         # in space blocks may jam, and then it settles a little low; each has forces that prove it, so the higher holds
         exact = bound_by_programs(model, at.load_factor, steps)
         return exact if exact is not None and (exact.factor or 0.0) > (1.0 - BOUND_BALANCED) / at.load_factor else known
-    exact_bound = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
-    if exact_bound is not None:
-        return exact_bound
-    summed = model.by_group(program.start.normal)
-    dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
-    lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
+    if size <= _MOST_PROGRAMS:
+        exact_bound = bound_by_programs(model, steps=steps)
+        if exact_bound is not None:
+            return exact_bound
+        lifted = nothing_balances(model)
+    else:
+        summed = model.by_group(program.start.normal)
+        dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
+        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 
