@@ -29,7 +29,7 @@ from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import follow
+from slopekit.preie.path import first_peak, follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
@@ -48,6 +48,7 @@ _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+_SCANNED = 16  # strengths up to the last, at which they have to fit on too, or may
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
 _BITS = 40  # of a strength in parts of the largest: 12 digits
@@ -199,16 +200,18 @@ def _limit_of(
         return limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
-    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, limit.factor))
+    reached = limit.highest or limit.factor
+    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, reached))
 
 
 def _limit(
     model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads_last: bool,
     carried: float | None,
 ) -> BlocksLimit:  # fmt: skip
-    """What the path says, once every block has vouched for it."""
+    """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
+    highest: float | None = None
     normal = np.maximum(path_end.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
     if path_end.outcome is PathOutcome.STANDS:
@@ -219,17 +222,22 @@ def _limit(
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
         if path_end.peak is not None and basis is Basis.PEAK:
             change = abs(path_end.peak[0] / path_end.peak[1] - 1.0)  # to the factor at which they run
+            highest = max(factor * (1.0 + change), 1.0 / (path_end.reached or math.inf))
         off = _off(model, path_end)
         if top is not None and factor > top > factor * (1.0 - BOUND_ACCURACY):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
         if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
-    if outcome is not Outcome.SLIDES:
-        factor, basis = None, Basis.NONE
+    if outcome is not Outcome.SLIDES or factor is None:
+        factor, highest, basis = None, None, Basis.NONE
+    elif highest is not None:
+        highest = max(factor, min(highest, top or highest))
+        change = max(change, highest / factor - 1.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
-        None, None, carried, loads_last, steps, bound.steps, path_end.group, path_end.width,
+        None if highest is None else factor, highest, carried, loads_last, steps, bound.steps, path_end.group,
+        path_end.width,
     )  # fmt: skip
 
 
@@ -362,10 +370,11 @@ def _on_path(
         last, carried, work = _loads_last(model, unit, bond, bound, ratio)
         return last, True, carried, work + bed.factorisations
     locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
-    if path_end.outcome is PathOutcome.BRACKET and locked:
-        path_end = replace(
-            path_end, outcome=PathOutcome.NO_REST, parameter=None
-        )  # a rest that needs many times the bound
+    if path_end.outcome is PathOutcome.BRACKET:
+        if locked:  # a rest that needs many times the bound
+            path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
+        elif path_end.peak is not None:
+            path_end = first_peak(bed, path_end)
     return path_end, False, None, bed.factorisations
 
 
@@ -406,6 +415,16 @@ def _loads_last(
     def fits_on(path_end: PathLimit) -> bool:
         return path_end.outcome is PathOutcome.STANDS or (path_end.parameter or 0.0) >= 1.0
 
+    def come_on(path_end: PathLimit) -> bool:
+        return fits_on(path_end) or (path_end.peak is not None and path_end.peak[0] >= 1.0)
+
+    def narrowed(holds: float, fails: float, held: Callable[[PathLimit], bool]) -> tuple[float, float]:
+        """Strengths λ at which the loads are held and not, next to each other."""
+        while holds / fails - 1.0 > LOADS_BRACKET:
+            middle = math.sqrt(holds * fails)
+            holds, fails = (middle, fails) if held(carried(middle)) else (holds, middle)
+        return holds, fails
+
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     overloaded: PathLimit | None = None
@@ -429,6 +448,17 @@ def _loads_last(
             fits, last = middle, trial
         else:
             fails, overloaded = middle, trial
+    # where blocks snap from rest to rest the loads may fit on, not fit on at more strength, and fit on again; and they
+    # may all be on, the blocks at rest, where less than all of them makes them run on
+    reached, stride = fits, STRONGER[-1] ** (1.0 / _SCANNED)
+    tried = [(more := least * stride**part, carried(more)) for part in range(1, _SCANNED + 1)]
+    below = [more for more, trial in tried if more < reached and come_on(trial)]
+    above = [one for one in tried[:-1] if one[0] > fits and one[1].parameter is not None and not fits_on(one[1])]
+    less = below[0] / stride if below else fails / stride
+    reached = narrowed(below[0] if below else fails if come_on(carried(fails)) else fits, less, come_on)[0]
+    if above:
+        fails, overloaded = above[-1]
+        fits, fails = narrowed(fails * stride, fails, fits_on)
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
@@ -443,6 +473,6 @@ def _loads_last(
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
         overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
-        friction=forces.friction, residual=forces.residual / bed.load_size,
+        friction=forces.friction, residual=forces.residual / bed.load_size, reached=reached,
     )  # fmt: skip
     return peak, None, work

@@ -216,39 +216,3 @@ def bound_by_programs(model: "AssemblyModel", start: float = 1.0, steps: int = 0
             trial = math.sqrt(low * high) if low > 0.0 else 0.1 * high
         reduction = trial
     return None
-
-
-def nothing_balances(model: "AssemblyModel") -> bool:
-    """Whether no strength however high balances the loads: where joints have any, friction is free.
-
-    maximise α <= 1:    B_nᵀ N + B_tᵀ T + α P = 0,    N >= 0;    bolts pull. Forces that balance a part of the load
-    balance all of it, so α is 0 or 1.
-    """
-    import clarabel
-    from scipy import sparse
-
-    own = np.sqrt((model.load * model.load).sum(axis=1))
-    parts = 1.0 / np.repeat(np.maximum(own, LIGHTEST * float(own.max())), model.unknowns)
-    pairs, (groups, tangents) = len(model.control_area), model.slip_rows.shape[:2]
-    strong = (model.tan_friction > 0.0) | (model.by_group(model.cohesion) > 0.0)
-    pulls = np.zeros((groups, tangents), dtype=bool)
-    pulls[model.bolted, 0] = True
-    free = np.concatenate([np.ones(pairs, dtype=bool), np.repeat(strong, tangents)])
-    least = np.concatenate([np.ones(pairs, dtype=bool), pulls.ravel()])[free]
-    statics = (sparse.diags(parts) @ model.statics).tocsc()[:, free]
-    count = statics.shape[1] + 1
-    eye = sparse.eye(count, format="csr")
-    rows = sparse.vstack([
-        sparse.hstack([statics, sparse.csr_matrix((parts * model.load.ravel())[:, None])]), -eye[np.flatnonzero(least)],
-        -eye[-1:], eye[-1:],
-    ]).tocsc()  # fmt: skip
-    right = np.zeros(rows.shape[0])
-    right[-1] = 1.0
-    cost = np.zeros(count)
-    cost[-1] = -1.0
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1
-    cones = [clarabel.ZeroConeT(len(parts)), clarabel.NonnegativeConeT(rows.shape[0] - len(parts))]
-    solution = clarabel.DefaultSolver(sparse.csc_matrix((count, count)), cost, rows, right, cones, settings).solve()
-    return str(solution.status).startswith(("Solved", "AlmostSolved")) and float(solution.x[-1]) < 0.5
