@@ -109,15 +109,20 @@ def first_peak(bed: Bed, found: PathLimit) -> PathLimit:
     parameter, flow = _started(bed, found.started, 0)
     for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
         good, rest, bad = parameter, flow, None
-        while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[0]:
+        while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
             trial = bed.drive.harder(good, ratio if bad is None else math.sqrt(bed.drive.gap(bad, good)))
             if trial < LEAST_STRENGTH * parameter:
                 break
             tried = _tried(bed, rest.at, trial)
+            if tried.ended not in ("rest", "runs"):
+                tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
             if tried.ended == "rest":
                 good, rest = trial, tried
-            else:
+            elif tried.ended == "runs":
                 bad = trial
+            else:  # this way says nothing
+                bad = None
+                break
         if bad is not None:
             forces = bed.forces(rest.at, good)
             ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, found.motion, forces))
