@@ -163,7 +163,7 @@ def test_a_block_that_leans_out_of_the_row_is_one_number_in_seven_writings(chang
 
 @pytest.mark.parametrize(("design", "low", "high"), [
     (populations.section(15), 0.42997, 0.4518),  # 0.4300 to 0.4518 in ten scales of its strength
-    (populations.section(235), 0.2426, 0.2430),  # in steps of 3 or 50 % of its strength, and in those of the path
+    (populations.section(235), 0.24290, 0.24291),  # 0.24289 in other steps than those of the path, 0.24291 in them
 ], ids=["row", "sides"])  # fmt: skip
 def test_a_peak_has_the_lowest_factor_of_the_ways_to_it_and_the_range_has_the_others(design, low, high) -> None:
     one, other = changes.run(design), changes.run(changes.reduced(design, 0.37))
