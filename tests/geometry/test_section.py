@@ -71,6 +71,15 @@ def test_faults(arguments, code) -> None:
     assert caught.value.codes == (code,)
 
 
+@pytest.mark.parametrize(("upper", "said"), [(0, "the deepest has"), (40, "the shallowest has")])
+def test_how_deep_a_crack_may_be(upper, said) -> None:
+    """Behind the crest the joint rises towards the upper slope, or falls away below a steeper one."""
+    depth = 12.0 * (1.0 - math.tan(math.radians(35)) / math.tan(math.radians(60)))  # below the crest
+    plane_section(35, 60, upper, 12, depth + (0.1 if upper else -0.1))
+    with pytest.raises(GeometryError, match=f"deep: {said} {depth:.6g} m"):
+        plane_section(35, 60, upper, 12, depth + (-0.1 if upper else 0.1))
+
+
 @pytest.mark.parametrize("elements", [1, 2, 5])
 def test_simpson_along_the_plane(elements) -> None:
     """Exact to degree three, ends included: forces, moments and hinges."""

@@ -70,7 +70,10 @@ def test_the_ground_as_a_mesh(tmp_path) -> None:
     plain = run(CAP)
     for k, faces in enumerate((triangles, triangles[:, ::-1])):
         path = save(tmp_path / f"slope{k}.obj", (vertices, faces))
-        assert run(CAP, path).fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
+        found = run(CAP, path)
+        assert found.fos.limit == pytest.approx(plain.fos.limit, rel=1e-7)
+        turned = [notice.message for notice in found.warnings if notice.code == "W343"]
+        assert turned == ["meshes that were inside out have been turned: slope1.obj"] * k
 
 
 def test_steps_and_ledges() -> None:

@@ -51,7 +51,8 @@ def test_a_group_a_hair_above_the_static_bound(monkeypatch) -> None:
 
     def lower(model):
         found = bound(model)
-        return replace(found, factor=(1.0 - 9e-5) * EXACT) if len(model.load) == 41 else found
+        unit = math.tan(math.radians(35.0))  # in which the bound is looked for
+        return replace(found, factor=(1.0 - 9e-5) * EXACT / unit) if len(model.load) == 41 else found
 
     def watched(bed, factor, near):
         flow, gap = rests(bed, factor, near)
@@ -107,6 +108,7 @@ def test_what_is_proposed_for_a_peak_is_not_above_where_blocks_ran(proposal, fac
     """A path that ends in a peak at 0.90 of its limit, blocks running at 0.91, and what is proposed there."""
     model = boxes_in_space((2, 1, 2), (2.0, 3.0, 1.0), 25.0, 0.3).model(35.0)
     path, whole = blocks.follow, limit_of_blocks(model, ranged=False).factor
+    unit = float(model.tan_friction.max())  # the path is followed in unit strength
 
     def peak(*args, **options):
         found = path(*args, **options)
@@ -114,7 +116,7 @@ def test_what_is_proposed_for_a_peak_is_not_above_where_blocks_ran(proposal, fac
         return replace(found, outcome=PathOutcome.BRACKET, parameter=rests, peak=(rests, runs))
 
     def proposed(bed, *_):
-        return None if proposal is None else replace(path(bed, 2.0 / whole), parameter=1.0 / (proposal * whole))
+        return None if proposal is None else replace(path(bed, 2.0 * unit / whole), parameter=unit / (proposal * whole))
 
     monkeypatch.setattr(blocks, "follow", peak)
     monkeypatch.setattr(blocks, "proposed", proposed)

@@ -21,12 +21,14 @@ from slopekit.preie.passes import Outcome
 from slopekit.preie.path import follow
 from slopekit.preie.path_limit import PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
+from slopekit.preie.ravelling import _twisting
 from tests.preie import path_oracle
 from tests.preie.block_scenes import (
     Scene,
     active_passive,
     bench,
     boxes_in_space,
+    first_part,
     random_bench,
     rectangles,
     stack,
@@ -325,6 +327,25 @@ def test_a_short_step_far_along_does_not_end_the_way() -> None:
         patched.setattr(proposal, "stepped", there)
         limit = proposal._climbed(Slow(), begun)
     assert limit.parameter == pytest.approx(1.0, abs=2e-6)
+
+
+@pytest.mark.parametrize("by", [0.5, 3.0])
+def test_the_strength_does_not_move_the_static_bound_of_blocks_that_jam(by) -> None:
+    """Bench 15: its bound is flat towards where blocks jam, and searches from λ = 1 ended up to 5 % apart."""
+    model = first_part(populations.bench(15)).model
+    one, other = (limit_of_blocks(given, ranged=False) for given in (model, weaker(model, by)))
+    assert by * other.factor == pytest.approx(one.factor, rel=1e-9)
+    assert by * other.static_bound == pytest.approx(one.static_bound, rel=1e-6)
+
+
+def test_contacts_that_twist_are_told_by_what_they_carry_at_the_limit() -> None:
+    """c and F a million times as high: the same contacts, though c alone would be all that they carry."""
+    part = first_part(populations.bench(9))
+    model, limit = part.model, part.limit
+    stronger = replace(model, cohesion=1e6 * model.cohesion)
+    twists = _twisting(replace(part, model=stronger, limit=replace(limit, factor=1e6 * limit.factor)))
+    assert twists.any()
+    assert (twists == _twisting(part)).all()
 
 
 @pytest.mark.parametrize("by", [0.5, 3.0])

@@ -9,6 +9,7 @@ import math
 
 import pytest
 
+from benchmarks import populations
 from tests.properties import changes
 
 EXACTLY = 1e-6  # the strength enters only by the strength reduction λ: F(strength / k) k = F by construction
@@ -158,6 +159,27 @@ def test_a_block_that_leans_out_of_the_row_is_one_number_in_seven_writings(chang
     assert found.fos.limit == pytest.approx(times * one.fos.limit, rel=1e-6)
     assert found.fos.limit < 0.5 * found.fos.static_bound
     assert {"W317", "W361"} <= {notice.code for notice in found.warnings}
+
+
+@pytest.mark.parametrize(("design", "low", "high"), [
+    (populations.section(15), 0.42997, 0.4518),  # 0.4300 to 0.4518 in ten scales of its strength
+    (populations.section(235), 0.24290, 0.24291),  # 0.24289 in other steps than those of the path, 0.24291 in them
+], ids=["row", "sides"])  # fmt: skip
+def test_a_peak_has_the_lowest_factor_of_the_ways_to_it_and_the_range_has_the_others(design, low, high) -> None:
+    one, other = changes.run(design), changes.run(changes.reduced(design, 0.37))
+    assert "W317" in {notice.code for notice in one.warnings}
+    assert 0.95 * low < one.fos.limit <= low
+    assert one.fos.lowest <= one.fos.limit
+    assert high <= one.fos.highest <= one.fos.static_bound
+    assert 0.37 * other.fos.limit == pytest.approx(one.fos.limit, rel=1e-9)
+    assert 0.37 * other.fos.highest == pytest.approx(one.fos.highest, rel=1e-9)
+
+
+def test_a_motion_that_jams_a_small_block_settles_whatever_the_strength_is_divided_by() -> None:
+    """Bench 38: 0.8062 along its motion; at half the strength it once was 0.8224, the last rest before that."""
+    found = [changes.run(changes.reduced(populations.bench(38), by)).fos.limit * by for by in (1.0, 0.5, 3.0)]
+    assert found == pytest.approx(3 * [0.806192], abs=2e-6)
+    assert found == pytest.approx(3 * [found[0]], rel=1e-9)
 
 
 def test_acceptance_by_the_lowest_factor_of_the_mechanism() -> None:

@@ -163,6 +163,11 @@ def read_mesh(path: Path, name: str, where: str = "", turn: bool = True) -> tupl
         raise DesignError([Fault("E172", message, where or name, "Decimate it: the answer does not need them.")])
     mesh = trimesh.Trimesh(vertices, triangles, process=False)
     closed = bool(mesh.is_watertight and mesh.is_winding_consistent)
-    if turn and closed and mesh.volume < 0.0:
-        triangles = triangles[:, ::-1]
-    return vertices, np.ascontiguousarray(triangles), closed
+    return vertices, outward(vertices, triangles) if turn and closed else np.ascontiguousarray(triangles), closed
+
+
+def outward(vertices: Floats, triangles: Ints) -> Ints:
+    """The triangles (m, 3) of a closed mesh, turned where it is inside out."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    volume = float(np.einsum("ij,ij->", a - vertices.mean(axis=0), np.cross(b - a, c - a)))
+    return np.ascontiguousarray(triangles[:, ::-1] if volume < 0.0 else triangles)

@@ -161,8 +161,8 @@ def _crack_place(
         behind = (at_crest - depth) / less if abs(less) > 1e-12 else math.inf
         places = [behind] if 0.0 <= behind < math.inf and depth > 0.0 else []
         if not places:
-            deepest = at_crest if less > 0.0 else math.inf
-            message = f"no vertical crack behind the crest is {depth:.6g} m deep: the deepest has {deepest:.6g} m"
+            one = "every one has" if abs(less) <= 1e-12 else f"the {'deepest' if less > 0.0 else 'shallowest'} has"
+            message = f"no vertical crack behind the crest is {depth:.6g} m deep: {one} {at_crest:.6g} m"
             raise GeometryError([Fault("E207", message, "", "For a crack in the face give its distance, negative.")])
         if distance is not None and abs(distance - behind) > 0.02 * max(abs(behind), float(crest[2])):
             message = f"a crack {depth:.6g} m deep lies {behind:.6g} m behind the crest, not {distance:.6g} m"

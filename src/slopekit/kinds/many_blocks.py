@@ -428,8 +428,8 @@ def _notices(
         yield Notice("W312", f"the last refinement of the node pairs still moved the limit by {moved * 100:.1f} %")
     if limit.basis is Basis.PEAK and first.fos:
         yield Notice("W317", "the motion did not settle into a limit state: the factor is that of the last state at "
-                     "rest, the peak of the elastic path; where limits of random sections were found they lay up to 4 "
-                     "% below their peaks, which is no bound on this one")  # fmt: skip
+                     "rest, the peak of the elastic path, on the way to it that holds least; where limits of random "
+                     "sections were found they lay up to 4 % below their peaks, which bounds none")  # fmt: skip
     if first.fos and limit.change > design.stop_when and any(strength.law for strength in scene.strengths):
         yield Notice("W317", "strength at the tractions of one limit state leads to another, and back: the lowest "
                      f"factor is printed, others lie up to {limit.change * 100:.2g} % above it")  # fmt: skip

@@ -29,7 +29,7 @@ from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
-from slopekit.preie.path import follow
+from slopekit.preie.path import first_peak, follow
 from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
 from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
@@ -48,8 +48,10 @@ _MOST_ROUNDS = 60  # of cohesion lost; every one breaks a contact
 _LOCKED = 8.0  # times the strength of the static bound: a rest that needs more lives on jammed corners
 _FIRST_LOAD = 1e-3  # part of the loads beside weight to begin with
 STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound, at which the loads may fit on
+_SCANNED = 16  # strengths up to the last, at which they have to fit on too, or may
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
+_BITS = 40  # of a strength in parts of the largest: 12 digits
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
 
@@ -127,22 +129,58 @@ def limit_of_blocks(
     ratio : k_t / k_n of the elastic joints
     proposal : what is tried before the path
     """
-    strong = model.tan_friction.any() or model.cohesion.any()
+    model, unit = _in_unit_strength(model)
+    strong = unit > 0.0
     bound = static_bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
     if bound.lifted:
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
         return _without_strength(model, bound)
+    found = _limit_of(model, unit, bound, ranged, ratio, proposal)
+    return replace(
+        found, factor=_times(found.factor, unit), static_bound=_times(found.static_bound, unit),
+        lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
+    )  # fmt: skip
+
+
+def _in_unit_strength(model: AssemblyModel) -> tuple[AssemblyModel, float]:
+    """The model with its strength divided by what friction angles and cohesions suggest, and that: 0 where it has none.
+
+    Searches that begin at λ = 1, and what counts as nothing, are then the same whatever the strength is divided by, and
+    F(strength / k) k = F. Rounded to 12 digits, so that they are so to the last bit: paths between many blocks may take
+    another turn at a rounding.
+    """
+    friction, cohesion = float(model.tan_friction.max(initial=0.0)), float(model.cohesion.sum())
+    unit = max(friction, cohesion / float(np.abs(model.load).sum())) if cohesion else friction
+    if not unit > 0.0:
+        return model, 0.0
+    tan_friction, bonds = model.tan_friction / unit, model.cohesion / unit
+    if model.lines is None:  # lines of curved laws settle to more digits
+        tan_friction, bonds = _rounded(tan_friction), _rounded(bonds / model.control_area) * model.control_area
+    return replace(model, tan_friction=frozen(tan_friction), cohesion=frozen(bonds)), unit
+
+
+def _rounded(values: Floats) -> Floats:
+    """To 12 digits, in binary."""
+    digits, exponent = np.frexp(values)
+    rounded: Floats = np.ldexp(np.round(digits * 2.0**_BITS) / 2.0**_BITS, exponent)
+    return rounded
+
+
+def _limit_of(
+    model: AssemblyModel, unit: float, bound: StaticBound, ranged: bool, ratio: float, proposal: Proposal | None
+) -> BlocksLimit:
+    """The limit of a model in unit strength; a proposal is in the strength of the design."""
     steps, loads_last, carried = 0, False, None
 
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
-        settled = None if proposal is None else proposal.limit(bond, bound.factor or math.inf)
+        settled = None if proposal is None else proposal.limit(bond, unit * (bound.factor or math.inf))
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
-            return settled
-        found, loads_last, carried, work = _on_path(model, bond, bound, ratio)
+            return _weaker(settled, 1.0 / unit)
+        found, loads_last, carried, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
         return found
 
@@ -155,22 +193,25 @@ def limit_of_blocks(
     span: Span | None = None
     if limit.group and proposal is not None:
         span = proposal.span()
+        span = None if span is None else (_times(span[0], 1.0 / unit), _times(span[1], 1.0 / unit))
     elif model.unknowns == 3 or len(model.load) <= _RANGED:
         span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
     if span is None:
         return limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
-    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, limit.factor))
+    reached = limit.highest or limit.factor
+    return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, reached))
 
 
 def _limit(
     model: AssemblyModel, path_end: PathLimit, bond: Floats, bound: StaticBound, steps: int, loads_last: bool,
     carried: float | None,
 ) -> BlocksLimit:  # fmt: skip
-    """What the path says, once every block has vouched for it."""
+    """What the path says, once every block has vouched for it; of a peak the range has what other ways to it give."""
     factor = 1.0 / path_end.parameter if path_end.parameter else None
     outcome, basis, change = Outcome.SLIDES, Basis.NONE, 0.0
+    highest: float | None = None
     normal = np.maximum(path_end.normal, 0.0)  # a limit state may pull by what it is admissible to
     top = bound.factor
     if path_end.outcome is PathOutcome.STANDS:
@@ -181,17 +222,22 @@ def _limit(
         basis = {PathOutcome.LIMIT: Basis.LIMIT, PathOutcome.SETTLED: Basis.SETTLED}.get(path_end.outcome, Basis.PEAK)
         if path_end.peak is not None and basis is Basis.PEAK:
             change = abs(path_end.peak[0] / path_end.peak[1] - 1.0)  # to the factor at which they run
+            highest = max(factor * (1.0 + change), 1.0 / (path_end.reached or math.inf))
         off = _off(model, path_end)
         if top is not None and factor > top > factor * (1.0 - BOUND_ACCURACY):
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
         if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
-    if outcome is not Outcome.SLIDES:
-        factor, basis = None, Basis.NONE
+    if outcome is not Outcome.SLIDES or factor is None:
+        factor, highest, basis = None, None, Basis.NONE
+    elif highest is not None:
+        highest = max(factor, min(highest, top or highest))
+        change = max(change, highest / factor - 1.0)
     velocity = frozen(path_end.motion.reshape(model.load.shape))
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
-        None, None, carried, loads_last, steps, bound.steps, path_end.group, path_end.width,
+        None if highest is None else factor, highest, carried, loads_last, steps, bound.steps, path_end.group,
+        path_end.width,
     )  # fmt: skip
 
 
@@ -278,23 +324,38 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
 
 def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
     """The limit of some blocks with bonds (m,) as they are; None where there is none."""
+    model, unit = _in_unit_strength(model)
     bound = static_bound(model)
     if bound.lifted:
         return None
-    path_end, *_ = _on_path(model, bond, bound, SHEAR_TO_NORMAL)
-    return path_end if path_end.parameter else None
+    path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL)
+    return _weaker(path_end, unit or 1.0) if path_end.parameter else None
+
+
+def _weaker(path_end: PathLimit, unit: float) -> PathLimit:
+    """What a path found, its λ that of a strength so many times as high."""
+    peak = None if path_end.peak is None else (path_end.peak[0] / unit, path_end.peak[1] / unit)
+    return replace(
+        path_end, parameter=_times(path_end.parameter, 1.0 / unit), peak=peak, reduction=path_end.reduction / unit,
+        started=path_end.started / unit,
+    )  # fmt: skip
+
+
+def _times(factor: float | None, by: float) -> float | None:
+    return None if factor is None else by * factor
 
 
 # -- the path, and the loads that come on last ------------------------------------------------------------------------
 
 
 def _on_path(
-    model: AssemblyModel, bond: Floats, bound: StaticBound, ratio: float
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
 ) -> tuple[PathLimit, bool, float | None, int]:
-    """The path with some bonds, whether the loads beside weight came last, what of them is carried, and the work."""
-    suggested = max(float(model.tan_friction.max()), float(model.cohesion.sum() / np.abs(model.load).sum()))
-    strongest = _STRONGEST * suggested
-    start = _START / min(bound.factor or strongest, strongest)
+    """The path with some bonds, whether the loads beside weight came last, what of them is carried, and the work.
+
+    The model is in unit strength: the design's is `unit` times that.
+    """
+    start = _START / min(bound.factor or _STRONGEST, _STRONGEST)
     live = bool(model.live.any())
     bed = Bed(model, Drive(model.load.ravel()), bond, ratio)
     path_end = _at_once(bed, bond, ratio) if bed.size > _PROPOSED else None
@@ -306,13 +367,14 @@ def _on_path(
         return path_end, False, None, bed.factorisations
     # in space a motion that does not settle says nothing of the order of the loads
     if live and (bed.tangents == 1 or path_end.outcome is not PathOutcome.BRACKET):
-        last, carried, work = _loads_last(model, bond, bound, ratio)
+        last, carried, work = _loads_last(model, unit, bond, bound, ratio)
         return last, True, carried, work + bed.factorisations
     locked = (path_end.parameter or 0.0) * (bound.factor or 0.0) > _LOCKED
-    if path_end.outcome is PathOutcome.BRACKET and locked:
-        path_end = replace(
-            path_end, outcome=PathOutcome.NO_REST, parameter=None
-        )  # a rest that needs many times the bound
+    if path_end.outcome is PathOutcome.BRACKET:
+        if locked:  # a rest that needs many times the bound
+            path_end = replace(path_end, outcome=PathOutcome.NO_REST, parameter=None)
+        elif path_end.peak is not None:
+            path_end = first_peak(bed, path_end)
     return path_end, False, None, bed.factorisations
 
 
@@ -325,7 +387,7 @@ def _at_once(bed: Bed, bond: Floats, ratio: float, ran: float = 0.0) -> PathLimi
 
 
 def _loads_last(
-    model: AssemblyModel, bond: Floats, bound: StaticBound, ratio: float
+    model: AssemblyModel, unit: float, bond: Floats, bound: StaticBound, ratio: float
 ) -> tuple[PathLimit, float | None, int]:
     """F where the loads beside weight and water, coming on last, all fit on; no rest where they do at no strength.
 
@@ -353,6 +415,16 @@ def _loads_last(
     def fits_on(path_end: PathLimit) -> bool:
         return path_end.outcome is PathOutcome.STANDS or (path_end.parameter or 0.0) >= 1.0
 
+    def come_on(path_end: PathLimit) -> bool:
+        return fits_on(path_end) or (path_end.peak is not None and path_end.peak[0] >= 1.0)
+
+    def narrowed(holds: float, fails: float, held: Callable[[PathLimit], bool]) -> tuple[float, float]:
+        """Strengths λ at which the loads are held and not, next to each other."""
+        while holds / fails - 1.0 > LOADS_BRACKET:
+            middle = math.sqrt(holds * fails)
+            holds, fails = (middle, fails) if held(carried(middle)) else (holds, middle)
+        return holds, fails
+
     least = 1.0 / (bound.factor or _START)  # below the strength of the static bound nothing fits on
     fails, fits = least, None
     overloaded: PathLimit | None = None
@@ -364,7 +436,7 @@ def _loads_last(
         fails, overloaded = times * least, last
     if fits is None:
         assert overloaded is not None
-        full = carried(1.0)
+        full = carried(unit)
         return replace(overloaded, outcome=PathOutcome.NO_REST, parameter=None), full.parameter, work
     while fits / fails - 1.0 > LOADS_BRACKET:
         state = None if overloaded is None else exact(overloaded, fails)
@@ -376,6 +448,17 @@ def _loads_last(
             fits, last = middle, trial
         else:
             fails, overloaded = middle, trial
+    # where blocks snap from rest to rest the loads may fit on, not fit on at more strength, and fit on again; and they
+    # may all be on, the blocks at rest, where less than all of them makes them run on
+    reached, stride = fits, STRONGER[-1] ** (1.0 / _SCANNED)
+    tried = [(more := least * stride**part, carried(more)) for part in range(1, _SCANNED + 1)]
+    below = [more for more, trial in tried if more < reached and come_on(trial)]
+    above = [one for one in tried[:-1] if one[0] > fits and one[1].parameter is not None and not fits_on(one[1])]
+    less = below[0] / stride if below else fails / stride
+    reached = narrowed(below[0] if below else fails if come_on(carried(fails)) else fits, less, come_on)[0]
+    if above:
+        fails, overloaded = above[-1]
+        fits, fails = narrowed(fails * stride, fails, fits_on)
     # the mechanism changes there: the loads fit on at `fits`, where the blocks are at rest under all of them
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
@@ -390,6 +473,6 @@ def _loads_last(
     outcome = PathOutcome.BRACKET if settled else PathOutcome.GAVE_UP
     peak = replace(
         overloaded or last, outcome=outcome, parameter=fits, peak=(fits, fails), normal=forces.normal,
-        friction=forces.friction, residual=forces.residual / bed.load_size,
+        friction=forces.friction, residual=forces.residual / bed.load_size, reached=reached,
     )  # fmt: skip
     return peak, None, work

@@ -21,9 +21,11 @@ from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.distance import Distance, StaticBound, bound_by_programs
+from slopekit.preie.linear import bounded_least_squares
 from slopekit.preie.program import BlockProgram, ProgramResult, Strengths
 from slopekit.preie.tolerances import (
     BOUND_BALANCED,
+    BOUND_PROVED,
     CARRIES,
     CLOSE,
     HARDLY_MOVES,
@@ -31,6 +33,7 @@ from slopekit.preie.tolerances import (
     LIFTED_BALANCED,
     LIFTED_SHED,
     NEAR,
+    PARALLEL,
     REACHES,
     WIDEST_RANGE,
 )
@@ -67,15 +70,32 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     exact_bound = bound_by_programs(model, steps=steps) if size <= _MOST_PROGRAMS else None
     if exact_bound is not None:
         return exact_bound
-    summed = model.by_group(program.start.normal)
-    dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
-    lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
+    if size == 1 and not len(model.bolts):
+        lifted = _falls_off(model)
+    else:
+        summed = model.by_group(program.start.normal)
+        dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
+        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 
 def _is_lifted(solution: ProgramResult) -> bool:
     """Whether no strength however high balances the loads."""
     return solution.at.shed > LIFTED_SHED and solution.unbalanced < LIFTED_BALANCED
+
+
+def _falls_off(model: AssemblyModel) -> bool:
+    """Whether nothing balances the load of one block: N >= 0, and any friction where its joints have strength.
+
+    What friction cannot do at any strength is left to the normal forces alone.
+    """
+    statics, pairs = model.statics.toarray(), len(model.control_area)
+    strong = np.repeat((model.tan_friction > 0.0) | (model.by_group(model.cohesion) > 0.0), model.slip_rows.shape[1])
+    ways, sizes, _ = np.linalg.svd(statics[:, pairs:][:, strong])
+    rank = int((sizes > PARALLEL * float(sizes.max(initial=0.0))).sum())
+    beyond = ways[:, rank:].T
+    _, left = bounded_least_squares(beyond @ statics[:, :pairs], -beyond @ model.load.ravel(), np.full(pairs, np.inf))
+    return float(np.abs(left).max(initial=0.0)) > BOUND_PROVED
 
 
 # -- the range of one mechanism ---------------------------------------------------------------------------------------

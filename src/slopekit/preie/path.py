@@ -28,9 +28,10 @@ from slopekit.preie.traced import traced, traced_in_section
 _STRIDE = 0.85  # of the strength, a step of stage A
 _BRACKET = 2e-2  # how near A comes to the strength at which they run
 _NEARER = (3e-3, 3e-4, 3e-5, 1e-6)  # and how near when C did not settle
+_OTHER_WAYS = (0.97, 0.92, 0.7, 0.5)  # strides of other ways to a peak
 _PATIENCE = 60  # factorisations in which a step of A should be at rest or run
 ROUGHER = 7  # doublings of the strength to start from
-_FAILS = 5
+_FAILS = 7
 _MANY = 600  # unknowns of a section from which the path of rounded joints is tried first
 _BROADLY, _FINELY = (1.0, 1e-2), (1e-4, 1e-2)  # rounding there, one after the other, and in smaller sections
 
@@ -97,6 +98,39 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     forces = bed.forces(at, parameter)
     peak = result_of(bed, PathOutcome.BRACKET, parameter, (parameter, bad), at, flow.at - flow.before, forces)
     return replace(peak, started=begun)
+
+
+def first_peak(bed: Bed, found: PathLimit) -> PathLimit:
+    """Of the peaks that the path comes to in other steps, and the one found, that of the most strength.
+
+    Where blocks snap from rest to rest the step decides which rest they come to, and so where they are last at rest.
+    """
+    ways = [found]
+    parameter, flow = _started(bed, found.started, 0)
+    for ratio in _OTHER_WAYS if flow.ended == "rest" else ():
+        good, rest, bad = parameter, flow, None
+        while bad is None or 1.0 - bed.drive.gap(bad, good) > _NEARER[1]:
+            trial = bed.drive.harder(good, ratio if bad is None else math.sqrt(bed.drive.gap(bad, good)))
+            if trial < LEAST_STRENGTH * parameter:
+                break
+            tried = _tried(bed, rest.at, trial)
+            if tried.ended not in ("rest", "runs"):
+                tried = relaxed(bed, tried.at, trial, max(tried.viscosity, THICK), runs_at=RUNS)
+            if tried.ended == "rest":
+                good, rest = trial, tried
+            elif tried.ended == "runs":
+                bad = trial
+            else:  # this way says nothing
+                bad = None
+                break
+        if bad is not None:
+            forces = bed.forces(rest.at, good)
+            ways.append(result_of(bed, PathOutcome.BRACKET, good, (good, bad), rest.at, found.motion, forces))
+    ways.sort(key=lambda way: way.parameter or 0.0)
+    return replace(
+        ways[-1], started=found.started, motion=found.motion, reached=ways[0].parameter,
+        factorisations=bed.factorisations,
+    )  # fmt: skip
 
 
 def _started(bed: Bed, start: float, rougher: int) -> tuple[float, Flow]:

@@ -50,6 +50,7 @@ class PathLimit:
     group : blocks that were not held when it was found, 0 where none was; width : how much nearer than that, in
         parts of it, all blocks were not seen at rest
     factorisations : work done
+    reached : of a last state at rest, the parameter that another way there came to
     """
 
     outcome: PathOutcome
@@ -65,6 +66,7 @@ class PathLimit:
     started: float = math.nan
     group: int = 0
     width: float = 0.0
+    reached: float | None = None
 
     @property
     def found(self) -> bool:
@@ -140,7 +142,7 @@ def _of_modes(
         motion = solver(np.append(np.zeros(bed.size), along))
         if abs(float(motion[-1])) < NO_MOTION * abs(parameter) and _moves(bed, here, motion[:-1], parameter, NO_MOTION):
             return w, parameter, here, motion[:-1], True
-        if bed.tangents > 1 and abs(float(motion[-1])) < STEADY:
+        if bed.tangents > 1 and abs(float(motion[-1])) < STEADY * abs(parameter):
             return w, parameter, here, motion[:-1], False
     agrees = _moves(bed, here, v, parameter, 1e-4)  # there are several: the flow itself
     return (w, parameter, here, v, True) if agrees else None

@@ -424,8 +424,8 @@ def _twisting(part: Part) -> Bools:
     twist = np.abs(motion[:, 3]) * radius / model.length_scale / 2.0
     slip = np.sqrt((motion[:, 1:3] ** 2).sum(axis=1))
     carries = np.bincount(model.pair_contact, limit.normal_force, len(model.plus)) + np.bincount(
-        model.pair_contact, model.cohesion * limit.bond, len(model.plus)
-    )
+        model.pair_contact, model.cohesion * limit.bond / limit.factor, len(model.plus)
+    )  # what is left of cohesion at the limit: it does not depend on what the strength is divided by
     carries[len(part.patch) :] = 0.0  # bolts do not twist
     weighs = carries * twist
     twisting: Bools = (twist > TWISTS * (slip + twist)) & (weighs > TWISTS * float((carries * (slip + twist)).sum()))

@@ -138,9 +138,11 @@ def factors_table(rows: Sequence[Factor]) -> Table[Factor]:
 
 
 def locked_in(result: Result) -> Factor:
-    """The range of factors of the mechanism."""
-    fos = result.fos
-    return Factor(fos.lowest, "same mechanism, whatever forces are locked in", to=fos.highest)
+    """The range of factors of the mechanism; of a peak with what other ways to it give."""
+    fos, findings = result.fos, result.findings
+    peak = findings is not None and bool(findings.mechanisms) and findings.mechanisms[0].basis == "peak"
+    what = "other ways to this peak, and its" if peak else "same"
+    return Factor(fos.lowest, f"{what} mechanism, whatever forces are locked in", to=fos.highest)
 
 
 def residual(result: Result) -> list[Factor]:

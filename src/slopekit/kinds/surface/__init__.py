@@ -10,18 +10,19 @@ import numpy as np
 
 from slopekit.closed_form import columns as lem
 from slopekit.closed_form.rotation import rotational_failure
-from slopekit.core.arrays import Floats, frozen
+from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.orientation import Line
 from slopekit.core.orientation import number as shown
 from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section
+from slopekit.design.common import MeshFile
 from slopekit.design.ground_water import table_in_words
 from slopekit.extents import SurfaceGeometry
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import NodePairs
-from slopekit.geometry.meshes import read_mesh
+from slopekit.geometry.meshes import outward, read_mesh
 from slopekit.geometry.shapes import GROUND, SLIP, Cutter, Cylinder, Ellipsoid, profile_prism, sheet_solid
 from slopekit.geometry.sliding_mass import SlidingMass, analytic_mass, cut_mass, facet_pairs, halvings, through
 from slopekit.kinds.one_block import (
@@ -64,12 +65,16 @@ _TENSION = 0.2  # of the base: beyond that the normal stresses assumed are not t
 
 @dataclass(frozen=True, slots=True)
 class _Mass:
-    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to."""
+    """The mass with its node pairs, in coordinates about `origin`; `grain` (m): what its mesh files round to.
+
+    `turned`: names of mesh files that were inside out.
+    """
 
     mass: SlidingMass
     pairs: NodePairs
     origin: Floats
     grain: float
+    turned: tuple[str, ...]
 
 
 def analyse_surface(design: SurfaceDesign) -> Result:
@@ -160,15 +165,16 @@ def _turns(velocity: Floats) -> bool:
 
 def _cut(design: SurfaceDesign) -> _Mass:
     slip = design.slip
+    turned: list[str] = []
     ground_mesh = slip_mesh = None
     if design.ground_mesh is not None:
-        ground_mesh = read_mesh(Path(design.ground_mesh.path), design.ground_mesh.name, design.ground_mesh.where)
+        ground_mesh = _read(design.ground_mesh, turned)
         if not ground_mesh[2]:
             name = design.ground_mesh.name
             advice = "Close its holes (every edge belongs to two triangles) and save it again."
             raise GeometryError([Fault("E216", f"the mesh {name} of the slope is not closed", "", advice)])
     if slip.mesh is not None:
-        slip_mesh = read_mesh(Path(slip.mesh.path), slip.mesh.name, slip.mesh.where)
+        slip_mesh = _read(slip.mesh, turned)
     if slip_mesh is None:
         origin = np.array(slip.centre_m)
         radii = np.array(slip.radii_m)
@@ -199,7 +205,16 @@ def _cut(design: SurfaceDesign) -> _Mass:
         pairs = facet_pairs(mass, body, slip.normals)
     _refuse_walls(mass, slip_mesh is not None)
     grain = max(_grain(mesh[0]) for mesh in (ground_mesh, slip_mesh) if mesh) if ground_mesh or slip_mesh else 0.0
-    return _Mass(mass, pairs, origin, grain)
+    return _Mass(mass, pairs, origin, grain, tuple(turned))
+
+
+def _read(file: MeshFile, turned: list[str]) -> tuple[Floats, Ints, bool]:
+    """Vertices, triangles and whether they close; one that is inside out is turned, and its name kept."""
+    vertices, given, closed = read_mesh(Path(file.path), file.name, file.where, turn=False)
+    triangles = outward(vertices, given) if closed else given
+    if (triangles != given).any():
+        turned.append(file.name)
+    return vertices, triangles, closed
 
 
 def _grain(vertices: Floats) -> float:
@@ -395,6 +410,8 @@ def _notices(design: SurfaceDesign, cut: _Mass, misfit: float, left: bool) -> li
         if beyond > 1e-6 * (high - low):
             message = f"the mass reaches {beyond:.4g} m beyond the profile, where the ground is taken as level"
             notices.append(Notice("W331", message))
+    if cut.turned:
+        notices.append(Notice("W343", f"meshes that were inside out have been turned: {', '.join(cut.turned)}"))
     if cut.mass.pieces:
         message = (
             f"the slip surface cuts {len(cut.mass.pieces) + 1} pieces off: the largest is analysed, "
