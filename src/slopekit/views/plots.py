@@ -205,6 +205,16 @@ CHARTS: Mapping[str, Chart] = {
             }],
         },
     ),
+    "motion": Chart(
+        "acceleration, velocity and displacement in the record that moves the block most",
+        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
+        lambda of: of.get("study") == "quake" and of.get("motion") is not None,
+        {
+            "motion": {"record": str, "way": str, "t_s": [float], "a_g": [float], "v_m_s": [float], "d_m": [float]},
+            "yield": [{"coefficient": _NUMBER, "factor": _NUMBER}],
+            "records": [{"as_recorded_m": float, "reversed_m": float}],
+        },
+    ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,
