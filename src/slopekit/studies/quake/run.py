@@ -25,10 +25,11 @@ from slopekit.core.units import quantity
 from slopekit.design.common import Design
 from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
-from slopekit.studies.quake.records import Record, read_records
+from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
-from slopekit.studies.quake.yielding import KEY, Yield, shown_k, static_design, yields_of
+from slopekit.studies.quake.yielding import KEY, Yield, check_stands, shown_k, static_design, yields_of
 from slopekit.studies.running import checked_crew
 
 _ABOUT = 150  # evaluations: for the bar
@@ -102,6 +103,7 @@ class Quake(Outcome):
     yields : by PRE-IE, then by the closed form where there is one
     shaken : record by record; motion : of the one that moves it most, None where none does
     scale_pga : the peak that all records were scaled to, g
+    six : in six degrees of freedom, each record in both polarities; empty where that was not asked for
     """
 
     name: ClassVar[str] = "quake"
@@ -112,6 +114,7 @@ class Quake(Outcome):
     motion: Motion | None
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
+    six: tuple[Shaking, ...] = ()
     seconds: float = field(default=0.0, compare=False)
 
     @property
@@ -143,8 +146,8 @@ class Quake(Outcome):
 
     @property
     def exit_code(self) -> int:
-        """0 done, 4 the methods disagree."""
-        return 4 if self.agree is False else 0
+        """0 done, 4 the methods disagree, or a step in six degrees of freedom did not settle."""
+        return 4 if self.agree is False or any(one.ended == "refused" for one in self.six) else 0
 
     @property
     def charts(self) -> tuple[str, ...]:
@@ -197,6 +200,7 @@ class Quake(Outcome):
             ],
             "percentiles_m": self.percentiles(),
             "regressions": self.compared(),
+            "six": [one.to_dict() for one in self.six] or None,
             "motion": None if self.motion is None else self.motion.to_dict(),
             "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
@@ -234,18 +238,26 @@ def quake(
     ] = None,
     scale_pga: Annotated[float | None, Option("Peak that every record is scaled to, g.", _peak)] = None,
     unit: Annotated[str | None, Option("Unit of files that name none: g, m/s2, cm/s2, gal.")] = None,
+    six: Annotated[
+        bool, Option("In six degrees of freedom too: the block on its springs, which opens and turns.")
+    ] = False,
+    across: Annotated[
+        Any, Option("With --six: record of the same earthquake to the right of the first.", metavar="RECORD")
+    ] = None,
+    vertical: Annotated[Any, Option("With --six: vertical record, up where positive.", metavar="RECORD")] = None,
     jobs: Jobs = 1,
     desk: Desk = DESK,
 ) -> Quake:
     """How far a slope slides in earthquakes: yield coefficient by both methods, Newmark displacement, exactly.
 
     A record pushes the block toward --toward where it is positive; it is used reversed too. Exit codes: 0 done, 4 the
-    methods disagree on the yield coefficient.
+    methods disagree on the yield coefficient, or a step of --six did not settle.
 
     Raises
     ------
     DesignError
-        E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E280 a design without a file.
+        E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
+        together, E522 a design that --six has no answer for, E280 a design without a file.
 
     In Python `records` may be one or several of: a path, the name of a pulse, a `Record`.
     """
@@ -256,13 +268,26 @@ def quake(
     given = [records] if isinstance(records, str | Record) or not isinstance(records, Sequence) else list(records)
     taken = read_records(given, unit)
     taken = taken if scale_pga is None else tuple(record.scaled(scale_pga) for record in taken)
+    others = [
+        None if one is None else one if isinstance(one, Record) else read_record(one, unit)
+        for one in (across, vertical)
+    ]
+    if not six and (across is not None or vertical is not None):
+        message = f"{desk.named('across')} and {desk.named('vertical')} belong to {desk.named('six')}"
+        raise DesignError([Fault("E521", message, "", "Newmark's block knows the shaking along its slope alone.")])
+    if scale_pga is not None and (across is not None or vertical is not None):
+        message = f"{desk.named('scale_pga')} would scale one of three components"
+        raise DesignError([Fault("E521", message, "", "Scale the records, all three, by the same number.")])
     static = static_design(design, toward)
-    with desk.bar("evaluations and records", _ABOUT + len(taken)) as advance:
+    check_stands(static)
+    block = six_block(static, len(taken), others[0], others[1]) if six else None
+    with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
-    warnings = tuple(_notices(static, yields, shaken))
-    seen = Quake(static, static.seismic.trend_deg, yields, shaken, motion, scale_pga, warnings)
-    return Quake(static, seen.toward_deg, yields, shaken, motion, scale_pga, warnings, time.perf_counter() - began)
+        in_six = () if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
+    warnings = (*_notices(static, yields, shaken), *_of_six(in_six))
+    trend = static.seismic.trend_deg
+    return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, time.perf_counter() - began)
 
 
 def _shaken(
@@ -294,6 +319,15 @@ def _shaken(
 
 
 _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
+
+
+def _of_six(in_six: Sequence[Shaking]) -> list[Notice]:
+    """What did not come to rest."""
+    said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
+    return [
+        Notice("W466", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
+        for one in in_six if one.ended in said
+    ]  # fmt: skip
 
 
 def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) -> list[Notice]:

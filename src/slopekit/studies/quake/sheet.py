@@ -7,11 +7,13 @@ from typing import Any
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
 from slopekit.studies.quake.run import Motion, Quake, Shaken
+from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
 from slopekit.studies.words import METHODS, head, status_words
 
 _MOST_ROWS = 40
 _NAME = 26
+_EXACT = 1e-9  # of the work put in: what is below is rounding
 
 
 def sheet_of(found: Quake) -> Sheet:
@@ -25,11 +27,19 @@ def sheet_of(found: Quake) -> Sheet:
         Section("YIELD", [*(_yield(found, one) for one in found.yields), *_agree(found)], hang=14),
         Section("SLIDES", [records]),
         Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
+        Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
         Section("COMPARE", [_compared(found)] if found.compared() else []),
         Section("MODEL", [_model(found)]),
         Section("TIME", [f"{found.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in found.warnings]),
-    ), {"quake.csv": records} | ({} if found.motion is None else {"motion.csv": _motion(found.motion)}))  # fmt: skip
+    ), _files(found, records))  # fmt: skip
+
+
+def _files(found: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
+    """Whole tables by the names of their files."""
+    six = {"six.csv": _six(found)} if found.six else {}
+    motion = {} if found.motion is None else {"motion.csv": _motion(found.motion)}
+    return {"quake.csv": records, **six, **motion}
 
 
 def line_of(found: Quake) -> str:
@@ -90,8 +100,8 @@ def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:
                  rest=f"… {left} more records are left out here: see the JSON or the CSV")  # fmt: skip
 
 
-def _cut(name: str) -> str:
-    return name if len(name) < _NAME else f"…{name[-(_NAME - 2) :]}"
+def _cut(name: str, width: int = _NAME) -> str:
+    return name if len(name) < width else f"…{name[-(width - 2) :]}"
 
 
 def _percentiles(found: Quake) -> Table[Any]:
@@ -108,6 +118,53 @@ def _percentiles(found: Quake) -> Table[Any]:
         (Column("over the records", itemgetter(0), "over", width=-_NAME), column("16 % cm", "p16"),
          column("median cm", "median"), column("84 % cm", "p84")), rows,
     )  # fmt: skip
+
+
+def _six(found: Quake) -> Table[Any]:
+    """In six degrees of freedom, beside what sliding one way has."""
+    newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in found.shaken}
+    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in found.six]
+
+    def of(name: str) -> Any:
+        return lambda row: getattr(row[0], name)
+
+    def part(title: str, name: str, width: int) -> Column[Any]:
+        return Column(title, of(name), name, show=lambda share: f"{share * 100.0:.3g}", width=width)
+
+    def work(name: str) -> Column[Any]:
+        return Column("", lambda row: getattr(row[0].work_kj, name), f"{name}_kj", "kJ")
+
+    columns: list[Column[Any]] = [
+        Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
+        Column("way", of("way"), "way", width=-11),
+        Column("slid cm", of("slid_m"), "slid_m", "m", lambda m: f"{m * 100.0:.4g}", 8),
+        Column("one way", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 9),
+        Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
+        part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
+        Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
+        *(Column("", _moved(k), f"{name}_m", "m") for k, name in enumerate(("east", "north", "up"))),
+        Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
+        *map(work, ("put_in", "friction", "stored", "kinetic", "damped", "unbalanced")),
+    ]  # fmt: skip
+    return Table(columns, rows)
+
+
+def _moved(k: int) -> Any:
+    return lambda row: float(row[0].displacement_m[k])
+
+
+def _six_notes(found: Quake) -> list[str]:
+    """The work of the one that slid most, and how it was found."""
+    most: Shaking = max(found.six, key=attrgetter("slid_m"))
+    work = most.work_kj
+    off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
+    steps, halved = sum(one.steps for one in found.six), sum(one.halved for one in found.six)
+    return [
+        f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
+        f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
+        f" to {max(off, _EXACT):.0e}",
+        f"{springs_in_words(found.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
+    ]
 
 
 def _compared(found: Quake) -> Table[Any]:

@@ -19,7 +19,7 @@ from slopekit.design.common import Design, Force
 from slopekit.design.files import with_values
 from slopekit.kinds import analyse, factors_of, kind_of
 from slopekit.kinds.protocol import Factors
-from slopekit.studies.points import Method, factor_at, status_of
+from slopekit.studies.points import Method, factor_at, point_of, status_of
 from slopekit.studies.protocol import Advance
 from slopekit.studies.running import Crew
 from slopekit.studies.solve.by_factor import for_factor
@@ -69,14 +69,20 @@ def static_design(design: Design, toward: float | None) -> Design:
     return with_values(design, values)
 
 
-def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
-    """The yield coefficient by PRE-IE, and by the closed form where there is one.
+def check_stands(static: Design) -> None:
+    """Refuse a slope that does not stand without an earthquake, or has no factor of safety: E520."""
+    point = point_of(static, {})
+    before = factor_at(point, "pre_ie")
+    if before is None:
+        said = f"{point.code} {point.message}" if point.code else f"PRE-IE ends as {status_of(point, 'pre_ie')}"
+        raise DesignError([Fault("E520", f"the design has no factor of safety without an earthquake: {said}")])
+    if before <= 1.0:
+        message = f"the slope does not stand without an earthquake: its factor of safety is {before:.4g}"
+        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
 
-    Raises
-    ------
-    DesignError
-        E520 the slope does not stand without an earthquake.
-    """
+
+def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
+    """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
     solution = for_factor(static, KEY, 1.0, None, crew, advance)
     methods: tuple[Method, ...] = ("pre_ie", "closed_form")
     found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
@@ -87,12 +93,7 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
     """The yield coefficient by one method; None where it says nothing of the design."""
     before = factor_at(solution.before, method)
     if before is None or (method == "closed_form" and not solution.before.has_closed_form):
-        if method == "pre_ie":
-            raise _unsound(solution)
         return None
-    if before <= 1.0 and method == "pre_ie":
-        message = f"the slope does not stand without an earthquake: its factor of safety is {before:.4g}"
-        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
     if before <= 1.0:
         return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
     answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
@@ -110,12 +111,6 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
     factor, why = _gain(static, method, k, advance)
     return Yield(method, k, status, factor, why, before)
-
-
-def _unsound(solution: Solution) -> DesignError:
-    point = solution.before
-    said = f"{point.code} {point.message}" if point.code else f"PRE-IE ends as {status_of(point, 'pre_ie')}"
-    return DesignError([Fault("E520", f"the design has no factor of safety without an earthquake: {said}")])
 
 
 def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
