@@ -37,6 +37,7 @@ _UNEVEN = 0.01  # of a step
 _GAP = 10.0  # times the usual step
 _DRIFTS = 0.1  # of the highest velocity of the ground
 _MOST_FAULTS = 8
+_PARTS = 100  # of a rectangular or triangular pulse
 _CYCLE = 2000  # samples of a sine: the displacement is off by some 2e-6
 _TIMES = ("t", "time", "zeit", "sec", "seconds", "s")
 _ACCELERATIONS = ("a", "acc", "accel", "acceleration", "ag", "beschleunigung", "ground acceleration", "amplitude")
@@ -220,6 +221,9 @@ def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record
     DesignError
         As `read_records`.
     """
+    if not isinstance(path, str | os.PathLike):
+        advice = "Give a path, the name of a pulse, or record_of(name, times, accelerations, unit)."
+        raise DesignError([Fault("E510", f"{str(path)[:40]!r} is no record", "", advice)])
     text = os.fspath(path)
     if re.match(r"(rectangular|sine|triangular)\b", text, re.IGNORECASE) and not Path(path).exists():
         return _pulse(text)
@@ -441,9 +445,11 @@ def _pulse(text: str) -> Record:
     if match[4] is not None:
         raise DesignError([Fault("E517", f"{text}: a {shape} pulse has a peak and a duration", text, advice)])
     long = _measured(match[3], {"s": 1.0, "ms": 1e-3}, text, advice)
+    share = np.linspace(0.0, 1.0, _PARTS + 1)  # it is linear between fewer: these are for the picture
     if shape == "rectangular":
-        return record_of(text, [0.0, 0.0, long, long], [0.0, peak, peak, 0.0], is_pulse=True)
-    return record_of(text, [0.0, 0.5 * long, long], [0.0, peak, 0.0], is_pulse=True)
+        values = np.concatenate([[0.0], np.full(_PARTS + 1, peak), [0.0]])
+        return record_of(text, long * np.concatenate([[0.0], share, [1.0]]), values, is_pulse=True)
+    return record_of(text, long * share, peak * (1.0 - np.abs(2.0 * share - 1.0)), is_pulse=True)
 
 
 def _measured(text: str, units: dict[str, float], pulse: str, advice: str) -> float:

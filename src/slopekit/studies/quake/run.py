@@ -34,6 +34,7 @@ from slopekit.studies.running import checked_crew
 
 _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
+_ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
@@ -74,7 +75,8 @@ class Motion:
 
     Attributes
     ----------
-    acceleration_g : (n,) as it pushes the block; velocity, displacement : (n,) along the sliding, with κ; m/s, m
+    acceleration_g : (n,) as it pushes the block, 0 after its end
+    velocity, displacement : (n,) along the sliding, with κ; m/s, m
     """
 
     record: str
@@ -312,10 +314,18 @@ def _shaken(
     if most is None:
         return tuple(found), None
     _, record, way, of = most
-    pushes = _WAYS[way] * record.accelerations / static.gravity_m_s2
-    return tuple(found), Motion(
-        record.name, way, record.times_s, pushes, factor * of.velocity, factor * of.displacement
-    )
+    return tuple(found), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+
+
+def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gravity: float) -> Motion:
+    """The motion in a record, until the block is at rest."""
+    t, a, v, d = record.times_s, _WAYS[way] * record.accelerations, of.velocity, of.displacement
+    if v[-1] > 0.0:
+        x = np.linspace(0.0, v[-1] / limit, _ON + 1)[1:]
+        t, a = np.concatenate([t, t[-1] + x]), np.concatenate([a, np.zeros(_ON)])
+        d = np.concatenate([d, d[-1] + x * (v[-1] - 0.5 * limit * x)])
+        v = np.concatenate([v, v[-1] - limit * x])
+    return Motion(record.name, way, t, a / gravity, factor * v, factor * d)
 
 
 _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
