@@ -131,9 +131,11 @@ class Quake(Outcome):
 
     @property
     def agree(self) -> bool | None:
-        """Whether the methods have the same k_y within what the design allows; None where they are not compared."""
+        """Whether the methods agree at PRE-IE's k_y on the same assumptions, or have the same; None: not compared."""
         if len(self.yields) < 2:
             return None
+        if self.yields[0].agree is not None and not self.moments_govern:
+            return self.yields[0].agree
         ours, other = (one.coefficient for one in self.yields)
         if ours is None or other is None:
             return ours is None and other is None

@@ -71,7 +71,12 @@ def _yield(found: Quake, one: Yield) -> str:
 
 
 def _agree(found: Quake) -> list[str]:
-    return [] if found.agree is None else [f"the methods {'AGREE' if found.agree else 'DISAGREE'} on k_y"]
+    if found.agree is None:
+        return []
+    ours, other = (one.coefficient or 0.0 for one in found.yields)
+    apart = found.agree and abs(ours - other) > found.design.agree_within * max(ours, other)
+    more = ": on the same assumptions (one traction a joint, forces alone); PRE-IE's is used" if apart else ""
+    return [f"the methods {'AGREE' if found.agree else 'DISAGREE'} on k_y{more}"]
 
 
 def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:

@@ -45,6 +45,7 @@ class Yield:
     status : how it moves there
     factor : κ, None where there is none; why_not says why
     before : the factor of safety without an earthquake; inf where nothing drives
+    agree : whether the methods agree there on the same assumptions; None where that is not judged
     """
 
     method: Method
@@ -53,6 +54,7 @@ class Yield:
     factor: float | None
     why_not: str
     before: float
+    agree: bool | None = None
 
 
 def static_design(design: Design, toward: float | None) -> Design:
@@ -96,6 +98,7 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return None
     if before <= 1.0:
         return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
+    agree = None
     answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
     if answers is None:  # a closed form that comes with PRE-IE: columns
         k, status = _beside(static, solution, advance)
@@ -103,14 +106,16 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
         first = min(roots, key=lambda one: one.value, default=None)
         k, status = (None, "") if first is None else (first.value, first.status)
+        if first is not None and first.both.factors is not None:
+            agree = first.both.factors.agree
         if first is not None and first.how != "root" and method == "pre_ie":
             (_, stands), (_, falls) = first.bracket
             why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
-            return Yield(method, k, status, None, why, before)
+            return Yield(method, k, status, None, why, before, agree)
     if k is None:
         return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
     factor, why = _gain(static, method, k, advance)
-    return Yield(method, k, status, factor, why, before)
+    return Yield(method, k, status, factor, why, before, agree)
 
 
 def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
