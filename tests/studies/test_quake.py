@@ -335,6 +335,17 @@ def test_what_six_degrees_of_freedom_do_not_take(template, arguments, code) -> N
     assert done.stderr.startswith(code)
 
 
+def test_a_record_that_ends_while_the_block_slides() -> None:
+    """Cut off at its peak: the block is brought to rest by its own weight, v² / (2 k_y g), and that is said."""
+    cut_off = record_of("cut off", [0.0, 0.5], [0.0, 0.5 * G])
+    found = sk.quake(sk.load(PLANE), cut_off)
+    limit = found.coefficient * G
+    v = (0.5 * G - limit) ** 2 / (2.0 * G)  # the push rises by 1 g a second
+    assert found.shaken[0].after_m == pytest.approx(found.factor * v * v / (2.0 * limit), rel=1e-9)
+    assert [notice.code for notice in found.warnings] == ["W461", "W464"]
+    assert found.motion.times_s[-1] == pytest.approx(0.5 + v / limit, rel=1e-9)
+
+
 def test_what_no_shaking_moves_says_so() -> None:
     found = sk.quake(sk.load(PLANE, set={"joints.J1.plane": "5/180", "strength.bedding.phi": 75}), "sine:0.5g,1Hz")
     assert found.coefficient is None
