@@ -92,7 +92,7 @@ def test_a_plane_and_its_work() -> None:
 
 
 @pytest.mark.parametrize(("way", "metres"), [
-    ((0.0, -1.0, 0.0), 0.5306221), ((0.0, -1.0, 2.0 / 3.0), 0.5661870), ((0.0, -1.0, -2.0 / 3.0), 0.4987371),
+    ((0.0, -1.0, 2.0 / 3.0), 0.5661870), ((0.0, -1.0, -2.0 / 3.0), 0.4987371),
 ])  # fmt: skip
 def test_a_second_program_says_the_same(way, metres) -> None:
     """The prototype of METHOD-2 §11, written apart (1e7, 5e6 kN/m³, 0.5 g, two cycles); a rise helps, a fall holds."""

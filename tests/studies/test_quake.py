@@ -96,7 +96,7 @@ def test_pyslammer_says_the_same(peak, limit, period, samples, published) -> Non
 
 
 @given(st.integers(0, 2**31), st.floats(0.3, 4.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_any_record_against_fine_steps(seed, limit) -> None:
     """Velocity max(0, v + r dt) in 400 steps a sample: its error falls with the step."""
     rng = np.random.default_rng(seed)
