@@ -233,6 +233,37 @@ def bench_rows(count: int = 300) -> list[str]:
     return [*rows, "", f"Load average of the machine at the end: {os.getloadavg()[0]:.0f}."]
 
 
+def quake_rows(records: int = 20, samples: int = 4000) -> list[str]:
+    """Records of 40 s on three slopes, each both ways; a sampled sine against its formula; six degrees of freedom."""
+    import slopekit as sk
+    from slopekit.design.templates import path_of
+    from slopekit.studies.quake.records import record_of
+    from slopekit.studies.quake.sliding import slide
+
+    rng, t = np.random.default_rng(2), 0.01 * np.arange(samples)
+    made = []
+    for k in range(records):
+        noise = np.convolve(rng.normal(size=samples), np.hanning(9), "same") * np.exp(-(((t - 12.0) / 6.0) ** 2))
+        made.append(record_of(f"made {k + 1}", t, noise * (0.2 + 0.03 * k) * 9.81 / np.abs(noise).max()))
+    rows = ["| what | seconds of processor | seconds |", "|---|---|---|"]
+    for words, names, given, more in (
+        (f"{records} records of {samples:,} samples, wedge, plane and blocks", ("wedge", "plane", "blocks"), made, {}),
+        ("one of them in six degrees of freedom, both ways, wedge", ("wedge",), made[-1], {"six": True}),
+    ):
+        began, processor = time.perf_counter(), _processor()
+        for name in names:
+            sk.quake(sk.load(str(path_of(name))), given, **more)
+        seconds, processor = time.perf_counter() - began, _processor() - processor
+        rows.append(f"| {words} | {processor:.1f} | {seconds:.1f} |")
+    rows += ["", "| samples of one cycle of 1 Hz, 0.5 g, k_y 0.2 | displacement, m | off its formula, 0.2333261 m |",
+             "|---|---|---|"]  # fmt: skip
+    for count in (50, 200, 1000, 4000):
+        cycle = np.arange(count + 1) / count
+        found = slide(cycle, 0.5 * 9.81 * np.sin(2.0 * np.pi * cycle), 0.2 * 9.81).displacement_m
+        rows.append(f"| {count:,} | {found:.7f} | {found / 0.23332612669886 - 1.0:.1e} |")
+    return rows
+
+
 def _processor() -> float:
     """Seconds of processor of this process and of those that it started and that have ended."""
     times = os.times()
@@ -251,6 +282,7 @@ def main(words: list[str]) -> None:
         ("Probability of failure against quadrature: the default wedge, φ = N(20, 2) on both planes", prob_rows),
         ("Joint sets: is the number that was drawn found?", set_rows),
         ("Bench design: 300 joints x 7 faces x 3 heights", bench_rows),
+        ("Earthquakes: 20 records x 3 slopes, the sliding against its formula", quake_rows),
     ]
     text = ["# Design studies: what they cost and whether they are right", "",
             f"Made by `python -m benchmarks.studies docs` on {machine()}."]  # fmt: skip

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from slopekit.studies.kinematic import kinematic
     from slopekit.studies.prob import Probability as Probability
     from slopekit.studies.prob import prob
+    from slopekit.studies.quake import Quake as Quake
+    from slopekit.studies.quake import quake
     from slopekit.studies.sets import JointSets as JointSets
     from slopekit.studies.sets import sets
     from slopekit.studies.solve import ProbabilitySolution as ProbabilitySolution
@@ -45,8 +47,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "report", "run", "sets", "solve",
-    "support", "sweep", "tornado", "wedge",
+    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "quake", "report", "run", "sets",
+    "solve", "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
 
@@ -56,9 +58,9 @@ _LATER = {
     "Check": "studies.check", "ColumnSupport": "studies.support.columns", "Combos": "studies.combos",
     "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
-    "Result": "result", "Solution": "studies.solve", "SolutionForAll": "studies.solve.for_cases",
-    "Support": "studies.support", "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep",
-    "Tornado": "studies.tornado",
+    "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
+    "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",
+    "SupportForAll": "studies.support.for_cases", "Sweep": "studies.sweep", "Tornado": "studies.tornado",
 }  # fmt: skip
 
 

@@ -526,6 +526,19 @@ def test_the_slope_in_the_load_is_the_load() -> None:
     assert bed.by_parameter(bed.forces(bed.elastic_displacement, 0.5), 0.5) == pytest.approx(ahead - behind)
 
 
+def test_some_blocks_of_a_bed_are_driven_by_their_part_of_the_ramp() -> None:
+    """A bench that was pushed by an earthquake ended in an error of shapes here."""
+    model, rng = BEDS["space"](0.0), np.random.default_rng(7)
+    ramp = rng.normal(size=model.load.size)
+    whole = Bed(model, Drive(model.load.ravel(), ramp, 0.6))
+    at = whole.elastic_displacement * (1.0 + 0.5 * rng.random(whole.size))
+    blocks = np.arange(0, len(model.load), 2)
+    those = (blocks[:, None] * model.unknowns + np.arange(model.unknowns)).ravel()
+    exact = whole.forces(at, 0.7).unbalanced[those]
+    few = whole.among(blocks, at).forces(at[those], 0.7).unbalanced
+    assert few == pytest.approx(exact, abs=1e-13 * float(np.abs(exact).max()))
+
+
 @pytest.mark.parametrize("psi", [0.0, 8.0, 29.0])
 @pytest.mark.parametrize("name", BEDS)
 def test_the_law_holds_at_any_displacement(name, psi, kernels) -> None:

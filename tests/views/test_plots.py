@@ -367,7 +367,8 @@ def test_offers(scattered) -> None:
     assert "curve" in offers(plain(sk.sweep(sk.load(WEDGE), {"slope.face.dip": [60, 80]}, methods="closed-form")))
     assert set(offers(plain(sk.run(path_of("paper-footing"))))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
-    assert len(set(EVERY)) == len(EVERY) == 20
+    assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
+    assert len(set(EVERY)) == len(EVERY) == 21
 
 
 def test_whole_documents_have_what_pictures_need(scattered) -> None:

@@ -418,7 +418,8 @@ class Bed:
         plus, minus = self.model.plus[contacts], self.model.minus[contacts]
         held = np.matmul(self.model.plus_motion[contacts], others[plus][:, :, None])
         held += np.matmul(self.model.minus_motion[contacts], others[minus][:, :, None])
-        drive = replace(self.drive, load=self.drive.load[those])
+        ramp = None if self.drive.ramp is None else self.drive.ramp[those]
+        drive = replace(self.drive, load=self.drive.load[those], ramp=ramp)
         ratio = self.ratio[groups] if isinstance(self.ratio, np.ndarray) else self.ratio
         few = Bed(model, drive, self.bond[pairs], ratio, held[:, :, 0])
         few.unbalanced_at_most = self.unbalanced_at_most[those]

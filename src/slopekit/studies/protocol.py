@@ -27,7 +27,7 @@ STUDIES: Mapping[str, str] = {
     "check": "slopekit.studies.check", "prob": "slopekit.studies.prob", "sweep": "slopekit.studies.sweep",
     "combos": "slopekit.studies.combos", "kinematic": "slopekit.studies.kinematic",
     "sets": "slopekit.studies.sets", "solve": "slopekit.studies.solve", "support": "slopekit.studies.support",
-    "bench-design": "slopekit.studies.bench_design",
+    "bench-design": "slopekit.studies.bench_design", "quake": "slopekit.studies.quake",
 }  # fmt: skip
 #: Studies that are a flag of another command: its name, the flag's, where the function stands.
 VARIANTS: Mapping[str, tuple[str, str]] = {

@@ -143,6 +143,11 @@ CHARTS: Mapping[str, Chart] = {
         "what each number does to the factor", "tornado.json: slopekit sweep design.yaml --tornado -o DIR",
         "sweep_charts.draw_tornado", lambda of: of.get("study") == "tornado",
     ),
+    "motion": Chart(
+        "acceleration, velocity and displacement in the record that moves the block most",
+        "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
+        lambda of: of.get("study") == "quake" and of.get("motion") is not None,
+    ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,

@@ -54,7 +54,7 @@ PROJECT = {
 _TITLES = {
     "sweep": "Sweep", "tornado": "What each number does", "prob": "Probability of failure", "solve": "Back-calculation",
     "cases": "Load cases", "support": "Support", "check": "Check of the methods", "combos": "Pairs of joints",
-    "kinematic": "Kinematic tests", "bench-design": "Bench design", "sets": "Joint sets",
+    "kinematic": "Kinematic tests", "bench-design": "Bench design", "quake": "Earthquakes", "sets": "Joint sets",
 }  # fmt: skip
 
 

@@ -1,0 +1,464 @@
+"""Records of ground acceleration: two columns, PEER's AT2, folders of them, and pulses by their names.
+
+A record is linear between its samples. Accelerations are in m/s²; 1 g of a record is 9.80665 m/s².
+
+>>> pulse = read_record("sine:0.5g,1Hz")
+>>> pulse.name, round(pulse.pga_g, 6), round(pulse.duration_s, 6)
+('sine:0.5g,1Hz', 0.5, 1.0)
+"""
+
+import math
+import os
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, frozen
+from slopekit.core.errors import DesignError, Fault, Faults, Notice
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.design.on_disk import read_bytes
+
+#: Standard gravity, of which accelerations in g are parts.
+GRAVITY = 9.80665
+_UNITS = {
+    "g": GRAVITY, "m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "mm/s2": 0.001, "mgal": 1e-5,
+    "m/s/s": 1.0, "cm/s/s": 0.01, "m/sec2": 1.0, "cm/sec2": 0.01, "m/sec/sec": 1.0, "cm/sec/sec": 0.01,
+}  # fmt: skip
+_KNOWN = "g, m/s2, cm/s2, gal"
+_ENDINGS = (".csv", ".txt", ".dat", ".at2", ".acc")
+_MOST_BYTES = 50_000_000
+_MOST_RECORDS = 500
+_LARGEST_G = 10.0  # no record of an earthquake has more than half of it
+_UNEVEN = 0.01  # of a step
+_GAP = 10.0  # times the usual step
+_DRIFTS = 0.1  # of the highest velocity of the ground
+_MOST_FAULTS = 8
+_PARTS = 100  # of a rectangular or triangular pulse
+_CYCLE = 2000  # samples of a sine: the displacement is off by some 2e-6
+_TIMES = ("t", "time", "zeit", "sec", "seconds", "s")
+_ACCELERATIONS = ("a", "acc", "accel", "acceleration", "ag", "beschleunigung", "ground acceleration", "amplitude")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
+_STEPS = (
+    re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eE+-]+)", re.IGNORECASE),
+    re.compile(r"^\s*(\d+)\s+([\d.eE+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE),
+)
+_PULSE = re.compile(r"(rectangular|sine|triangular):([^,:]+),([^,:]+)(?:,([^,:]+))?", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """Ground acceleration, linear between its samples.
+
+    Attributes
+    ----------
+    name : as it is called; times_s : (n,) from 0 on, never falling (two at one time are a jump)
+    accelerations : (n,) m/s²
+    unit : of the file; is_pulse : one of the built-in ones
+    notices : what is to be known of it
+    """
+
+    name: str
+    times_s: Floats
+    accelerations: Floats
+    unit: str = "m/s2"
+    is_pulse: bool = False
+    notices: tuple[Notice, ...] = ()
+
+    @property
+    def pga_g(self) -> float:
+        """Peak ground acceleration, g."""
+        return float(np.abs(self.accelerations).max()) / GRAVITY
+
+    @property
+    def duration_s(self) -> float:
+        """From the first sample to the last."""
+        return float(self.times_s[-1] - self.times_s[0])
+
+    @property
+    def ground_velocity(self) -> Floats:
+        """Velocity of the ground at the samples (n,) m/s, at rest at first: exact for the record as it is."""
+        steps = np.diff(self.times_s) * 0.5 * (self.accelerations[1:] + self.accelerations[:-1])
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def pgv_m_s(self) -> float:
+        """Peak ground velocity, m/s."""
+        return float(np.abs(self.ground_velocity).max())
+
+    @property
+    def arias_m_s(self) -> float:
+        """Arias intensity π / 2g ∫ a² dt, m/s: exact for the record as it is."""
+        a, b = self.accelerations[:-1], self.accelerations[1:]
+        return float(np.pi / (2.0 * GRAVITY) * (np.diff(self.times_s) * (a * a + a * b + b * b) / 3.0).sum())
+
+    def scaled(self, pga_g: float) -> "Record":
+        """The record with another peak."""
+        factor = pga_g / self.pga_g
+        return Record(
+            self.name, self.times_s, frozen(self.accelerations * factor), self.unit, self.is_pulse, self.notices
+        )
+
+
+def record_of(name: str, times_s: Any, accelerations: Any, unit: str = "m/s2", is_pulse: bool = False) -> Record:
+    """A record from arrays (n,), checked.
+
+    Raises
+    ------
+    DesignError
+        E511 the unit, E513 no numbers, E514 times that do not rise, E516 too few samples or nothing but zeros, E519 an
+        acceleration that none has.
+    """
+    t, a = np.asarray(times_s, dtype=np.float64).ravel(), np.asarray(accelerations, dtype=np.float64).ravel()
+    if len(t) != len(a):
+        raise DesignError([Fault("E512", f"{name}: {len(t)} times and {len(a)} accelerations", name)])
+    if not (np.isfinite(t).all() and np.isfinite(a).all()):
+        at = int(np.flatnonzero(~(np.isfinite(t) & np.isfinite(a)))[0])
+        raise DesignError([Fault("E513", f"{name}: sample {at + 1} is not a finite number", name)])
+    a = a * _factor_of(unit, name)
+    if len(a) < 2 or not a.any():
+        what = f"{len(a)} sample{'s' if len(a) != 1 else ''}" if len(a) < 2 else "nothing but zeros"
+        raise DesignError([Fault("E516", f"{name} has {what}: no record of an earthquake", name)])
+    steps = np.diff(t)
+    falls = np.flatnonzero(steps < 0.0 if is_pulse else steps <= 0.0)
+    if len(falls):
+        k = int(falls[0])
+        message = (
+            f"{name}: time does not rise from sample {k + 1} ({number(t[k])} s) to the next ({number(t[k + 1])} s)"
+        )
+        raise DesignError([Fault("E514", message, name)])
+    largest = float(np.abs(a).max()) / GRAVITY
+    if largest > _LARGEST_G:
+        in_other = (
+            f"In cm/s² it would be {number(float(f'{largest * GRAVITY / _UNITS[unit] * 0.01 / GRAVITY:.3g}'))} g."
+        )
+        message = f"{name}: the peak is {largest:.4g} g as {unit}, more than any earthquake's (up to {_LARGEST_G:g} g)"
+        raise DesignError([Fault("E519", message, name, in_other if unit in ("g", "m/s2") else "")])
+    record = Record(name, frozen(t - t[0]), frozen(a), unit, is_pulse)
+    said = () if is_pulse else tuple(_said_of(record))
+    return Record(record.name, record.times_s, record.accelerations, unit, is_pulse, said)
+
+
+def _said_of(record: Record) -> Iterator[Notice]:
+    """W460 uneven steps, W461 the baseline."""
+    steps = np.diff(record.times_s)
+    usual = float(np.median(steps))
+    uneven = int((np.abs(steps - usual) > _UNEVEN * usual).sum())
+    if uneven:
+        gap = float(steps.max())
+        more = f"; the longest, {number(gap)} s, is a gap" if gap > _GAP * usual else ""
+        yield Notice("W460", f"{record.name}: {uneven} of {len(steps)} time steps are not {usual:.6g} s{more}; it is "
+                     "taken as linear between its samples")  # fmt: skip
+    velocity = record.ground_velocity
+    most, left = float(np.abs(velocity).max()), float(velocity[-1])
+    if abs(left) > _DRIFTS * most:
+        yield Notice("W461", f"{record.name}: the ground moves at {left:.3g} m/s at its end "
+                     f"({abs(left) / most:.0%} of its peak): baseline not corrected, or cut off")  # fmt: skip
+
+
+# -- from files ------------------------------------------------------------------------------------------------------
+
+
+def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record, ...]:
+    """Records by their files, folders or names of pulses, all faults at once.
+
+    Parameters
+    ----------
+    given : texts, paths, or records that are there already
+    unit : of files that name none
+
+    Raises
+    ------
+    DesignError
+        E147 to E149 for the files, E510 nothing there, E511 to E519 what is in them, E517 a pulse.
+    """
+    found: list[Record] = []
+    faults = Faults()
+    paths: list[Any] = []
+    for one in given:
+        if isinstance(one, str | os.PathLike) and Path(one).is_dir():
+            inside = sorted(path for path in Path(one).iterdir() if path.suffix.lower() in _ENDINGS)
+            if not inside:
+                faults.append(
+                    Fault("E510", f"the folder {one} holds no record", str(one), f"Read: {' '.join(_ENDINGS)}")
+                )
+            paths += inside
+        else:
+            paths.append(one)
+    if not paths and not faults:
+        advice = "Give files, folders, or a pulse: sine:0.5g,1Hz rectangular:0.5g,0.3s triangular:0.5g,0.3s"
+        faults.append(Fault("E510", "no record is given", "RECORD", advice))
+    if len(paths) > _MOST_RECORDS:
+        faults.append(Fault("E510", f"{len(paths)} records are given, at most {_MOST_RECORDS} at a time", ""))
+        paths = []
+    for one in paths:
+        with faults.kept():
+            found.append(one if isinstance(one, Record) else read_record(one, unit))
+    if len(faults) > _MOST_FAULTS:
+        faults[_MOST_FAULTS:] = [Fault("E510", f"... and {len(faults) - _MOST_FAULTS} more faults in the records")]
+    faults.refuse()
+    names = [record.name for record in found]
+    return tuple(
+        record
+        if names.count(record.name) == 1
+        else _called(record, f"{record.name} ({names[: k + 1].count(record.name)})")
+        for k, record in enumerate(found)
+    )
+
+
+def _called(record: Record, name: str) -> Record:
+    return Record(name, record.times_s, record.accelerations, record.unit, record.is_pulse, record.notices)
+
+
+def read_record(path: str | os.PathLike[str], unit: str | None = None) -> Record:
+    """A record from a file, or a pulse by its name: rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz,5.
+
+    Raises
+    ------
+    DesignError
+        As `read_records`.
+    """
+    if not isinstance(path, str | os.PathLike):
+        advice = "Give a path, the name of a pulse, or record_of(name, times, accelerations, unit)."
+        raise DesignError([Fault("E510", f"{str(path)[:40]!r} is no record", "", advice)])
+    text = os.fspath(path)
+    if re.match(r"(rectangular|sine|triangular)\b", text, re.IGNORECASE) and not Path(path).exists():
+        return _pulse(text)
+    name = Path(path).name
+    lines = _text_of(read_bytes(path, _MOST_BYTES), name).splitlines()
+    if not any(line.strip() for line in lines):
+        raise DesignError([Fault("E516", f"{name} is empty", str(path))])
+    if any(_step_in(line) for line in lines[:8]):
+        return _at2(name, lines)
+    return _columns(name, lines, unit)
+
+
+def _text_of(content: bytes, name: str) -> str:
+    if b"\0" in content[:4096]:
+        if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+            return content.decode("utf-16", errors="replace")
+        raise DesignError([Fault("E513", f"{name} is no text: it holds bytes that no record has", name)])
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def _step_in(line: str) -> tuple[int, float] | None:
+    """Number of points and step of a line of AT2."""
+    for pattern in _STEPS:
+        if match := pattern.search(line):
+            try:
+                return int(match[1]), float(match[2])
+            except ValueError:
+                return None
+    return None
+
+
+def _at2(name: str, lines: Sequence[str]) -> Record:
+    """PEER's AT2: four lines of header, the third with the unit, the fourth with NPTS and DT, then values."""
+    head = next(k for k, line in enumerate(lines) if _step_in(line))
+    count, step = _step_in(lines[head]) or (0, 0.0)
+    where = f"{name}:{head + 1}"
+    if not (step > 0.0 and math.isfinite(step)):
+        raise DesignError([Fault("E515", f"{name}: DT is {step:g}, a time step above 0 is needed", where)])
+    said = " ".join(lines[:head])
+    match = re.search(r"UNITS\s+OF\s+([^\s,;]+)", said, re.IGNORECASE)
+    if match is None:
+        raise DesignError([Fault("E511", f"{name}: no line says ACCELERATION ... IN UNITS OF G", f"{name}:3")])
+    if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", said, re.IGNORECASE) and not re.search(
+        r"\bACCEL", said, re.IGNORECASE
+    ):
+        raise DesignError(
+            [Fault("E515", f"{name} is no record of acceleration", f"{name}:3", "Take the .AT2, not .VT2 or .DT2.")]
+        )
+    values: list[float] = []
+    for k, line in enumerate(lines[head + 1 :], head + 2):
+        values += [_value(word, name, k) for word in _words_of(line)]
+    if len(values) != count:
+        message = f"{name}: NPTS is {count}, {len(values)} values follow"
+        raise DesignError([Fault("E515", message, where, "The file is cut off, or has been edited.")])
+    unit = match[1].strip("().").lower()
+    return record_of(name, step * np.arange(count), values, unit)
+
+
+def _words_of(line: str) -> list[str]:
+    """Values of a line, those that run into each other as Fortran writes them too."""
+    return [word for part in line.split() for word in (_NUMBER.findall(part) if _run_together(part) else [part])]
+
+
+def _run_together(part: str) -> bool:
+    found = _NUMBER.findall(part)
+    return len(found) > 1 and "".join(found) == part
+
+
+def _value(word: str, name: str, line: int) -> float:
+    try:
+        value = float(word.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise DesignError(
+            [Fault("E513", f"{name}: line {line} holds {word[:40]!r}, a number is needed", f"{name}:{line}")]
+        )
+    return value
+
+
+def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
+    """Time and acceleration, in columns with a header or, where `unit` says the unit, without."""
+    rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip() and line.strip()[0] not in "#%!*"]
+    if not rows:
+        raise DesignError([Fault("E516", f"{name} has no samples", name)])
+    mark = next((mark for mark in (";", "\t", ",") if mark in rows[-1][1]), None)
+    commas = mark in (";", "\t") and any("," in line for _, line in rows[-3:])
+
+    def cells(line: str) -> list[str]:
+        parts = [part.strip().strip('"') for part in (line.split(mark) if mark else line.split())]
+        parts = parts[:-1] if parts and not parts[-1] else parts
+        return [part.replace(",", ".") for part in parts] if commas else parts
+
+    first = next((k for k, (_, line) in enumerate(rows) if all(map(_is_number, cells(line)))), None)
+    if first is None:
+        line, text = rows[min(1, len(rows) - 1)]
+        raise DesignError(
+            [Fault("E513", f"{name}: no line holds numbers alone, line {line} is {text[:40]!r}", f"{name}:{line}")]
+        )
+    width = len(cells(rows[first][1]))
+    heads = _heads(rows[first - 1][1], mark, width) if first else []
+    at = _places(name, heads, width, rows[first][0])
+    stated = _unit_of_head(heads[at[1]]) if heads else None
+    before = " ".join(line for line in lines[: rows[first][0] - 1])
+    stated = stated or _unit_in(before)
+    if stated is None and unit is None:
+        advice = f"Name it in the header (time (s), acceleration (g)), or give --unit: {_KNOWN}."
+        raise DesignError([Fault("E511", f"{name}: nothing says the unit of the acceleration", f"{name}:1", advice)])
+    times, values, faults = list[float](), list[float](), Faults()
+    for line, text in rows[first:]:
+        parts = cells(text)
+        if len(parts) != width:
+            faults.append(
+                Fault("E512", f"{name}: line {line} has {len(parts)} columns, the first has {width}", f"{name}:{line}")
+            )
+        else:
+            with faults.kept():
+                time, value = (_value(parts[k], name, line) for k in at)
+                if times and not time > times[-1]:
+                    message = f"{name}: time does not rise at line {line}: {number(times[-1])} s, then {number(time)} s"
+                    faults.append(Fault("E514", message, f"{name}:{line}"))
+                times.append(time)
+                values.append(value)
+        if len(faults) >= _MOST_FAULTS:
+            break
+    faults.refuse()
+    return record_of(name, times, values, stated or unit or "")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _heads(line: str, mark: str | None, width: int) -> list[str]:
+    """Heads of as many columns as there are; none where the line above the numbers is no header."""
+    found = [part.strip().strip('"').lower() for part in (line.split(mark) if mark else re.split(r"\s{2,}|\t", line))]
+    found = found if len(found) == width else line.lower().split()
+    return found if len(found) == width else []
+
+
+def _plain(head: str) -> str:
+    return re.sub(r"[\[(].*|[_/,].*", "", head).strip()
+
+
+def _places(name: str, heads: Sequence[str], width: int, line: int) -> tuple[int, int]:
+    """The columns of time and acceleration."""
+    if heads:
+        times = [k for k, head in enumerate(heads) if _plain(head) in _TIMES]
+        accelerations = [k for k, head in enumerate(heads) if _plain(head) in _ACCELERATIONS and k not in times]
+        if len(times) == 1 and len(accelerations) == 1:
+            return times[0], accelerations[0]
+    if width != 2:
+        advice = "Two columns, time and acceleration, or name them so in the header."
+        raise DesignError(
+            [Fault("E512", f"{name}: {width} columns, which are time and acceleration?", f"{name}:{line}", advice)]
+        )
+    return 0, 1
+
+
+def _unit_of_head(head: str) -> str | None:
+    """The unit in a head: acceleration (g), acc [m/s²], a_cm_s2, a in gal."""
+    match = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", head)
+    text = match[1] if match else head
+    return _unit_in(text) or _unit_in(re.sub(r"_(?=s\d?$|s2$)", "/", text).rpartition("_")[2])
+
+
+def _spelled(text: str) -> str:
+    text = text.lower().replace("²", "2").replace("^", "").replace("**", "").replace("·", "")
+    text = re.sub(r"\bs-2\b|s⁻2", "/s2", text).replace(" /", "/").replace("/ ", "/").replace("//", "/")
+    return re.sub(r"sec(?=2|/|\b)", "s", text).replace("m_s2", "m/s2")
+
+
+def _unit_in(text: str) -> str | None:
+    """The one unit of acceleration that a text names."""
+    words = {word for word in re.split(r"[\s,;:=()\[\]\"']+", _spelled(text)) if word in _UNITS}
+    return words.pop() if len(words) == 1 else None
+
+
+def _factor_of(unit: str, name: str) -> float:
+    spelled = _spelled(unit).strip()
+    if spelled not in _UNITS:
+        raise DesignError([Fault("E511", f"{name}: {unit!r} is no unit of acceleration", name, f"Known: {_KNOWN}.")])
+    return _UNITS[spelled]
+
+
+# -- pulses -----------------------------------------------------------------------------------------------------------
+
+
+def _pulse(text: str) -> Record:
+    """A pulse by its name.
+
+    Raises
+    ------
+    DesignError
+        E517.
+    """
+    match = _PULSE.fullmatch(text.replace(" ", ""))
+    advice = "rectangular:0.5g,0.3s  triangular:0.5g,0.3s  sine:0.5g,1Hz  sine:0.5g,1Hz,5 (cycles)"
+    if match is None:
+        raise DesignError([Fault("E517", f"{text} is no pulse", text, advice)])
+    shape = match[1].lower()
+    peak = _measured(match[2], {unit: _UNITS[unit] for unit in ("g", "m/s2", "cm/s2", "gal")}, text, advice)
+    if shape == "sine":
+        frequency = _measured(match[3], {"hz": 1.0}, text, advice)
+        cycles = 1.0 if match[4] is None else _measured(match[4], {"": 1.0, "cycles": 1.0}, text, advice)
+        if cycles != int(cycles) or not 1 <= cycles <= 100:
+            raise DesignError([Fault("E517", f"{text}: 1 to 100 whole cycles, not {match[4]}", text, advice)])
+        parts = int(cycles) * _CYCLE
+        times = np.arange(parts + 1) / (_CYCLE * frequency)
+        values = peak * np.sin(2.0 * np.pi * np.arange(parts + 1) / _CYCLE)
+        values[:: _CYCLE // 2] = 0.0
+        return record_of(text, times, values, is_pulse=True)
+    if match[4] is not None:
+        raise DesignError([Fault("E517", f"{text}: a {shape} pulse has a peak and a duration", text, advice)])
+    long = _measured(match[3], {"s": 1.0, "ms": 1e-3}, text, advice)
+    share = np.linspace(0.0, 1.0, _PARTS + 1)  # it is linear between fewer: these are for the picture
+    if shape == "rectangular":
+        values = np.concatenate([[0.0], np.full(_PARTS + 1, peak), [0.0]])
+        return record_of(text, long * np.concatenate([[0.0], share, [1.0]]), values, is_pulse=True)
+    return record_of(text, long * share, peak * (1.0 - np.abs(2.0 * share - 1.0)), is_pulse=True)
+
+
+def _measured(text: str, units: dict[str, float], pulse: str, advice: str) -> float:
+    match = re.fullmatch(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(.*)", text)
+    factor = units.get(match[2].lower().replace("²", "2")) if match else None
+    if match is None or factor is None:
+        needs = ", ".join(unit for unit in units if unit) or "a number"
+        raise DesignError([Fault("E517", f"{pulse}: {text} needs a number with {needs}", pulse, advice)])
+    value = float(match[1]) * factor
+    if not 1e-6 < abs(value) < 1e3 or (value < 0.0 and "g" not in units):
+        raise DesignError([Fault("E517", f"{pulse}: {text} is out of range", pulse, advice)])
+    return value

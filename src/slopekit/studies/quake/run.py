@@ -1,0 +1,361 @@
+"""How far a slope slides in earthquakes: yield coefficient by both methods, sliding integrated exactly.
+
+>>> import slopekit as sk
+>>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+>>> found = quake(sk.load(wedge), ["sine:0.5g,1Hz"])
+>>> round(found.coefficient, 6), round(found.factor, 6)
+(0.196243, 1.105688)
+>>> round(found.shaken[0].as_recorded_m, 5), round(found.shaken[0].newmark_m, 5)
+(0.26434, 0.23907)
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import field
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from slopekit.core.codec import json_of
+from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.core.units import quantity
+from slopekit.design.common import Design
+from slopekit.notices import means_taken
+from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
+from slopekit.studies.quake.records import Record, read_record, read_records
+from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
+from slopekit.studies.quake.sliding import Slide, slide
+from slopekit.studies.quake.yielding import KEY, Yield, check_stands, shown_k, static_design, yields_of
+from slopekit.studies.running import checked_crew
+
+_ABOUT = 150  # evaluations: for the bar
+_MOST_DRAWN = 2000  # points of a motion in JSON
+_ON = 40  # of them on the way to rest after the end of the record
+_PGA = (1e-4, 10.0)  # g
+_MOVES_ON = 0.01  # of a displacement, beyond the end of the record
+Way = Literal["as recorded", "reversed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Shaken:
+    """What one record does.
+
+    Attributes
+    ----------
+    record : as it was used; as_recorded_m, reversed_m : displacement with κ, with both polarities
+    newmark_m : as recorded with κ = 1, what plain Newmark has; newmark_reversed_m : the same reversed
+    after_m : of the larger one, what it slides on after the end of the record
+    """
+
+    record: Record
+    as_recorded_m: float
+    reversed_m: float
+    newmark_m: float
+    newmark_reversed_m: float
+    after_m: float
+
+    @property
+    def mean_m(self) -> float:
+        """Of both polarities."""
+        return 0.5 * (self.as_recorded_m + self.reversed_m)
+
+    @property
+    def larger_m(self) -> float:
+        """Of both polarities."""
+        return max(self.as_recorded_m, self.reversed_m)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Motion of the block in the record that moves it most, with the polarity that does.
+
+    Attributes
+    ----------
+    acceleration_g : (n,) as it pushes the block, 0 after its end
+    velocity, displacement : (n,) along the sliding, with κ; m/s, m
+    """
+
+    record: str
+    way: Way
+    times_s: Any
+    acceleration_g: Any
+    velocity: Any
+    displacement: Any
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values, every so manieth sample of a long one."""
+        every = max(1, math.ceil(len(self.times_s) / _MOST_DRAWN))
+        columns = {"t_s": self.times_s, "a_g": self.acceleration_g, "v_m_s": self.velocity, "d_m": self.displacement}
+        return {"record": self.record, "way": self.way, "every": every} | {
+            name: [float(f"{value:.7g}") for value in column[::every]] for name, column in columns.items()
+        }
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Quake(Outcome):
+    """What earthquakes do to a design.
+
+    Attributes
+    ----------
+    design : without its own seismic load; toward_deg : where the shaking pushes the block
+    yields : by PRE-IE, then by the closed form where there is one
+    shaken : record by record; motion : of the one that moves it most, None where none does
+    scale_pga : the peak that all records were scaled to, g
+    six : in six degrees of freedom, each record in both polarities; empty where that was not asked for
+    """
+
+    name: ClassVar[str] = "quake"
+    design: Design
+    toward_deg: float | None
+    yields: tuple[Yield, ...]
+    shaken: tuple[Shaken, ...]
+    motion: Motion | None
+    scale_pga: float | None
+    warnings: tuple[Notice, ...] = ()
+    six: tuple[Shaking, ...] = ()
+    seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def coefficient(self) -> float | None:
+        """k_y by PRE-IE, None where no k up to 2 moves the block."""
+        return self.yields[0].coefficient
+
+    @property
+    def factor(self) -> float | None:
+        """κ by PRE-IE; None where there is none, and displacements are plain Newmark's."""
+        return self.yields[0].factor
+
+    @property
+    def agree(self) -> bool | None:
+        """Whether the methods agree at PRE-IE's k_y on the same assumptions, or have the same; None: not compared."""
+        if len(self.yields) < 2:
+            return None
+        if self.yields[0].agree is not None and not self.moments_govern:
+            return self.yields[0].agree
+        ours, other = (one.coefficient for one in self.yields)
+        if ours is None or other is None:
+            return ours is None and other is None
+        if self.moments_govern:
+            return None
+        return abs(ours - other) <= self.design.agree_within * max(ours, other)
+
+    @property
+    def moments_govern(self) -> bool:
+        """Whether PRE-IE's k_y lies below the closed form's because the block turns."""
+        return self.yields[0].why_not.startswith("moments")
+
+    @property
+    def exit_code(self) -> int:
+        """0 done, 4 the methods disagree, or a step in six degrees of freedom did not settle."""
+        return 4 if self.agree is False or any(one.ended == "refused" for one in self.six) else 0
+
+    @property
+    def charts(self) -> tuple[str, ...]:
+        """Acceleration, velocity and displacement."""
+        return ("motion",) if self.motion is not None else ()
+
+    def percentiles(self) -> dict[str, dict[str, float]]:
+        """16th percentile, median and 84th of the displacements over the records, m."""
+        columns = {
+            "as_recorded": [one.as_recorded_m for one in self.shaken],
+            "reversed": [one.reversed_m for one in self.shaken],
+            "mean": [one.mean_m for one in self.shaken], "larger": [one.larger_m for one in self.shaken],
+            "newmark": [0.5 * (one.newmark_m + one.newmark_reversed_m) for one in self.shaken],
+        }  # fmt: skip
+        return {
+            name: dict(zip(("p16", "median", "p84"), np.percentile(values, (16.0, 50.0, 84.0)).tolist(), strict=True))
+            for name, values in columns.items()
+        }
+
+    def compared(self) -> list[dict[str, Any]]:
+        """Regressions beside plain Newmark displacements (the mean of both polarities): medians over the records."""
+        k = self.coefficient
+        if k is None:
+            return []
+        real = [one for one in self.shaken if not one.record.is_pulse]
+        rows = []
+        for regression in REGRESSIONS if real else ():
+            of = [median_m(regression, k, one.record.pga_g, one.record.pgv_m_s, one.record.arias_m_s) for one in real]
+            rows.append({"name": regression.name, "asks": regression.asks, "median_m": float(np.median(of))})
+        return rows
+
+    def to_dict(self) -> dict[str, Any]:
+        """The study as JSON values."""
+        return {
+            **self.head(self.design),
+            "toward_deg": self.toward_deg,
+            "scale_pga_g": self.scale_pga,
+            "yield": [json_of(one) for one in self.yields],
+            "agree": self.agree,
+            "moments_govern": self.moments_govern,
+            "records": [
+                {
+                    "name": one.record.name, "samples": len(one.record.times_s), "duration_s": one.record.duration_s,
+                    "unit": one.record.unit, "pga_g": one.record.pga_g, "pgv_m_s": one.record.pgv_m_s,
+                    "arias_m_s": one.record.arias_m_s, "as_recorded_m": one.as_recorded_m,
+                    "reversed_m": one.reversed_m, "mean_m": one.mean_m, "newmark_m": one.newmark_m,
+                    "newmark_reversed_m": one.newmark_reversed_m, "after_m": one.after_m,
+                }
+                for one in self.shaken
+            ],
+            "percentiles_m": self.percentiles(),
+            "regressions": self.compared(),
+            "six": [one.to_dict() for one in self.six] or None,
+            "motion": None if self.motion is None else self.motion.to_dict(),
+            "warnings": json_of(self.warnings),
+            "timing_s": {"total": self.seconds},
+            **self.words(),
+        }  # fmt: skip
+
+
+def _degrees(text: str, option: str) -> float:
+    return quantity(text, "angle", option, f"{option} {text}")
+
+
+def _peak(text: str, option: str) -> float:
+    return quantity(text, "ratio", option, f"{option} {text}")
+
+
+@study
+def quake(
+    design: ADesign,
+    records: Annotated[
+        Any,
+        Argument(
+            "Records: CSV of time and acceleration, PEER .AT2, folders of them, or pulses: sine:0.5g,1Hz "
+            "rectangular:0.5g,0.3s triangular:0.5g,0.3s",
+            "RECORD...",
+            many=True,
+        ),
+    ],
+    *,
+    toward: Annotated[
+        float | None,
+        Option(
+            "Trend toward which the shaking pushes the block, degrees [the design's, else the way of the slope].",
+            _degrees,
+        ),
+    ] = None,
+    scale_pga: Annotated[float | None, Option("Peak that every record is scaled to, g.", _peak)] = None,
+    unit: Annotated[str | None, Option("Unit of files that name none: g, m/s2, cm/s2, gal.")] = None,
+    six: Annotated[
+        bool, Option("In six degrees of freedom too: the block on its springs, which opens and turns.")
+    ] = False,
+    across: Annotated[
+        Any, Option("With --six: record of the same earthquake to the right of the first.", metavar="RECORD")
+    ] = None,
+    vertical: Annotated[Any, Option("With --six: vertical record, up where positive.", metavar="RECORD")] = None,
+    jobs: Jobs = 1,
+    desk: Desk = DESK,
+) -> Quake:
+    """How far a slope slides in earthquakes: yield coefficient by both methods, Newmark displacement, exactly.
+
+    A record pushes the block toward --toward where it is positive; it is used reversed too. Exit codes: 0 done, 4 the
+    methods disagree on the yield coefficient, or a step of --six did not settle.
+
+    Raises
+    ------
+    DesignError
+        E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
+        together, E522 a design that --six has no answer for, E280 a design without a file.
+
+    In Python `records` may be one or several of: a path, the name of a pulse, a `Record`.
+    """
+    began = time.perf_counter()
+    if scale_pga is not None and not _PGA[0] <= scale_pga <= _PGA[1]:
+        message = f"{desk.named('scale_pga')} is {number(scale_pga)} g, it lies between {_PGA[0]:g} and {_PGA[1]:g}"
+        raise DesignError([Fault("E518", message, "", "Peaks are in g: 0.3.")])
+    given = [records] if isinstance(records, str | Record) or not isinstance(records, Sequence) else list(records)
+    taken = read_records(given, unit)
+    taken = taken if scale_pga is None else tuple(record.scaled(scale_pga) for record in taken)
+    others = [
+        None if one is None else one if isinstance(one, Record) else read_record(one, unit)
+        for one in (across, vertical)
+    ]
+    if not six and (across is not None or vertical is not None):
+        message = f"{desk.named('across')} and {desk.named('vertical')} belong to {desk.named('six')}"
+        raise DesignError([Fault("E521", message, "", "Newmark's block knows the shaking along its slope alone.")])
+    if scale_pga is not None and (across is not None or vertical is not None):
+        message = f"{desk.named('scale_pga')} would scale one of three components"
+        raise DesignError([Fault("E521", message, "", "Scale the records, all three, by the same number.")])
+    static = static_design(design, toward)
+    check_stands(static)
+    block = six_block(static, len(taken), others[0], others[1]) if six else None
+    with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
+        yields = yields_of(static, checked_crew(jobs), advance)
+        shaken, motion = _shaken(static, yields[0], taken, advance)
+        in_six = () if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
+    warnings = (*_notices(static, yields, shaken), *_of_six(in_six))
+    trend = static.seismic.trend_deg
+    return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, time.perf_counter() - began)
+
+
+def _shaken(
+    static: Design, ours: Yield, records: Sequence[Record], advance: Any
+) -> tuple[tuple[Shaken, ...], Motion | None]:
+    """Displacement in every record, both ways, and the motion in the one that moves it most."""
+    if ours.coefficient is None:
+        return tuple(Shaken(record, 0.0, 0.0, 0.0, 0.0, 0.0) for record in records), None
+    limit, factor = ours.coefficient * static.gravity_m_s2, ours.factor or 1.0
+    found: list[Shaken] = []
+    most: tuple[float, Record, Way, Slide] | None = None
+    for record in records:
+        slides = {way: slide(record.times_s, sign * record.accelerations, limit) for way, sign in _WAYS.items()}
+        plain = [one.displacement_m for one in slides.values()]
+        way = max(slides, key=lambda one: slides[one].displacement_m)
+        found.append(
+            Shaken(record, factor * plain[0], factor * plain[1], plain[0], plain[1], factor * slides[way].after_m)
+        )
+        if slides[way].displacement_m > (0.0 if most is None else most[0]):
+            most = slides[way].displacement_m, record, way, slides[way]
+        advance(1)
+    if most is None:
+        return tuple(found), None
+    _, record, way, of = most
+    return tuple(found), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+
+
+def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gravity: float) -> Motion:
+    """The motion in a record, until the block is at rest."""
+    t, a, v, d = record.times_s, _WAYS[way] * record.accelerations, of.velocity, of.displacement
+    if v[-1] > 0.0:
+        x = np.linspace(0.0, v[-1] / limit, _ON + 1)[1:]
+        t, a = np.concatenate([t, t[-1] + x]), np.concatenate([a, np.zeros(_ON)])
+        d = np.concatenate([d, d[-1] + x * (v[-1] - 0.5 * limit * x)])
+        v = np.concatenate([v, v[-1] - limit * x])
+    return Motion(record.name, way, t, a / gravity, factor * v, factor * d)
+
+
+_WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
+
+
+def _of_six(in_six: Sequence[Shaking]) -> list[Notice]:
+    """What did not come to rest."""
+    said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
+    return [
+        Notice("W466", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
+        for one in in_six if one.ended in said
+    ]  # fmt: skip
+
+
+def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) -> list[Notice]:
+    """What is to be known: of the records, of κ, of the methods."""
+    found = [notice for one in shaken for notice in one.record.notices]
+    ours = yields[0]
+    if ours.coefficient is not None and ours.factor is None:
+        found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's"))
+    if ours.coefficient is None:
+        found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
+    on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
+    if on:
+        listed = ", ".join(on[:6]) + (", ..." if len(on) > 6 else "")
+        found.append(Notice("W464", f"the block still slides when the record ends ({listed}): what it slides on "
+                            "without shaking is counted; a record cut off lacks what came after"))  # fmt: skip
+    if len(yields) > 1 and ours.why_not.startswith("moments"):
+        found.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
+                            f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
+    return [*found, *means_taken(static, [KEY])]

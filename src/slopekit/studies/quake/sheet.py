@@ -1,0 +1,202 @@
+"""The sheet of earthquakes: yield coefficient by both methods, displacements record by record, what others find."""
+
+from collections.abc import Sequence
+from operator import attrgetter, itemgetter
+from typing import Any
+
+from slopekit.core.orientation import number
+from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
+from slopekit.studies.quake.run import Motion, Quake, Shaken
+from slopekit.studies.quake.six import Shaking, springs_in_words
+from slopekit.studies.quake.yielding import Yield, shown_k
+from slopekit.studies.words import METHODS, head, status_words
+
+_MOST_ROWS = 40
+_NAME = 26
+_EXACT = 1e-9  # of the work put in: what is below is rounding
+
+
+def sheet_of(found: Quake) -> Sheet:
+    """The sheet of earthquakes."""
+    records = _records(found.shaken)
+    toward = "the way of the slope" if found.toward_deg is None else f"{number(found.toward_deg):0>3}"
+    scaled = "" if found.scale_pga is None else f", each scaled to {number(found.scale_pga)} g"
+    return Sheet(head(found.design, "quake"), (
+        Section("RECORDS", [f"{counted(len(found.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
+        Section("NOW", [_now(found)]),
+        Section("YIELD", [*(_yield(found, one) for one in found.yields), *_agree(found)], hang=14),
+        Section("SLIDES", [records]),
+        Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
+        Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
+        Section("COMPARE", [_compared(found)] if found.compared() else []),
+        Section("MODEL", [_model(found)]),
+        Section("TIME", [f"{found.seconds:.2f} s"]),
+        Section("NOTE", [str(notice) for notice in found.warnings]),
+    ), _files(found, records))  # fmt: skip
+
+
+def _files(found: Quake, records: Table[Any]) -> dict[str, Table[Any]]:
+    """Whole tables by the names of their files."""
+    six = {"six.csv": _six(found)} if found.six else {}
+    motion = {} if found.motion is None else {"motion.csv": _motion(found.motion)}
+    return {"quake.csv": records, **six, **motion}
+
+
+def line_of(found: Quake) -> str:
+    """The yield coefficient, the displacements, the check on one line."""
+    k, factor = found.coefficient, found.factor
+    parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
+    larger = max(one.larger_m for one in found.shaken)
+    parts.append(f"median {_length(found.percentiles()['mean']['median'])}, most {_length(larger)}")
+    parts.append({True: "agree", False: "disagree", None: "not compared"}[found.agree])
+    return "  ".join([*parts, *dict.fromkeys(notice.code for notice in found.warnings)])
+
+
+def _length(metres: float) -> str:
+    return f"{metres * 100.0:.4g} cm"
+
+
+def _now(found: Quake) -> str:
+    said = [f"{factor_text(one.before).strip()} {METHODS[one.method]}" for one in found.yields]
+    return f"without an earthquake FoS {'   '.join(said)}"
+
+
+def _yield(found: Quake, one: Yield) -> str:
+    name = f"{METHODS[one.method]:<13} "
+    if one.coefficient is None:
+        return f"{name}none: {one.why_not}"
+    status = status_words(found.design, one.status)
+    factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
+    return f"{name}k_y {one.coefficient:.6f} g   {factor}   {status}"
+
+
+def _agree(found: Quake) -> list[str]:
+    if found.agree is None:
+        return []
+    ours, other = (one.coefficient or 0.0 for one in found.yields)
+    apart = found.agree and abs(ours - other) > found.design.agree_within * max(ours, other)
+    more = ": on the same assumptions (one traction a joint, forces alone); PRE-IE's is used" if apart else ""
+    return [f"the methods {'AGREE' if found.agree else 'DISAGREE'} on k_y{more}"]
+
+
+def _records(shaken: Sequence[Shaken]) -> Table[Shaken]:
+    """Displacements in cm for a person, in m in files."""
+
+    def shown(metres: float) -> str:
+        return f"{metres * 100.0:.4g}"
+
+    columns: tuple[Column[Shaken], ...] = (
+        Column("record", lambda one: one.record.name, "record", width=-_NAME, text=lambda one: _cut(one.record.name)),
+        Column("PGA g", lambda one: one.record.pga_g, "pga_g", "g", ".3g", 8),
+        Column("PGV m/s", lambda one: one.record.pgv_m_s, "pgv_m_s", "m/s", ".3g", 9),
+        Column("Arias m/s", lambda one: one.record.arias_m_s, "arias_m_s", "m/s", ".3g", 11),
+        Column("as recorded cm", attrgetter("as_recorded_m"), "as_recorded_m", "m", shown, 16),
+        Column("reversed cm", attrgetter("reversed_m"), "reversed_m", "m", shown, 13),
+        Column("", attrgetter("mean_m"), "mean_m", "m", shown),
+        Column("", attrgetter("newmark_m"), "newmark_m", "m", shown),
+        Column("", attrgetter("newmark_reversed_m"), "newmark_reversed_m", "m", shown),
+        Column("", attrgetter("after_m"), "after_m", "m", shown),
+        Column("", lambda one: one.record.duration_s, "duration_s", "s"),
+    )
+    if len(shaken) <= _MOST_ROWS:
+        return Table(columns, shaken)
+    left = len(shaken) - _MOST_ROWS
+    return Table(columns, shaken, ends=(_MOST_ROWS // 2, _MOST_ROWS // 2),
+                 rest=f"… {left} more records are left out here: see the JSON or the CSV")  # fmt: skip
+
+
+def _cut(name: str, width: int = _NAME) -> str:
+    return name if len(name) < width else f"…{name[-(width - 2) :]}"
+
+
+def _percentiles(found: Quake) -> Table[Any]:
+    called = {
+        "as_recorded": "as recorded", "reversed": "reversed", "mean": "mean of both", "larger": "larger of both",
+        "newmark": "mean of both, factor 1",
+    }  # fmt: skip
+    rows = [(called[name], values) for name, values in found.percentiles().items()]
+
+    def column(title: str, key: str) -> Column[Any]:
+        return Column(title, lambda row: row[1][key], key + "_m", "m", lambda m: f"{m * 100.0:.4g}", 13)
+
+    return Table(
+        (Column("over the records", itemgetter(0), "over", width=-_NAME), column("16 % cm", "p16"),
+         column("median cm", "median"), column("84 % cm", "p84")), rows,
+    )  # fmt: skip
+
+
+def _six(found: Quake) -> Table[Any]:
+    """In six degrees of freedom, beside what sliding one way has."""
+    newmark = {one.record.name: (one.as_recorded_m, one.reversed_m) for one in found.shaken}
+    rows = [(one, newmark[one.record][one.way == "reversed"]) for one in found.six]
+
+    def of(name: str) -> Any:
+        return lambda row: getattr(row[0], name)
+
+    def part(title: str, name: str, width: int) -> Column[Any]:
+        return Column(title, of(name), name, show=lambda share: f"{share * 100.0:.3g}", width=width)
+
+    def work(name: str) -> Column[Any]:
+        return Column("", lambda row: getattr(row[0].work_kj, name), f"{name}_kj", "kJ")
+
+    columns: list[Column[Any]] = [
+        Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
+        Column("way", of("way"), "way", width=-11),
+        Column("slid cm", of("slid_m"), "slid_m", "m", lambda m: f"{m * 100.0:.4g}", 8),
+        Column("one way", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 9),
+        Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
+        part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
+        Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
+        *(Column("", _moved(k), f"{name}_m", "m") for k, name in enumerate(("east", "north", "up"))),
+        Column("", of("steps"), "steps"), Column("", of("halved"), "halved"),
+        *map(work, ("put_in", "friction", "stored", "kinetic", "damped", "unbalanced")),
+    ]  # fmt: skip
+    return Table(columns, rows)
+
+
+def _moved(k: int) -> Any:
+    return lambda row: float(row[0].displacement_m[k])
+
+
+def _six_notes(found: Quake) -> list[str]:
+    """The work of the one that slid most, and how it was found."""
+    most: Shaking = max(found.six, key=attrgetter("slid_m"))
+    work = most.work_kj
+    off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
+    steps, halved = sum(one.steps for one in found.six), sum(one.halved for one in found.six)
+    return [
+        f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
+        f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
+        f" to {max(off, _EXACT):.0e}",
+        f"{springs_in_words(found.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
+    ]
+
+
+def _compared(found: Quake) -> Table[Any]:
+    own = found.percentiles()["newmark"]["median"]
+    ours = {"name": "these records, factor 1", "asks": "", "median_m": own}
+    columns: tuple[Column[Any], ...] = (
+        Column("median displacement", itemgetter("name"), "name", width=-_NAME),
+        Column("cm", itemgetter("median_m"), "median_m", "m", lambda m: f"{m * 100.0:.4g}", 10),
+        Column("  from", itemgetter("asks"), "asks", width=-1, about="  {}"),
+    )
+    return Table(columns, [ours, *found.compared()])
+
+
+def _model(found: Quake) -> str:
+    factor = "1" if found.factor is None else f"{found.factor:.6f}"
+    return (
+        f"one way, rigid, exact between samples; the block gains on the ground by {factor} x (a - k_y g); "
+        "left out: vertical shaking, sliding back, strength lost by slip, geometry that changes"
+    )
+
+
+def _motion(motion: Motion) -> Table[Any]:
+    """Every sample of the record that moves it most."""
+    rows = list(zip(motion.times_s, motion.acceleration_g, motion.velocity, motion.displacement, strict=True))
+    names = (("t_s", "s"), ("a_g", "g"), ("v_m_s", "m/s"), ("d_m", "m"))
+    return Table([Column(name, _cell(k), name, unit, exact=".9g") for k, (name, unit) in enumerate(names)], rows)
+
+
+def _cell(k: int) -> Any:
+    return lambda row: float(row[k])

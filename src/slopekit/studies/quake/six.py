@@ -1,0 +1,195 @@
+"""Records in six degrees of freedom: the block of a design on its springs, shaken both ways, with its work."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design, Strength
+from slopekit.design.files import with_values
+from slopekit.kinds import cut, kind_of
+from slopekit.kinds.one_block import Cut
+from slopekit.kinds.solver_inputs import joint_stiffness
+from slopekit.preie.contact import SHEAR_TO_NORMAL, JointStiffness
+from slopekit.preie.shaking import Shake, ShakenBlock, Work, inertia_of, shake, shaken_block
+from slopekit.studies.quake.records import Record
+from slopekit.studies.quake.yielding import KEY
+
+_STEP = 0.005  # s: springs of joints follow and do not ring, and the block slides to some 1e-3
+_SAME_VOLUME = 1e-6
+#: Polarities by their names.
+WAYS = {"as recorded": 1.0, "reversed": -1.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Shaking:
+    """What one record does to the block in six degrees of freedom, in one polarity.
+
+    Attributes
+    ----------
+    displacement_m : (3,) of the centroid in the end, east, north, up (of a section: out of the slope, along it, up)
+    slid_m : its size; rotation_deg : how much it has turned
+    slipped, opened, debonded : shares of the joints' area: that slipped, open at once at most, that lost its cohesion
+    steps, halved : of time; ended : rest, moves (still), refused (a step did not settle: what stands here is up to it)
+    until_s : how far it got
+    """
+
+    record: str
+    way: str
+    displacement_m: Floats
+    slid_m: float
+    rotation_deg: float
+    slipped: float
+    opened: float
+    debonded: float
+    steps: int
+    halved: int
+    ended: str
+    until_s: float
+    work_kj: Work
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON values."""
+        work = self.work_kj
+        return {
+            "record": self.record, "way": self.way, "displacement_m": self.displacement_m.tolist(),
+            "slid_m": self.slid_m, "rotation_deg": self.rotation_deg, "slipped": self.slipped, "opened": self.opened,
+            "debonded": self.debonded, "steps": self.steps, "halved": self.halved, "ended": self.ended,
+            "until_s": self.until_s,
+            "work_kj": {
+                "put_in": work.put_in, "friction": work.friction, "stored": work.stored, "kinetic": work.kinetic,
+                "damped": work.damped, "unbalanced": work.unbalanced,
+            },
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class SixBlock:
+    """The block of a design, and the ways (translations,) that its shaking pushes: toward, to the right of that, up."""
+
+    block: ShakenBlock
+    made: Cut
+    ways: tuple[Floats, Floats, Floats]
+
+
+def six_block(static: Design, records: int, across: Record | None, vertical: Record | None) -> SixBlock:
+    """The block of a design at rest on its springs.
+
+    Raises
+    ------
+    DesignError
+        E521 components that do not go together, E522 a design that has no such block.
+    """
+    if (across is not None or vertical is not None) and records != 1:
+        message = f"--across and --vertical belong to one record, {records} are given"
+        raise DesignError([Fault("E521", message, "", "Run each earthquake by itself.")])
+    found = _block_of(static)
+    if across is not None and found.block.translations == 2:
+        raise DesignError([Fault("E521", "a section does not move across itself: --across says nothing of it")])
+    return found
+
+
+def shaken_in_six(
+    of: SixBlock, records: Sequence[Record], across: Record | None, vertical: Record | None,
+    advance: Callable[[int], None],
+) -> tuple[Shaking, ...]:  # fmt: skip
+    """Every record in both polarities."""
+    found = []
+    for record in records:
+        pushes = _components(record, across, vertical, of.ways)
+        for way, sign in WAYS.items():
+            out = shake(of.block, _STEP, sign * pushes)
+            found.append(_said(record, way, out, of.block, of.made))
+            advance(1)
+    return tuple(found)
+
+
+def _components(
+    record: Record, across: Record | None, vertical: Record | None, ways: tuple[Floats, Floats, Floats]
+) -> Floats:
+    """Mean pushes (m, translations) m/s² of up to three records in equal steps, until the last has ended."""
+    given = [(one, way) for one, way in zip((record, across, vertical), ways, strict=True) if one is not None]
+    count = math.ceil(max(one.duration_s for one, _ in given) / _STEP - 1e-9)
+    grid: Floats = np.linspace(0.0, _STEP * count, count + 1)
+    pushes = np.zeros((count, len(ways[0])))
+    for one, way in given:
+        pushes += (np.diff(_velocity_at(one, grid)) / _STEP)[:, None] * way
+    return pushes
+
+
+def _velocity_at(record: Record, times: Floats) -> Floats:
+    """Velocity of the ground (k,) at any times, exact; after the end it stays."""
+    t, a = record.times_s, record.accelerations
+    k = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 2)
+    length = t[k + 1] - t[k]
+    x = np.minimum(times - t[k], length)
+    bend = np.divide(a[k + 1] - a[k], length, out=np.zeros_like(length), where=length > 0.0)
+    found: Floats = record.ground_velocity[k] + x * (a[k] + 0.5 * x * bend)
+    return np.where(times >= t[-1], record.ground_velocity[-1], found)
+
+
+def _block_of(static: Design) -> SixBlock:
+    kind = kind_of(static)
+    made, shaken = cut(static), cut(with_values(static, {KEY: 1.0}))
+    if not isinstance(made, Cut):
+        raise _none("several blocks: six degrees of freedom are those of one")
+    model = made.scene_at(made.refine).model
+    strengths: Sequence[Strength] = kind.strengths(static)
+    if model.dilates:
+        raise _none("its joints dilate")
+    if model.lines is not None:
+        raise _none("its joints have a curved strength")
+    if len(model.bolt_capacity):
+        raise _none("it has passive bolts, which would be drawn out and in")
+    weight = float(-made.loads.parts["weight"][2])
+    volume, inertia = inertia_of(list(made.block.faces.values()), made.block.centroid)
+    if abs(volume / made.block.volume - 1.0) > _SAME_VOLUME:
+        raise _none("its faces are not flat")
+    residual = None
+    if any(strength.residual for strength in strengths):
+        left = [interface.strength.at_residual() for interface in made.interfaces]
+        keys = [interface.key for interface in made.interfaces]
+        cohesion, friction = np.zeros(max(keys) + 1), np.zeros(max(keys) + 1)
+        cohesion[keys] = [one.cohesion_kpa for one in left]
+        friction[keys] = np.tan(np.radians([one.friction_angle_deg for one in left]))
+        residual = cohesion, friction
+    mass = weight / static.gravity_m_s2
+    block = shaken_block(model, mass, inertia * (mass / volume), _springs(static), residual)
+    if block is None:
+        raise _none("on its springs it does not come to rest without an earthquake")
+    toward = (shaken.loads.parts["seismic"] - made.loads.parts["seismic"]) / weight
+    right, up = np.array([toward[1], -toward[0], 0.0]), np.array([0.0, 0.0, 1.0])
+    in_plane = [0, 2] if block.translations == 2 else [0, 1, 2]
+    return SixBlock(block, made, (toward[in_plane], right[in_plane], up[in_plane]))
+
+
+def _springs(static: Design) -> JointStiffness:
+    """The design's stiffness; in place of a hyperbola, which has no memory, a constant part of the normal one."""
+    own = joint_stiffness(static)
+    give = own.tangential if isinstance(own.tangential, float | int) else SHEAR_TO_NORMAL * own.normal
+    return JointStiffness(own.normal, 0.0, float(give))
+
+
+def springs_in_words(static: Design) -> str:
+    """The springs, as the sheet has them."""
+    springs = _springs(static)
+    return f"springs {springs.normal:g} kN/m³ normal, {springs.tangential:g} shear"
+
+
+def _none(why: str) -> DesignError:
+    return DesignError([Fault("E522", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
+
+
+def _said(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cut) -> Shaking:
+    last = out.motion[-1]
+    moved, turned = np.zeros(3), last[block.translations :]
+    moved[[0, 2] if block.translations == 2 else [0, 1, 2]] = last[: block.translations]
+    moved = moved if made.axes is None else moved @ made.axes
+    return Shaking(
+        record.name, way, moved, math.sqrt(float(moved @ moved)), math.degrees(math.sqrt(float(turned @ turned))),
+        out.slipped, out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
+    )  # fmt: skip

@@ -1,0 +1,200 @@
+"""The yield coefficient of a design by both methods, and how fast a block gains on the ground above it.
+
+Above k_y the block slides: its acceleration against the ground is κ (a - k_y g), not a - k_y g. κ is the derivative of
+the net driving force by k, in parts of the weight: cos(β - φ) / cos φ on a plane. At factor 1 a force along the sliding
+is as good as one of inertia, so κ follows from how much such a force moves k_y, by any method.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from slopekit.core.arrays import Floats
+from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.core.orientation import number
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design, Force
+from slopekit.design.files import with_values
+from slopekit.kinds import analyse, factors_of, kind_of
+from slopekit.kinds.protocol import Factors
+from slopekit.studies.points import Method, factor_at, point_of, status_of
+from slopekit.studies.protocol import Advance
+from slopekit.studies.running import Crew
+from slopekit.studies.solve.by_factor import for_factor
+from slopekit.studies.solve.solutions import Solution
+
+KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
+MOST_K = 2.0  # where a design's coefficient ends
+_PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
+_LEAST_PUSH = 1e-3
+_CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
+_MOST_STEPS = 25
+_JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
+
+
+@dataclass(frozen=True, slots=True)
+class Yield:
+    """The yield coefficient by one method.
+
+    Attributes
+    ----------
+    method : pre_ie or closed_form
+    coefficient : None where no k up to 2 moves the block
+    status : how it moves there
+    factor : κ, None where there is none; why_not says why
+    before : the factor of safety without an earthquake; inf where nothing drives
+    agree : whether the methods agree there on the same assumptions; None where that is not judged
+    """
+
+    method: Method
+    coefficient: float | None
+    status: str
+    factor: float | None
+    why_not: str
+    before: float
+    agree: bool | None = None
+
+
+def static_design(design: Design, toward: float | None) -> Design:
+    """The design without its earthquake, which pushes another way where that is given.
+
+    Raises
+    ------
+    DesignError
+        E280 a design without a file, E122 a direction that is none.
+    """
+    values: dict[str, object] = {KEY: 0.0}
+    if toward is not None:
+        values[TOWARD] = float(toward)
+    return with_values(design, values)
+
+
+def check_stands(static: Design) -> None:
+    """Refuse a slope that does not stand without an earthquake, or has no factor of safety: E520."""
+    point = point_of(static, {})
+    before = factor_at(point, "pre_ie")
+    if before is None:
+        said = f"{point.code} {point.message}" if point.code else f"PRE-IE ends as {status_of(point, 'pre_ie')}"
+        raise DesignError([Fault("E520", f"the design has no factor of safety without an earthquake: {said}")])
+    if before <= 1.0:
+        message = f"the slope does not stand without an earthquake: its factor of safety is {before:.4g}"
+        raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
+
+
+def yields_of(static: Design, crew: Crew, advance: Advance) -> tuple[Yield, ...]:
+    """The yield coefficient by PRE-IE, and by the closed form where there is one, of a slope that stands."""
+    solution = for_factor(static, KEY, 1.0, None, crew, advance)
+    methods: tuple[Method, ...] = ("pre_ie", "closed_form")
+    found = [one for method in methods if (one := _yield_by(static, solution, method, advance)) is not None]
+    return tuple(found)
+
+
+def _yield_by(static: Design, solution: Solution, method: Method, advance: Advance) -> Yield | None:
+    """The yield coefficient by one method; None where it says nothing of the design."""
+    before = factor_at(solution.before, method)
+    if before is None or (method == "closed_form" and not solution.before.has_closed_form):
+        return None
+    if before <= 1.0:
+        return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
+    agree = None
+    answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
+    if answers is None:  # a closed form that comes with PRE-IE: columns
+        k, status = _beside(static, solution, advance)
+    else:
+        roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
+        first = min(roots, key=lambda one: one.value, default=None)
+        k, status = (None, "") if first is None else (first.value, first.status)
+        if first is not None and first.both.factors is not None:
+            agree = first.both.factors.agree
+        if first is not None and first.how != "root" and method == "pre_ie":
+            (_, stands), (_, falls) = first.bracket
+            why = f"moments open a joint there, the factor of safety jumps from {stands:.3g} to {falls:.3g}"
+            return Yield(method, k, status, None, why, before, agree)
+    if k is None:
+        return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
+    factor, why = _gain(static, method, k, advance)
+    return Yield(method, k, status, factor, why, before, agree)
+
+
+def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
+    """The closed form of columns comes with PRE-IE: from PRE-IE's coefficient by secants."""
+    near = solution.answer
+    if near is None:
+        return None, ""
+    k = _root(lambda at: _level(factors_of(with_values(static, {KEY: at})), "closed_form"), near.value, 1e-9, advance)
+    return k, near.status
+
+
+def _level(factors: Factors, method: Method) -> float | None:
+    """ln F by a method; None where it has no factor."""
+    factor = factors.limit if method == "pre_ie" else factors.closed_form
+    return math.log(factor) if factor else None
+
+
+def _root(level: Callable[[float], float | None], start: float, close: float, advance: Advance) -> float | None:
+    """Where ln F is 0, by secants from nearby; None where they lead nowhere."""
+    a, b = start, start * (1.0 + 1e-3) + 1e-6
+    try:
+        at_a, at_b = level(a), level(b)
+        advance(2)
+        for _ in range(_MOST_STEPS):
+            if at_a is None or at_b is None or at_a == at_b:
+                return None if at_b != 0.0 else b
+            a, b, at_a = b, b - at_b * (b - a) / (at_b - at_a), at_b
+            if not 0.0 <= b <= MOST_K:
+                return None
+            if abs(b - a) <= close * max(b, 1e-3):
+                return b
+            at_b = level(b)
+            advance(1)
+            if at_b == 0.0:
+                return b
+    except SlopekitError:
+        return None
+    return None
+
+
+def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:
+    """κ at a yield coefficient, or why there is none."""
+    kind = kind_of(static)
+    if kind.closed_form is None:
+        return None, "several blocks move, each its own way"
+    result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
+    advance(1)
+    if result.mechanism is None or not result.status.startswith("slides"):
+        return None, f"the block does not slide ({result.status})"
+    if result.moments_govern and method == "pre_ie":
+        return None, "moments govern: it turns as it slides"
+    if any(strength.dilation_deg for strength in kind.strengths(static)):
+        return None, "its joints dilate: it rises as it slides"
+    along = result.mechanism.displacement
+    along = along / math.sqrt(float(along @ along))
+    weight = result.forces.weight
+    push = max(_PUSH * k, _LEAST_PUSH)
+    moved = [_moved(static, method, k, along, side * push * weight, push, advance) for side in (-1.0, 1.0)]
+    if moved[0] is None or moved[1] is None or not moved[0] > moved[1]:
+        return None, "another way to move is as near"
+    return 2.0 * push / (moved[0] - moved[1]), ""
+
+
+def _moved(
+    static: Design, method: Method, k: float, along: Floats, force: float, push: float, advance: Advance
+) -> float | None:  # fmt: skip
+    """The yield coefficient with a force (kN) along the sliding."""
+    components = np.asarray(force * along).tolist()
+    more = Force((components[0], components[1], components[2]))
+
+    def level(at: float) -> float | None:
+        changed = with_values(static, {KEY: at})
+        changed = replace(changed, forces=(*changed.forces, more))
+        return _level(factors_of(changed, method == "pre_ie"), method)
+
+    start = k - math.copysign(push, force)
+    return _root(level, start if start > 0.0 else 0.5 * k, _CLOSE[method], advance)
+
+
+def shown_k(k: float | None) -> str:
+    """A coefficient as sentences have it."""
+    return f"above {MOST_K:g}" if k is None else number(float(f"{k:.6g}"))

@@ -1,0 +1,384 @@
+"""Earthquakes: sliding against formulas and programs, the factor against mechanics, the study as users meet it."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+import slopekit as sk
+from slopekit.design.templates import path_of
+from slopekit.studies.quake.records import record_of
+from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.sliding import slide
+from tests.commands import slopekit
+
+G = 9.81
+WEDGE = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180", "strength": "bedding"}}, "strength": {"bedding": {"c": 20, "phi": 30}},
+    "rock": {"density": 2600},
+}  # fmt: skip
+
+
+def _sine(samples: int, peak: float, period: float = 1.0, after: float = 2.0):
+    """One cycle, then quiet for `after` periods."""
+    t = np.arange(int(samples * (1.0 + after)) + 1) * period / samples
+    return t, np.where(t <= period * (1.0 + 1e-12), peak * np.sin(2.0 * np.pi * t / period), 0.0)
+
+
+def _exact_sine(peak: float, limit: float, period: float) -> float:
+    """One cycle that starts with a push, by its formula; the stop is a root."""
+    w = 2.0 * math.pi / period
+    t1 = math.asin(limit / peak) / w
+
+    def velocity(t: float) -> float:
+        return peak / w * (math.cos(w * t1) - math.cos(w * t)) - limit * (t - t1)
+
+    t2 = brentq(velocity, period / 4.0 + t1, period, xtol=1e-15)
+    moved = math.cos(w * t1) * (t2 - t1) - (math.sin(w * t2) - math.sin(w * t1)) / w
+    return peak / w * moved - limit * (t2 - t1) ** 2 / 2.0
+
+
+# -- sliding ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_rectangular_pulse() -> None:
+    """Newmark 1965: V² / (2 g N) (1 - N/A)."""
+    t, a = np.array([0.0, 0.0, 0.3, 0.3]), np.array([0.0, 0.5, 0.5, 0.0]) * G
+    found = slide(t, a, 0.1 * G)
+    v = 0.5 * G * 0.3
+    assert found.displacement_m == pytest.approx(v * v / (2.0 * G * 0.1) * (1.0 - 0.1 / 0.5), rel=1e-14)
+    assert found.displacement_m == pytest.approx(0.8829, abs=5e-7)
+    rest = slide(np.append(t, 9.0), np.append(a, 0.0), 0.1 * G)  # the same with its quiet end in the record
+    assert (rest.displacement_m, rest.after_m) == pytest.approx((found.displacement_m, 0.0), rel=1e-14)
+
+
+def test_a_triangular_pulse() -> None:
+    """Slides from N/A of the rise; velocity (A - N)² T / 2A at the fall through N; then the cubic and the parabola."""
+    peak, limit, long = 0.5 * G, 0.3 * G, 0.4
+    t, a = np.array([0.0, long / 2.0, long]), np.array([0.0, peak, 0.0])
+    s = 2.0 * peak / long
+    x = (peak - limit) / s  # from start to peak, and from peak to the fall through N
+    v = (peak - limit) * x
+    rise = s * x**3 / 6.0 + (peak - limit) * x * x / 2.0 + (peak - limit) * x * x / 2.0 - s * x**3 / 6.0
+    y = brentq(lambda y: v - s * y * y / 2.0, 0.0, long / 2.0 - x, xtol=1e-16)
+    assert slide(t, a, limit).displacement_m == pytest.approx(rise + v * y - s * y**3 / 6.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("peak", "limit", "period"), [(0.5, 0.2, 1.0), (0.3, 0.15, 0.4), (0.9, 0.5, 2.0)])
+def test_a_sampled_sine_converges_as_the_square_of_the_step(peak, limit, period) -> None:
+    exact = _exact_sine(peak * G, limit * G, period)
+    errors = [abs(slide(*_sine(n, peak * G, period), limit * G).displacement_m / exact - 1.0) for n in (250, 500, 1000)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.all((orders > 1.7) & (orders < 2.4))
+    assert errors[-1] < 2e-5
+
+
+def test_the_sine_of_method_2() -> None:
+    assert _exact_sine(0.5 * G, 0.2 * G, 1.0) == pytest.approx(0.2333261, abs=5e-8)
+    assert slide(*_sine(1000, 0.5 * G), 0.2 * G).displacement_m == pytest.approx(0.2333261 * (1.0 - 8.1e-6), rel=1e-6)
+
+
+@pytest.mark.parametrize(("peak", "limit", "period", "samples", "published"), [
+    (0.5, 0.2, 1.0, 400, 0.23322642813032185), (0.5, 0.2, 1.0, 1000, 0.23324501573169465),
+    (0.4, 0.1, 0.5, 400, 0.07676832561867072), (0.3, 0.15, 2.0, 400, 0.377258438121223),
+])  # fmt: skip
+def test_pyslammer_says_the_same(peak, limit, period, samples, published) -> None:
+    """pyslammer 0.2.2 (RigidAnalysis, 1 g = 9.80665) steps: within 4e-4 with 400 samples a cycle."""
+    found = slide(*_sine(samples, peak * 9.80665, period), limit * 9.80665).displacement_m
+    assert found == pytest.approx(published, rel=4e-4 * (400 / samples))
+
+
+@given(st.integers(0, 2**31), st.floats(0.3, 4.0))
+@settings(max_examples=20, deadline=None)
+def test_any_record_against_fine_steps(seed, limit) -> None:
+    """Velocity max(0, v + r dt) in 400 steps a sample: its error falls with the step."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(rng.uniform(0.01, 0.03, 25))
+    a = rng.normal(0.0, 4.0, 25)
+    a[0] = 0.0
+    fine = np.interp(np.linspace(0.0, 24.0, 24 * 400 + 1), np.arange(25), t)
+    drive, v, d = np.interp(fine, t, a) - limit, 0.0, 0.0
+    for r0, r1, h in zip(drive[:-1], drive[1:], np.diff(fine), strict=True):
+        before, v = v, max(0.0, v + 0.5 * (r0 + r1) * h)
+        d += 0.5 * (before + v) * h
+    found = slide(t, a, limit)
+    assert found.displacement[-1] == pytest.approx(d, rel=2e-3, abs=1e-6)
+    assert found.velocity[-1] == pytest.approx(v, rel=2e-3, abs=2e-4)
+    assert (np.diff(found.displacement) >= 0.0).all()
+    cut = slide(np.insert(t, 12, 0.5 * (t[11] + t[12])), np.insert(a, 12, 0.5 * (a[11] + a[12])), limit)
+    assert cut.displacement_m == pytest.approx(found.displacement_m, rel=1e-11, abs=1e-13)  # a sample more is no other
+
+
+# -- the yield coefficient and the factor ------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def wedge():
+    return sk.quake(sk.load(WEDGE), record_of("sine", *_sine(2000, 0.5 * G)))
+
+
+def test_the_wedge_of_the_paper(wedge) -> None:
+    """METHOD-2: k_y 0.19624, factor 1.1057, 10 % more than plain Newmark has."""
+    assert [one.method for one in wedge.yields] == ["pre_ie", "closed_form"]
+    for one in wedge.yields:
+        assert one.coefficient == pytest.approx(0.1962434791629, rel=1e-9)
+        assert one.factor == pytest.approx(1.1057, abs=5e-5)
+    at_yield = sk.run(WEDGE, set={"loads.seismic.k": wedge.coefficient})
+    assert at_yield.fos.limit == pytest.approx(1.0, abs=1e-9)
+    shaken = wedge.shaken[0]
+    assert shaken.newmark_m == pytest.approx(_exact_sine(0.5 * G, wedge.coefficient * G, 1.0), rel=1e-5)
+    assert shaken.as_recorded_m == pytest.approx(wedge.factor * shaken.newmark_m, rel=1e-12)
+    assert wedge.agree
+    assert wedge.exit_code == 0
+
+
+@pytest.mark.parametrize(("dip", "phi", "cohesion"), [(35.0, 30.0, 20.0), (25.0, 35.0, 0.0), (50.0, 20.0, 30.0)])
+def test_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi, cohesion) -> None:
+    b, f = math.radians(dip), math.radians(phi)
+    changes = {"joints.J1.plane": f"{dip}/180", "strength.bedding.phi": phi, "strength.bedding.c": cohesion}
+    found = sk.quake(sk.load(PLANE, set=changes), "sine:0.9g,2Hz")
+    for one in found.yields:
+        assert one.factor == pytest.approx(math.cos(b - f) / math.cos(f), rel=1e-7)
+    if not cohesion:
+        assert found.coefficient == pytest.approx(math.tan(f - b), rel=1e-9)
+
+
+def test_a_bolt_and_a_curved_law_have_a_factor_too() -> None:
+    """An active bolt is a load: it moves k_y and not the factor. A curved law has the slope at its own traction."""
+    bolt = {"support": {"bolts": [{"force": "200 kN", "toward": "000/00", "acts": "active"}]}}
+    held = sk.quake(sk.load(PLANE | bolt), "sine:0.9g,2Hz")
+    assert held.coefficient > 1.2 * 0.14532323  # without it
+    assert held.factor == pytest.approx(math.cos(math.radians(5.0)) / math.cos(math.radians(30.0)), rel=1e-6)
+    curved = {"strength": {"bedding": {"law": "power", "a": 2.0, "b": 0.8}}}
+    rough = sk.quake(sk.load(PLANE | curved), "sine:0.9g,2Hz")
+    at = sk.run(PLANE | curved, set={"loads.seismic.k": rough.coefficient})
+    traction = at.forces.normal["J1"] / at.geometry.areas_m2["J1"]
+    slope = math.atan(2.0 * 0.8 * traction ** (0.8 - 1.0))
+    assert rough.yields[1].factor == pytest.approx(math.cos(math.radians(35.0) - slope) / math.cos(slope), rel=1e-4)
+
+
+def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
+    """PRE-IE sees the traction of each pair, the closed form one a joint; held against each other as `run` does it."""
+    found = sk.quake(sk.load(str(path_of("rough"))), "sine:0.9g,2Hz")
+    ours, closed = found.yields
+    assert 0.01 < closed.coefficient / ours.coefficient - 1.0 < 0.2
+    assert sk.run(str(path_of("rough")), set={"loads.seismic.k": ours.coefficient}).agree
+    assert found.agree
+    assert "PRE-IE's is used" in str(found)
+
+
+def test_columns_and_blocks_have_a_coefficient_and_say_why_no_factor() -> None:
+    found = sk.quake(sk.load(str(path_of("topple"))), "sine:0.2g,2Hz")
+    ours, closed = found.yields
+    assert ours.coefficient == pytest.approx(closed.coefficient, rel=1e-7)
+    assert ours.status == "topples"
+    assert ours.factor is None
+    assert [notice.code for notice in found.warnings] == ["W462"]
+    assert found.shaken[0].as_recorded_m == found.shaken[0].newmark_m > 0.0
+    blocks = sk.quake(sk.load(str(path_of("blocks"))), "sine:0.2g,2Hz")
+    assert len(blocks.yields) == 1
+    assert blocks.agree is None
+    assert blocks.shaken[0].larger_m == 0.0  # k_y lies above the peak
+    assert blocks.charts == ()
+
+
+def test_the_other_polarity_is_the_record_turned_round(wedge) -> None:
+    record = wedge.shaken[0].record
+    turned = sk.quake(wedge.design, record_of("turned", record.times_s, -record.accelerations))
+    assert turned.shaken[0].as_recorded_m == wedge.shaken[0].reversed_m
+    assert turned.shaken[0].reversed_m == wedge.shaken[0].as_recorded_m
+    assert turned.motion.way == ("as recorded" if wedge.motion.way == "reversed" else "reversed")
+
+
+def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wedge) -> None:
+    aside = sk.quake(sk.load(WEDGE), "sine:0.5g,1Hz", toward=150)
+    assert aside.coefficient == pytest.approx(wedge.coefficient / math.cos(math.radians(30.0)), rel=1e-8)
+    assert aside.factor == pytest.approx(wedge.factor * math.cos(math.radians(30.0)), rel=1e-6)
+    assert aside.toward_deg == 150.0
+
+
+def test_peaks_are_scaled() -> None:
+    found = sk.quake(sk.load(PLANE), ["sine:0.5g,1Hz", "triangular:0.2g,1s"], scale_pga=0.3)
+    assert [one.record.pga_g for one in found.shaken] == pytest.approx([0.3, 0.3], rel=1e-14)
+    sine = record_of("sine", *_sine(2000, 0.3 * 9.80665, after=0.0))
+    exact = slide(sine.times_s, sine.accelerations, found.coefficient * G).displacement_m
+    assert found.shaken[0].newmark_m == pytest.approx(exact, rel=1e-12)
+    assert found.percentiles()["mean"]["median"] == pytest.approx(np.mean([one.mean_m for one in found.shaken]))
+
+
+# -- regressions -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("index", range(5))
+def test_regressions_as_they_are_printed(index) -> None:
+    """k 0.1, PGA 0.4 g, PGV 30 cm/s, Arias 1 m/s: the logarithms of the formulas."""
+    r = 0.25
+    log10_cm = [
+        0.90 + 2.53 * math.log10(1 - r) - 1.09 * math.log10(r),
+        0.215 + 2.341 * math.log10(1 - r) - 1.438 * math.log10(r),
+        0.561 * 0.0 - 3.833 * math.log10(r) - 1.474,
+        (-1.56 - 4.58 * r - 20.84 * r**2 + 44.75 * r**3 - 30.5 * r**4 - 0.64 * math.log(0.4) + 1.55 * math.log(30.0))
+        / math.log(10.0),
+        (2.39 - 5.24 * r - 18.78 * r**2 + 42.01 * r**3 - 29.15 * r**4 - 1.56 * math.log(0.4)) / math.log(10.0),
+    ]  # fmt: skip
+    found = median_m(REGRESSIONS[index], 0.1, 0.4, 0.3, 1.0)
+    assert found == pytest.approx(10.0 ** log10_cm[index] / 100.0, rel=1e-12)
+    assert median_m(REGRESSIONS[index], 0.4, 0.4, 0.3, 1.0) == 0.0
+
+
+# -- as users meet it --------------------------------------------------------------------------------------------------
+
+
+def test_the_command_and_its_files(tmp_path) -> None:
+    t, a = _sine(50, 0.45)
+    record = tmp_path / "made.csv"
+    record.write_text("t (s),a (g)\n" + "".join(f"{x:.4f},{y:.9f}\n" for x, y in zip(t, a, strict=True)))
+    out = tmp_path / "out"
+    done = slopekit("quake", str(path_of("plane")), str(record), "--scale-pga", "0.5", "-o", str(out))
+    assert done.returncode == 0
+    document = json.loads((out / "quake.json").read_text(encoding="utf-8"))
+    found = sk.quake(sk.load(str(path_of("plane"))), str(record), scale_pga=0.5)
+    untimed = {"timing_s": None}
+    assert document | untimed == found.to_dict() | untimed
+    assert [row["name"] for row in document["regressions"]] == [one.name for one in REGRESSIONS]
+    with (out / "quake.csv").open(encoding="utf-8") as file:
+        assert float(next(csv.DictReader(file))["as_recorded_m"]) == found.shaken[0].as_recorded_m
+    with (out / "motion.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) >= len(t)
+    assert float(rows[-1]["v_m_s"]) == 0.0
+    assert float(rows[-1]["d_m"]) == pytest.approx(found.shaken[0].larger_m, rel=1e-7)
+    assert (out / "motion.png").stat().st_size > 10_000
+    assert "the methods AGREE on k_y" in done.stdout
+    assert found.line.startswith(f"k_y {found.coefficient:.6g}  factor {found.factor:.4f}")
+    page = tmp_path / "page.html"
+    assert slopekit("report", str(out / "quake.json"), "-o", str(page)).returncode == 0
+    text = page.read_text(encoding="utf-8")
+    assert "Earthquakes" in text
+    assert f"{found.coefficient:.6f}" in text
+
+
+@pytest.mark.parametrize(("arguments", "code"), [
+    ((), "E510"), (("nowhere.csv",), "E147"), (("sine:0.5g",), "E517"),
+    (("sine:0.5g,1Hz", "--scale-pga", "30"), "E518"),
+    (("sine:0.5g,1Hz", "--scale-pga", "x"), "E106"),
+    (("sine:0.5g,1Hz", "--toward", "500"), "E122"),
+    (("sine:0.5g,1Hz", "--set", "strength.weak.c=0", "--set", "strength.weak.phi=10"), "E520"),
+])  # fmt: skip
+def test_wrong_input_is_said(arguments, code) -> None:
+    done = slopekit("quake", str(path_of("wedge")), *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith(code)
+
+
+def test_six_degrees_of_freedom(tmp_path) -> None:
+    """A plane moves as in the slide one way, also with a push up; its work is balanced."""
+    plane = sk.load(PLANE)
+    alone = sk.quake(plane, "sine:0.5g,2Hz", six=True)
+    assert [(one.way, one.ended) for one in alone.six] == [("as recorded", "rest"), ("reversed", "rest")]
+    exact = alone.shaken[0].as_recorded_m, alone.shaken[0].reversed_m
+    assert [one.slid_m for one in alone.six] == pytest.approx(exact, rel=2e-3)
+    down = math.radians(35.0)
+    for one in alone.six:
+        assert one.displacement_m == pytest.approx(
+            one.slid_m * np.array([0.0, -math.cos(down), -math.sin(down)]), abs=1e-3 * one.slid_m
+        )  # toward 180
+        assert abs(one.work_kj.unbalanced) < 1e-9 * one.work_kj.put_in
+    lifted = sk.quake(plane, "sine:0.5g,2Hz", six=True, vertical="sine:0.3g,2Hz")
+    record = lifted.shaken[0].record  # a push up takes tan(β - φ) of itself from the push out of the slope
+    less = 1.0 - 0.6 * math.tan(math.radians(5.0))
+    moved = lifted.factor * slide(record.times_s, less * record.accelerations, lifted.coefficient * G).displacement_m
+    assert lifted.six[0].slid_m == pytest.approx(moved, rel=2e-3)
+    assert moved < 0.95 * exact[0]
+    document = json.loads(json.dumps(alone.to_dict(), allow_nan=False))
+    assert document["six"][1]["slid_m"] == alone.six[1].slid_m
+    assert alone.tables()["six"].records()[0]["friction_kj"] == alone.six[0].work_kj.friction
+    assert "to rest" not in str(alone)
+    assert f"{100.0 * alone.six[0].slid_m:.4g}" in str(alone)
+
+
+def test_a_step_that_is_refused_is_said(monkeypatch) -> None:
+    from slopekit.preie import shaking
+
+    newton, calls = shaking._newton, []
+
+    def until(*given):
+        calls.append(0)
+        return newton(*given) if len(calls) <= 20 else None
+
+    monkeypatch.setattr(shaking, "_newton", until)
+    found = sk.quake(sk.load(PLANE), "sine:0.5g,2Hz", six=True)
+    assert [one.ended for one in found.six] == ["refused", "refused"]
+    assert found.six[0].until_s == pytest.approx(20 * 0.005)
+    assert found.exit_code == 4
+    assert [notice.code for notice in found.warnings] == ["W466", "W466"]
+
+
+@pytest.mark.parametrize(("template", "arguments", "code"), [
+    ("wedge", ("--vertical", "sine:0.3g,1Hz"), "E521"),
+    ("wedge", ("--six", "--across", "sine:0.3g,1Hz", "--scale-pga", "0.3"), "E521"),
+    ("wedge", ("sine:0.3g,1Hz", "--six", "--across", "sine:0.3g,1Hz"), "E521"),
+    ("plane", ("--six", "--across", "sine:0.3g,1Hz"), "E521"),
+    ("plane", ("--six", "--vertical", "nowhere.csv"), "E147"),
+    ("blocks", ("--six",), "E522"), ("plane", ("--six", "--set", "strength.bedding.dilation=5"), "E522"),
+])  # fmt: skip
+def test_what_six_degrees_of_freedom_do_not_take(template, arguments, code) -> None:
+    done = slopekit("quake", str(path_of(template)), "sine:0.2g,5Hz", *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith(code)
+
+
+def test_a_record_that_ends_while_the_block_slides() -> None:
+    """Cut off at its peak: the block is brought to rest by its own weight, v² / (2 k_y g), and that is said."""
+    cut_off = record_of("cut off", [0.0, 0.5], [0.0, 0.5 * G])
+    found = sk.quake(sk.load(PLANE), cut_off)
+    limit = found.coefficient * G
+    v = (0.5 * G - limit) ** 2 / (2.0 * G)  # the push rises by 1 g a second
+    assert found.shaken[0].after_m == pytest.approx(found.factor * v * v / (2.0 * limit), rel=1e-9)
+    assert [notice.code for notice in found.warnings] == ["W461", "W464"]
+    assert found.motion.times_s[-1] == pytest.approx(0.5 + v / limit, rel=1e-9)
+
+
+def test_what_no_shaking_moves_says_so() -> None:
+    found = sk.quake(sk.load(PLANE, set={"joints.J1.plane": "5/180", "strength.bedding.phi": 75}), "sine:0.5g,1Hz")
+    assert found.coefficient is None
+    assert [notice.code for notice in found.warnings] == ["W463"]
+    assert found.agree
+    assert "none: no k up to 2 moves it" in str(found)
+    assert found.shaken[0].larger_m == 0.0
+    assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["yield"][0]["coefficient"] is None
+
+
+def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None:
+    """Cohesion of 5 MPa: the block is pulled off its joint long before it slides."""
+    strong = {"strength.bedding.c": "5 MPa"}
+    found = sk.quake(sk.load(PLANE, set=strong), "sine:0.9g,2Hz")
+    ours, closed = found.yields
+    assert ours.coefficient < 0.9 * closed.coefficient
+    assert "the factor of safety jumps from" in ours.why_not
+    assert found.moments_govern
+    assert found.agree is None
+    assert [notice.code for notice in found.warnings] == ["W462", "W465"]
+    below, above = (
+        sk.run(PLANE, set=strong | {"loads.seismic.k": k * ours.coefficient}).fos.limit for k in (0.999, 1.001)
+    )
+    assert below > 1.0
+    assert above is None
+
+
+def test_a_plain_wedge_loads_nothing_of_it() -> None:
+    import subprocess
+    import sys
+
+    code = (
+        "import sys, slopekit as sk; sk.wedge(dips=('45/115', '45/245'));"
+        "print([name for name in sys.modules if 'quake' in name])"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
