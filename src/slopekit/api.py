@@ -15,6 +15,13 @@ if TYPE_CHECKING:
     from slopekit.views.notebook import Drawing
 
 
+ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
+BRACKET = Option("The same, and the bracket where elastic blocks no longer come to rest: takes longer.")
+
+
+_NO_INPUTS = ("unknown", "desk", "wedge_design", "elastic", "elastic_bracket")
+
+
 @documented
 def wedge(
     dips: Annotated[
@@ -48,6 +55,11 @@ def wedge(
     water_unit_weight: Annotated[Any, Option("Unit weight of water [9.81 kN/m3].")] = None,
     refine: Annotated[int | None, Option("Split the joints' triangles in four this often [0].")] = None,
     origin: Annotated[Any, Option("Map coordinates of the toe, E,N,Z.")] = None,
+    modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
+    poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
+    edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
+    elastic: Annotated[bool, ELASTIC] = False,
+    elastic_bracket: Annotated[bool, BRACKET] = False,
     desk: Desk = DESK,
     **unknown: Any,
 ) -> "Result":
@@ -67,8 +79,9 @@ def wedge(
     """
     from slopekit.kinds.wedge.design import wedge_design
 
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "desk", "wedge_design")} | unknown
-    return analyse(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
+    given = {key: value for key, value in locals().items() if key not in _NO_INPUTS} | unknown
+    design = wedge_design(given) if desk is DESK else wedge_design(given, desk.named)
+    return analyse(design, elastic, elastic_bracket)
 
 
 def load(
@@ -93,8 +106,12 @@ def load(
     return load_design(source, tuple((set or {}).items()), case)
 
 
-def analyse(design: "Design") -> "Result":
+def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = False) -> "Result":
     """Analyse a loaded design of any kind; with load cases it is a `Cases`, whose `.cases` has a `Result` of each.
+
+    Parameters
+    ----------
+    elastic : elastic blocks beside the rigid ones; elastic_bracket : and where they no longer come to rest
 
     Raises GeometryError where no block can be formed.
     """
@@ -106,8 +123,9 @@ def analyse(design: "Design") -> "Result":
     if design.cases:
         from slopekit.studies.cases import each_case
 
-        return cast("Result", each_case(analyse_design, "run", design, {}))
-    return analyse_design(design)
+        asked = {"elastic": elastic, "bracket": elastic_bracket} if elastic or elastic_bracket else {}
+        return cast("Result", each_case(analyse_design, "run", design, asked))
+    return analyse_design(design, elastic, elastic_bracket)
 
 
 @documented
@@ -115,6 +133,8 @@ def run(
     source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
+    elastic: Annotated[bool, ELASTIC] = False,
+    elastic_bracket: Annotated[bool, BRACKET] = False,
 ) -> "Result":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
@@ -138,7 +158,7 @@ def run(
     if not isinstance(source, Design):
         if not isinstance(source, str | os.PathLike | Mapping):
             raise wrong_kind("run", "source", "the path of a design file, the same as a dict, or a design", source)
-        return analyse(load(source, set, case))
+        return analyse(load(source, set, case), elastic, elastic_bracket)
     if set:
         raise DesignError(
             [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
@@ -147,7 +167,7 @@ def run(
         from slopekit.design.cases import case_named
 
         source = case_named(source, case).design
-    return analyse(source)
+    return analyse(source, elastic, elastic_bracket)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------
