@@ -48,6 +48,7 @@ _MOST_REFINED = 5
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
 _LINES_STEADY = 1e-6
+_SAME = 1e-6
 
 
 def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
@@ -79,6 +80,8 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     if not stands:
         limit = scene.limit_without(found.parted)
         rigid_limit = scene.limit_without(rigid.parted) if rigid.stands else rigid_limit
+    other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
+    limit = rigid_limit if other else limit
     ends, at_bracket = None, None
     if bracket and limit is not None:
         say("elastic bracket", head=True)
@@ -86,6 +89,9 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         ends, at_bracket = (low.factor, high), scene.limit_without(low.parted)
     answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, at_bracket, search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
+    if other:
+        notes.append(Notice("W455", "without the cohesion that is pulled open another limit state is found, with a higher "
+                            "factor: the lower of the two is the limit under ELASTIC"))  # fmt: skip
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
@@ -453,10 +459,11 @@ def _answer(
         )  # fmt: skip
     moved = _displacements(scene, model, found)
     most = int(np.argmax((moved * moved).sum(axis=1)))
-    shares = [float(area[state.parted].sum() / area.sum()) for state in (found, rigid)]
+    opened, rigid_opened = (float(area[state.parted].sum() / area.sum()) for state in (found, rigid))
     rigid_moved = _displacements(scene, model.rigid(), rigid)
     return ElasticBlocks(
-        *limits, bracket, at_bracket, found.factor, *shares, joints, frozen(moved[most]), frozen(rigid_moved[most]),
+        limits[0], limits[1], bracket, at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
+        frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, found.failed_pairs, len(area),
         sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
         sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
