@@ -67,12 +67,13 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     if scene.rigid_limit is None and not stands:
         said = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")
         return replace(result, warnings=(*result.warnings, said))
-    factor = 1.0 if stands or (scene.rigid_limit or 0.0) > 1.0 else _BELOW * (scene.rigid_limit or 1.0)
-    try:
+    below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
+    factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
+    for factor in factors:
         search, found = _at_rest(scene, scene.model, factor)
-    except np.linalg.LinAlgError:
-        found = None
-    if found is None or not found.stands:
+        if found.stands:
+            break
+    else:
         said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
@@ -90,8 +91,8 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, at_bracket, search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if other:
-        notes.append(Notice("W455", "without the cohesion that is pulled open another limit state is found, with a higher "
-                            "factor: the lower of the two is the limit under ELASTIC"))  # fmt: skip
+        why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
+        notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
     return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
 
 
