@@ -16,6 +16,13 @@ if TYPE_CHECKING:
     from slopekit.views.notebook import Drawing
 
 
+ELASTIC = Option("Elastic blocks beside the rigid ones (extra: elastic).")
+BRACKET = Option("The same, and the bracket where elastic blocks no longer come to rest: takes longer.")
+
+
+_NO_INPUTS = ("unknown", "desk", "elastic", "elastic_bracket")
+
+
 @documented
 def wedge(
     dips: Annotated[
@@ -52,6 +59,11 @@ def wedge(
     ] = None,
     refine: Annotated[int | None, Option("Split the joints' triangles in four this often [0].")] = None,
     origin: Annotated[Any, Option("Map coordinates of the toe, E,N,Z.")] = None,
+    modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
+    poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
+    edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
+    elastic: Annotated[bool, ELASTIC] = False,
+    elastic_bracket: Annotated[bool, BRACKET] = False,
     desk: Desk = DESK,
     **unknown: Any,
 ) -> "Result":
@@ -70,11 +82,12 @@ def wedge(
     "height": ...}, the origin (E, N, Z). `limits` are those of design files: {"bench_width": 6,
     "trace_length": (10, 12), "by": "filter"}. Of a crack {"water": "3 m"} says how deep the water stands in it.
     """
-    given = {key: value for key, value in locals().items() if key not in ("unknown", "desk")} | unknown
+    given = {key: value for key, value in locals().items() if key not in _NO_INPUTS} | unknown
     from slopekit.kinds import analyse as analyse_design
     from slopekit.kinds.wedge.design import wedge_design
 
-    return analyse_design(wedge_design(given) if desk is DESK else wedge_design(given, desk.named))
+    design = wedge_design(given) if desk is DESK else wedge_design(given, desk.named)
+    return analyse_design(design, elastic, elastic_bracket)
 
 
 def load(
@@ -99,8 +112,12 @@ def load(
     return load_design(source, tuple((set or {}).items()), case)
 
 
-def analyse(design: "Design") -> "Result | Cases[Result]":
+def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = False) -> "Result | Cases[Result]":
     """Analyse a loaded design of any kind: a `Result`; with load cases `Cases`, whose `.cases` has a `Result` of each.
+
+    Parameters
+    ----------
+    elastic : elastic blocks beside the rigid ones; elastic_bracket : and where they no longer come to rest
 
     Raises GeometryError where no block can be formed.
     """
@@ -112,23 +129,43 @@ def analyse(design: "Design") -> "Result | Cases[Result]":
     if design.cases:
         from slopekit.studies.cases import each_case
 
-        return each_case(analyse_design, "run", design, {})
-    return analyse_design(design)
+        asked = {"elastic": elastic, "bracket": elastic_bracket} if elastic or elastic_bracket else {}
+        return each_case(analyse_design, "run", design, asked)
+    return analyse_design(design, elastic, elastic_bracket)
 
 
 _Source: TypeAlias = "str | os.PathLike[str] | Mapping[str, Any] | Design"
 
 
 @overload
-def run(source: _Source, set: Mapping[str, Any] | None = None, *, case: str) -> "Result": ...
+def run(
+    source: _Source,
+    set: Mapping[str, Any] | None = None,
+    *,
+    case: str,
+    elastic: bool = False,
+    elastic_bracket: bool = False,
+) -> "Result": ...
 
 
 @overload
-def run(source: _Source, set: Mapping[str, Any] | None, case: str) -> "Result": ...
+def run(
+    source: _Source,
+    set: Mapping[str, Any] | None,
+    case: str,
+    elastic: bool = False,
+    elastic_bracket: bool = False,
+) -> "Result": ...
 
 
 @overload
-def run(source: _Source, set: Mapping[str, Any] | None = None, case: str | None = None) -> "Result | Cases[Result]": ...
+def run(
+    source: _Source,
+    set: Mapping[str, Any] | None = None,
+    case: str | None = None,
+    elastic: bool = False,
+    elastic_bracket: bool = False,
+) -> "Result | Cases[Result]": ...
 
 
 @documented
@@ -136,6 +173,8 @@ def run(
     source: Annotated["str | os.PathLike[str] | Mapping[str, Any] | Design", DESIGN],
     set: Mapping[str, Any] | None = None,
     case: str | None = None,
+    elastic: Annotated[bool, ELASTIC] = False,
+    elastic_bracket: Annotated[bool, BRACKET] = False,
 ) -> "Result | Cases[Result]":
     """Any design file: wedge, plane, footing, surface, bench, blocks, topple.
 
@@ -160,7 +199,7 @@ def run(
     if not isinstance(source, Design):
         if not isinstance(source, str | os.PathLike | Mapping):
             raise wrong_kind("run", "source", "the path of a design file, the same as a dict, or a design", source)
-        return analyse(load(source, set, case))
+        return analyse(load(source, set, case), elastic, elastic_bracket)
     if set:
         raise DesignError(
             [Fault("E160", "a design that is loaded takes no further values", "set", "Give set to load.")]
@@ -169,7 +208,7 @@ def run(
         from slopekit.design.cases import case_named
 
         source = case_named(source, case).design
-    return analyse(source)
+    return analyse(source, elastic, elastic_bracket)
 
 
 # -- pictures and pages -----------------------------------------------------------------------------------------------

@@ -282,6 +282,71 @@ class WithoutBasal:
         return rule.met(self.closed_form)
 
 
+@dataclass(frozen=True, slots=True)
+class OnElasticJoint:
+    """A joint of elastic blocks beside the same of rigid ones: kPa from the lowest to the highest, compression +."""
+
+    elastic_kpa: tuple[float, float]
+    rigid_kpa: tuple[float, float]
+    opened_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class ElasticPairs:
+    """Node pairs of elastic blocks: places (n, 3) in the user's coordinates, m² and kPa, and which were pulled open."""
+
+    points_m: Floats
+    joint: tuple[str, ...]
+    normals: Floats
+    control_areas_m2: Floats
+    elastic_kpa: Floats
+    rigid_kpa: Floats
+    opened: tuple[bool, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ElasticBlocks:
+    """Elastic blocks beside the rigid ones.
+
+    Attributes
+    ----------
+    limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
+        what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
+    bracket : the last factor at which the elastic blocks come to rest and the first tried at which they do not;
+        `limit_at_bracket` : the limit without what is open there; None where it was not asked for
+    factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
+    opened_share, rigid_opened_share : of the area of all contacts; joints : by name
+    displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
+    modulus_kpa, poisson, edge_m, order : the rock and its elements; taken : which of them were not given
+    unknowns : of the finite elements, with three a pair and those of the blocks; cells : the finite elements
+    residual : of balance and displacements, in parts; steps : of Newton's method, in all
+    """
+
+    limit: float | None
+    rigid_limit: float | None
+    bracket: tuple[float, float] | None
+    limit_at_bracket: float | None
+    factor: float
+    opened_share: float
+    rigid_opened_share: float
+    joints: Mapping[str, OnElasticJoint]
+    displacement_m: Floats
+    rigid_displacement_m: Floats
+    block: str | None
+    failed_pairs: int
+    node_pairs: int
+    unknowns: int
+    cells: int
+    modulus_kpa: float
+    poisson: float
+    edge_m: float
+    order: int
+    taken: tuple[str, ...]
+    residual: float
+    steps: int
+    pairs: ElasticPairs = field(repr=False)
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class Result(Shown):
     """One analysed block. `to_dict()` is the JSON of `slopekit wedge --json` and `slopekit run --json`.
@@ -289,8 +354,8 @@ class Result(Shown):
     `methods` are the factors of other closed forms of the kind (columns) by name; None where one has no answer.
     `balance` is how well the node-pair forces at the limit balance the loads; None where there are none.
     `cohesion_under_moments` is None where moments open no contact with cohesion, `curved_strength` where no law is.
-    `residual` has the factors on residual strength, None where no strength has one.
     `without_basal` is what the whole wedge does whose toe a basal joint cuts off, None where there is none such.
+    `residual` has the factors on residual strength, None where no strength has one; `elastic` those of elastic blocks.
     `turns_over` says at which strengths moments turn the block over where it topples, in words; else it is empty.
     """
 
@@ -324,6 +389,7 @@ class Result(Shown):
     curved_strength: CurvedStrength | None = None
     residual: ResidualFactors | None = None
     without_basal: WithoutBasal | None = None
+    elastic: ElasticBlocks | None = None
     timing_s: Mapping[str, float] = field(default_factory=dict, compare=False)
 
     @property
@@ -564,6 +630,7 @@ class Result(Shown):
             **({} if self.curved_strength is None else {"curved_strength": json_of(self.curved_strength)}),
             **({} if self.residual is None else {"residual": json_of(self.residual)}),
             **({} if self.without_basal is None else {"without_basal": json_of(self.without_basal)}),
+            **({} if self.elastic is None else {"elastic": json_of(self.elastic)}),
             "methods": dict(self.methods),
             "accepted": self.accepted,
             "rules": [{"rule": str(rule), "met": self.judged(rule)} for rule in self.design.rules],

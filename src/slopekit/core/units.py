@@ -11,7 +11,15 @@ from slopekit.core.errors import DesignError, Fault
 _UNITS: Mapping[str, Mapping[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "ft": 0.3048, "in": 0.0254},
     "volume": {"m3": 1.0, "cm3": 1e-6, "dm3": 1e-3, "ft3": 0.028316846592},
-    "pressure": {"kpa": 1.0, "pa": 1e-3, "mpa": 1e3, "kn/m2": 1.0, "psf": 0.04788025898, "psi": 6.894757293},
+    "pressure": {
+        "kpa": 1.0,
+        "pa": 1e-3,
+        "mpa": 1e3,
+        "gpa": 1e6,
+        "kn/m2": 1.0,
+        "psf": 0.04788025898,
+        "psi": 6.894757293,
+    },
     "unit weight": {"kn/m3": 1.0, "n/m3": 1e-3, "mn/m3": 1e3, "pcf": 0.1570874638, "lbf/ft3": 0.1570874638},
     "density": {"kg/m3": 1.0, "t/m3": 1e3, "g/cm3": 1e3},
     "force": {"kn": 1.0, "n": 1e-3, "mn": 1e3, "tf": 9.80665, "lbf": 4.4482216e-3, "kip": 4.4482216},
@@ -26,7 +34,8 @@ _BARE = {
 }  # fmt: skip
 _LARGEST = 1e18
 _SPELLED = {
-    "kpa": "kPa", "pa": "Pa", "mpa": "MPa", "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
+    "kpa": "kPa", "pa": "Pa", "mpa": "MPa", "gpa": "GPa",
+    "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
     "kn": "kN", "n": "N", "mn": "MN", "kpa/m": "kPa/m", "mpa/m": "MPa/m", "gpa/m": "GPa/m",
 }  # fmt: skip
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)

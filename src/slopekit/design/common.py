@@ -498,6 +498,21 @@ class Design:
         "rock.gravity", "acceleration", default=9.81, least=1.0, most=25.0, code="E130", says=_RANGE, axis="gravity",
         advice="9.81 m/s² is Earth's.",
     )  # fmt: skip
+    modulus_kpa: float | None = number(
+        "rock.modulus", "pressure", default=None, least=1e3, most=1e9, code="E284", example="20 GPa", role="setting",
+        scatters=False, label="modulus", says="it lies between 1 MPa and 1000 GPa", left_out="20 GPa with --elastic",
+        advice="Rock has 1 to 100 GPa: write '20 GPa'. A bare number is kPa.", doc="Young's modulus, for --elastic",
+    )  # fmt: skip
+    poisson: float | None = number(
+        "rock.poisson", "ratio", default=None, least=0.0, most=0.49, code="E285", example="0.25", role="setting",
+        scatters=False, label="Poisson's ratio", left_out="0.25 with --elastic", advice="Rock has 0.15 to 0.35.",
+        doc="Poisson's ratio, for --elastic",
+    )  # fmt: skip
+    elastic_edge_m: float | None = number(
+        "analysis.elastic.edge", "length", default=None, above=0.0, code="E287", words=("auto",), example="auto",
+        role="setting", scatters=False, label="edge", left_out="auto", advice="The longest edge of a finite element.",
+        doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
+    )  # fmt: skip
     water_unit_weight_kn_m3: float = number(
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
         advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
@@ -644,7 +659,7 @@ def _changed(value: Any, change: Callable[[Strength], Strength]) -> Any:
 
 _IF_GIVEN = (
     "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
-    "surcharge_kpa", "surcharges_kpa", "partial",
+    "surcharge_kpa", "surcharges_kpa", "partial", "modulus_kpa", "poisson", "elastic_edge_m",
 )  # fmt: skip
 
 

@@ -32,8 +32,12 @@ def kind_of(design: Design) -> "Kind[Any]":
     return kind_named(design.kind)
 
 
-def analyse(design: Design) -> Result:
+def analyse(design: Design, elastic: bool = False, bracket: bool = False) -> Result:
     """Analyse a design of any kind.
+
+    Parameters
+    ----------
+    elastic : elastic blocks beside the rigid ones; bracket : and where they no longer come to rest
 
     Raises
     ------
@@ -41,12 +45,20 @@ def analyse(design: Design) -> Result:
         Where no block can be formed.
     """
     kind = kind_of(design)
-    result = kind.analyse(design)
-    if not any(strength.residual for strength in kind.strengths(design)):
-        return result
-    from slopekit.kinds.residual import with_residual
+    if elastic or bracket:
+        from slopekit.elastic.meshing import required
 
-    return with_residual(kind, result)
+        required()
+    result = kind.analyse(design)
+    if any(strength.residual for strength in kind.strengths(design)):
+        from slopekit.kinds.residual import with_residual
+
+        result = with_residual(kind, result)
+    if elastic or bracket:
+        from slopekit.kinds.elastic import with_elastic
+
+        result = with_elastic(kind, result, bracket)
+    return result
 
 
 def factors_of(design: Design, pre_ie: bool = True) -> "Factors":

@@ -157,8 +157,15 @@ class _Scene:
     ranged: bool = True
 
 
-def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrength) -> AssemblyModel | None:
-    """One model of all blocks that touch something and are not fixed; None where there is none."""
+def whole_model(
+    assembly: Assembly, loads: AssemblyLoads, strength: JointStrength, refine: Ints | None = None
+) -> AssemblyModel | None:
+    """One model of all blocks that touch something and are not fixed; None where there is none.
+
+    Parameters
+    ----------
+    refine : (k,) how often the triangles of each contact in space are split in four
+    """
     patches = assembly.patches
     touched = np.zeros(len(assembly) + 1, dtype=bool)
     touched[patches.plus] = touched[patches.minus] = True
@@ -168,7 +175,7 @@ def whole_model(assembly: Assembly, loads: AssemblyLoads, strength: JointStrengt
         return None
     return build_assembly(
         patches, held, assembly.centroids, loads.forces, loads.moments, strength, assembly.in_section,
-        live=loads.live, bolts=loads.bolts,
+        refine, loads.live, loads.bolts,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from slopekit.kinds.sheets.shared import (
     accept,
     all_pairs,
     curved_strength,
+    elastic,
     factors_table,
     forces,
     governs,
@@ -61,6 +62,7 @@ def sections_of_many(result: Result, findings: Findings) -> Iterator[Section]:
     yield Section("FORCES", forces(result))
     yield Section("STATUS", [_status(result, findings, order)])
     yield Section("FoS", [factors_table(_factors(result))])
+    yield from elastic(result)
     yield Section("STRENGTH", curved_strength(result))
     yield Section("ALL PAIRS", all_pairs(result))
     yield Section("ACCEPT", accept(result))

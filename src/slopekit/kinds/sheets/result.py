@@ -13,6 +13,7 @@ from slopekit.kinds.sheets.shared import (
     all_pairs,
     cohesion,
     curved_strength,
+    elastic,
     factors_table,
     forces,
     governs,
@@ -55,6 +56,7 @@ def _sections(result: Result) -> Iterator[Section]:
     yield Section("FORCES", forces(result))
     yield Section("STATUS", [_status(result)])
     yield Section("FoS", [factors_table(_factors(result))])
+    yield from elastic(result)
     yield Section("COLUMNS", methods(result))
     yield Section("ROTATION", _rotation(result))
     yield Section("STRENGTH", curved_strength(result))

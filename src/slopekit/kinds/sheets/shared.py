@@ -1,13 +1,13 @@
 """Entries that the sheets of one block and of many blocks share."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from operator import attrgetter, itemgetter
 
 import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.core.sheet import Column, Entry, Table, factor_text
+from slopekit.core.sheet import Column, Entry, Section, Table, factor_text
 from slopekit.design.common import Rule
 from slopekit.kinds.words import first_and_last, size_number
 from slopekit.result import JUDGED, STATUSES, ReductionStep, Result
@@ -123,6 +123,14 @@ def leading(result: Result) -> list[Factor]:
     name, value = result.leading
     what = "lowest of the same mechanism, whatever forces are locked in" if name == "lowest" else JUDGED[name]
     return [Factor(value, f"{what}: the factor that ACCEPT hangs on")]
+
+
+def elastic(result: Result) -> Iterator[Section]:
+    """What elastic blocks do, where they were asked for: others load nothing of it."""
+    if result.elastic is not None:
+        from slopekit.kinds.sheets.elastic import elastic_entries
+
+        yield Section("ELASTIC", elastic_entries(result))
 
 
 def factors_table(rows: Sequence[Factor]) -> Table[Factor]:

@@ -409,7 +409,8 @@ _PATHS: Mapping[str, str] = {
     "water_unit_weight": "water.unit_weight", "seismic": "loads.seismic", "forces": "loads.forces",
     "bolts": "support.bolts", "criterion": "analysis.criterion", "accept": "acceptance.rules",
     "agree_within": "analysis.agree_within", "stop_when": "analysis.stop_when", "refine": "analysis.refine",
-    "factors": "analysis.factors", "title": "title",
+    "factors": "analysis.factors", "title": "title", "modulus": "rock.modulus", "poisson": "rock.poisson",
+    "edge": "analysis.elastic.edge",
 }  # fmt: skip
 _OF_JOINTS = ("c", "phi", "dilation", "tension")
 _STIFFNESS = {"normal_stiffness": "normal", "shear_stiffness": "shear"}

@@ -1,0 +1,130 @@
+"""Finite elements of convex blocks without a mesher: cut from the lowest corner, then refined by scikit-fem.
+
+Faces are fanned from their lowest-numbered corner and the body is the cone from its lowest-numbered corner over all
+faces that do not hold it: blocks that share numbered corners fit together.
+"""
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Floats, Ints
+from slopekit.core.errors import DesignError, Fault
+
+_SAME = 1e-9  # corners nearer than this part of the size are one
+_FLAT = 1e-12  # volume of a cell, in parts of the cube of the size, that is none
+_CONVEX = 1e-7  # how far a corner may lie beyond a face, in parts of the size
+
+
+def required() -> None:
+    """Raise E140 where scikit-fem is not installed."""
+    try:
+        import skfem  # noqa: F401
+    except ImportError:
+        advice = "pip install 'slopekit[elastic]'"
+        raise DesignError([Fault("E140", "elastic blocks need the extra elastic (scikit-fem)", "", advice)]) from None
+
+
+def numbered(polygons: Iterable[Floats]) -> tuple[Floats, list[list[int]]]:
+    """The corners of polygons, each once, and the polygons by their numbers, in the order in which they appear.
+
+    Parameters
+    ----------
+    polygons : (k, d) corners each
+
+    >>> points, faces = numbered([np.eye(3), np.vstack([np.eye(3)[1:], np.zeros(3)])])
+    >>> len(points), faces
+    (4, [[0, 1, 2], [1, 2, 3]])
+    """
+    polygons = list(polygons)
+    corners = np.concatenate(polygons)
+    near = _SAME * float(np.ptp(corners, axis=0).max())
+    points: list[Floats] = []
+    faces = []
+    for polygon in polygons:
+        face: list[int] = []
+        for corner in polygon:
+            at = next((k for k, one in enumerate(points) if float(np.abs(one - corner).max()) <= near), len(points))
+            if at == len(points):
+                points.append(corner)
+            if at not in face:
+                face.append(at)
+        faces.append(face)
+    return np.array(points), faces
+
+
+def fanned(faces: Iterable[Sequence[int]]) -> Ints:
+    """Triangles (t, 3) of convex faces, from their lowest-numbered corners.
+
+    >>> fanned([[2, 3, 0, 1]]).tolist()
+    [[0, 1, 2], [0, 2, 3]]
+    """
+    out = []
+    for face in faces:
+        k = int(np.argmin(np.array(face)))
+        turned = [*face[k:], *face[:k]]
+        out += [(turned[0], a, b) for a, b in pairwise(turned[1:])]
+    return np.array(out, dtype=np.int64).reshape(-1, 3)
+
+
+def cells_of(points: Floats, triangles: Ints) -> Ints:
+    """Tetrahedra (c, 4) of a convex body: the cone from its lowest-numbered corner over its boundary (t, 3)."""
+    apex = int(triangles.min())
+    over = triangles[(triangles != apex).all(axis=1)]
+    cells = np.concatenate([np.full((len(over), 1), apex), over], axis=1)
+    size = float(np.ptp(points[np.unique(triangles)], axis=0).max())
+    kept: Ints = cells[np.abs(measures(points, cells)) > _FLAT * size**3]
+    return kept
+
+
+def measures(points: Floats, cells: Ints) -> Floats:
+    """Signed volumes of tetrahedra, or areas of triangles in the plane, (c,)."""
+    sides = points[cells[:, 1:]] - points[cells[:, :1]]
+    found: Floats = np.linalg.det(sides) / (6.0 if cells.shape[1] == 4 else 2.0)
+    return found
+
+
+def is_convex(points: Floats, faces: Sequence[Sequence[int]]) -> bool:
+    """Whether no corner of a body lies beyond the plane of a face, corners anticlockwise seen from outside."""
+    for face in faces:
+        own = points[list(face)]
+        around = own - own.mean(axis=0)
+        normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)
+        size = float(np.sqrt(normal @ normal))
+        if size and float(((points - own.mean(axis=0)) @ normal).max()) > _CONVEX * size * float(np.ptp(points)):
+            return False
+    return True
+
+
+def is_convex_outline(outline: Floats) -> bool:
+    """Whether a polygon (k, 2) turns one way only."""
+    sides = np.roll(outline, -1, axis=0) - outline
+    following = np.roll(sides, -1, axis=0)
+    turns = sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0]
+    most = float(np.abs(turns).max())
+    return bool((turns >= -_CONVEX * most).all() or (turns <= _CONVEX * most).all())
+
+
+def mesh_of(points: Floats, cells: Ints) -> Any:
+    """The mesh of cells, tetrahedra or triangles in the plane."""
+    from skfem import MeshTet, MeshTri
+
+    used, numbers = np.unique(cells, return_inverse=True)
+    kind = MeshTet if points.shape[1] == 3 else MeshTri
+    return kind(np.ascontiguousarray(points[used].T), np.ascontiguousarray(numbers.reshape(cells.shape).T))
+
+
+def edges_of(mesh: Any) -> Floats:
+    """The longest edge of each cell, (c,)."""
+    corners = np.asarray(mesh.p)[:, np.asarray(mesh.t)]  # (d, k, c)
+    squares = [((corners - corners[:, k][:, None]) ** 2).sum(axis=0).max(axis=0) for k in range(len(mesh.t))]
+    longest: Floats = np.sqrt(np.stack(squares).max(axis=0))
+    return longest
+
+
+def split_evenly(mesh: Any, edge: float) -> Any:
+    """Every cell in 8 (4 in the plane) until none has an edge longer than `edge` (m)."""
+    times = max(0, int(np.ceil(np.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9)))))
+    return mesh.refined(times) if times else mesh

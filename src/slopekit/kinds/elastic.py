@@ -1,0 +1,488 @@
+"""Elastic blocks of a design, beside its rigid answer: what opens, the tractions, the displacements, the limit.
+
+A block that slides has the rigid limit but for the cohesion of the pairs that its deformation pulls open (METHOD-2
+§10): the state at full strength and one rigid limit are enough. The bracket of the factor at which the elastic blocks
+no longer come to rest is the proof, where it is asked for.
+"""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from slopekit.core.arrays import Bools, Floats, Ints, frozen
+from slopekit.core.errors import DesignError, Fault, Notice
+from slopekit.core.onlooker import say
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design
+from slopekit.elastic.flexibility import Elements, Flexibility, Rock, flexibility
+from slopekit.elastic.meshing import (
+    cells_of,
+    edges_of,
+    fanned,
+    is_convex,
+    is_convex_outline,
+    mesh_of,
+    numbered,
+    split_evenly,
+)
+from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
+from slopekit.elastic.rest import Rest, Search
+from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
+from slopekit.kinds.one_block import Cut
+from slopekit.kinds.protocol import Kind
+from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
+from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
+from slopekit.preie.model import Model, local_axes
+from slopekit.result import ElasticBlocks, ElasticPairs, OnElasticJoint, Result
+
+MODULUS_KPA, POISSON = 2e7, 0.25
+ORDER = 2
+_MOST_BLOCKS, _MOST_PAIRS, _MOST_IN_SPACE = 300, 1500, 400
+_MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
+_HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
+_MOST_REFINED = 5
+_BELOW = 0.95  # of a limit below 1: where the state is looked at
+_LINES = 12  # rounds of strength lines that follow the normal forces
+_LINES_STEADY = 1e-6
+_SAME = 1e-6
+
+
+def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
+    """The result with its elastic blocks; `bracket` asks for the proof as well.
+
+    Raises
+    ------
+    DesignError
+        E140 without scikit-fem, E288 to E290 for what cannot be had.
+    """
+    design, began = result.design, time.perf_counter()
+    say("elastic", head=True)
+    made = kind.cut(design)
+    scene = _one_block(design, made) if isinstance(made, Cut) else _many_blocks(design, made, result)
+    stands = result.status == "no_driving_force"
+    if scene.rigid_limit is None and not stands:
+        said = Notice("W450", f"no elastic blocks: {result.status_text}, nothing comes to rest at any strength")
+        return replace(result, warnings=(*result.warnings, said))
+    below = _BELOW * min(scene.rigid_limit or math.inf, 1.0)  # elastic blocks may not stand where rigid ones just do
+    factors = (below,) if not stands and (scene.rigid_limit or 0.0) <= 1.0 else (1.0, below)
+    for factor in factors:
+        search, found = _at_rest(scene, scene.model, factor)
+        if found.stands:
+            break
+    else:
+        said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g}")
+        return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
+    _, rigid = _at_rest(scene, scene.model.rigid(), factor)
+    limit = rigid_limit = scene.rigid_limit
+    if not stands:
+        limit = scene.limit_without(found.parted)
+        rigid_limit = scene.limit_without(rigid.parted) if rigid.stands else rigid_limit
+    other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
+    limit = rigid_limit if other else limit
+    ends, at_bracket = None, None
+    if bracket and limit is not None:
+        say("elastic bracket", head=True)
+        low, high = search.bracket(found, limit)
+        ends, at_bracket = (low.factor, high), scene.limit_without(low.parted)
+    answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, at_bracket, search.steps)
+    notes = [*result.warnings, *_notices(result, answer)]
+    if other:
+        why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
+        notes.append(Notice("W455", f"{why}: the lower of the two is the limit under ELASTIC"))
+    return replace(result, elastic=answer, warnings=tuple(notes), timing_s=_timed(result, began))
+
+
+def _timed(result: Result, began: float) -> dict[str, float]:
+    took = time.perf_counter() - began
+    return dict(result.timing_s) | {"elastic": took, "total": result.timing_s.get("total", 0.0) + took}
+
+
+def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
+    said = []
+    if result.cohesion_under_moments is not None:
+        said.append(Notice("W452", "moments open joints with cohesion: the elastic limit is to be compared with the "
+                           f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION"))  # fmt: skip
+    if answer.bracket is not None and answer.limit_at_bracket is not None:
+        low, high = answer.bracket
+        if not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
+            said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
+                               f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
+    if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
+        shear = _stiffness(result.design, result.findings is not None).tangential
+        said.append(Notice("W454", f"the blocks under ELASTIC stand on joints of a constant k_t, {shear:.5g} kN/m³"))
+    return said
+
+
+def _stiffness(design: Design, many: bool) -> JointStiffness:
+    """The design's, with a constant in place of Clough and Duncan's hyperbola: k₁ γ_w, of many blocks that of the path.
+
+    With the paper's parameters the hyperbola cannot reach the strength of a joint pressed by less than 43 kPa, which
+    elastic blocks have along their edges.
+    """
+    given = joint_stiffness(design)
+    law = given.tangential
+    if not isinstance(law, CloughDuncan):
+        return given
+    shear = SHEAR_TO_NORMAL * given.normal if many else law.modulus_number * law.water_unit_weight
+    return replace(given, tangential=shear)
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.4f}"
+
+
+# -- what is solved ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Scene:
+    """Elastic blocks in arrays, and what the rigid code makes of them.
+
+    Attributes
+    ----------
+    redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
+    limit_without : the rigid limit without the cohesion of pairs (n,)
+    points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
+    names : of the blocks, empty of one; motions : unknowns of each block
+    """
+
+    model: ElasticModel
+    stiffness: JointStiffness
+    redrawn: Callable[[Floats], Floats] | None
+    rigid_limit: float | None
+    limit_without: Callable[[Bools], float | None]
+    points: Floats
+    normals: Floats
+    joint: Sequence[str]
+    axes: Floats
+    names: Sequence[str]
+    unknowns: int
+    length: float
+    edge: float
+    blocks: Sequence[Flexibility]
+
+
+def _at_rest(scene: _Scene, model: ElasticModel, factor: float) -> tuple[Search, Rest]:
+    """Rest at a factor, where laws are curved on the lines of its own normal forces."""
+    search = Search(model, scene.stiffness)
+    found = search.rest(factor)
+    for _ in range(_LINES if scene.redrawn is not None else 0):
+        if not found.stands or scene.redrawn is None:
+            break
+        friction = scene.redrawn(found.forces.reshape(-1, 3)[:, 0])
+        if float(np.abs(friction - model.tan_friction).max()) < _LINES_STEADY:
+            break
+        model = replace(model, tan_friction=friction)
+        search = Search(model, scene.stiffness)
+        found = search.rest(factor)
+    return search, found
+
+
+def _rock(design: Design) -> tuple[Rock, tuple[str, ...]]:
+    """The rock, and what of it was not given."""
+    given = {"modulus": design.modulus_kpa, "poisson": design.poisson}
+    taken = tuple(name for name, value in given.items() if value is None)
+    return Rock(design.modulus_kpa or MODULUS_KPA, POISSON if design.poisson is None else design.poisson, ORDER), taken
+
+
+def _meshed(mesh: Any, edge: float, name: str) -> Any:
+    """A mesh with no edge longer than `edge`; E290 where that are too many elements."""
+    cells = mesh.t.shape[1] * (2.0 ** len(mesh.p)) ** _times(mesh, edge)
+    if cells > _MOST_CELLS:
+        message = f"edges of {edge:.4g} m make {cells:.3g} finite elements of {name}, at most {_MOST_CELLS} are taken"
+        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+    return split_evenly(mesh, edge)
+
+
+def _times(mesh: Any, edge: float) -> int:
+    """How often the edges of a mesh are halved until none is longer than `edge`."""
+    return max(0, math.ceil(math.log2(float(edges_of(mesh).max()) / edge * (1.0 - 1e-9))))
+
+
+def _auto(mesh: Any, halved: int) -> float:
+    """The longest edge of elements that is taken where none is given: fewer are taken of a body of many faces."""
+    while halved > 0 and mesh.t.shape[1] * 2 ** (len(mesh.p) * halved) > _AUTO_CELLS:
+        halved -= 1
+    return math.ldexp(float(edges_of(mesh).max()), -halved)
+
+
+def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
+    return DesignError([Fault("E288", f"no elastic blocks of this design: {why}", "--elastic", advice)])
+
+
+def _one_block(design: Design, made: Cut) -> _Scene:
+    """A convex block on flat joints."""
+    (rock, _), block = _rock(design), made.block
+    if not made.loads.parts["weight"].any():
+        raise _refuse("the block has no weight, and what loads it stands on its surface")
+    coarse = made.scene_at(0)
+    if coarse.bedding is None:
+        raise _refuse("the block lies on a curved surface, and is not convex")
+    in_section = coarse.model.translations == 2
+    points, faces = numbered(block.faces.values())
+    if not is_convex(points, faces):
+        raise _refuse("the block is not convex")
+    if in_section:
+        side = next(np.asarray(face) for face in block.faces.values() if np.ptp(np.asarray(face)[:, 1]) < 1e-9)
+        outline = side[:, [0, 2]]
+        mesh = mesh_of(outline, fanned([range(len(outline))]))
+    else:
+        mesh = mesh_of(points, cells_of(points, fanned(faces)))
+    edge = design.elastic_edge_m or _auto(mesh, _HALVED["one"])
+    joint_edge = max(float(np.sqrt((np.diff(corners, axis=0, append=corners[:1]) ** 2).sum(axis=1)).max())
+                     for corners in map(np.asarray, coarse.bedding.polygons.values()))  # fmt: skip
+    refine = max(made.refine, math.ceil(math.log2(joint_edge / edge * (1.0 - 1e-9))))
+    scene = made.scene_at(min(max(refine, 0), _MOST_REFINED))
+    if len(scene.pairs) > _MOST_PAIRS:
+        message = f"edges of {edge:.4g} m make {len(scene.pairs)} node pairs, at most {_MOST_PAIRS} are taken"
+        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+    elements, model = Elements(_meshed(mesh, edge, "the block"), rock), scene.model
+    axes = local_axes(scene.pairs.normals)
+    give = flexibility(elements, scene.pairs.points, axes, model.flat_rows, model.length_scale)
+    rigid = made.limit(model)
+    settled = rigid.model or model
+    plain = _of_model(settled)
+    rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
+    turn = np.eye(3) if made.axes is None else made.axes
+
+    def limit_without(parted: Bools) -> float | None:
+        without = replace(settled, cohesion=frozen(settled.cohesion * ~parted))
+        return made.limit(without).governing.factor or None
+
+    def redrawn(normal: Floats) -> Floats:
+        from slopekit.preie.strength_lines import drawn
+
+        return drawn(settled, np.maximum(normal, 0.0) / settled.force_scale).tan_friction
+
+    called = {interface.key: interface.name for interface in made.interfaces}
+    return _Scene(
+        with_blocks(plain, ((give, rows, own),)), _stiffness(design, False),
+        None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
+        scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
+        [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
+        (give,),
+    )  # fmt: skip
+
+
+def _of_model(model: Model) -> ElasticModel:
+    """The rigid model of one block in kN, m and kPa."""
+    area = model.control_area * model.area_scale
+    per_area = model.force_scale / area
+    return ElasticModel(
+        model.flat_rows, model.load * model.force_scale, area, model.cohesion * per_area, model.tension * per_area,
+        model.tan_friction, model.tan_dilation, model.bolt_rows, model.bolt_capacity * model.force_scale,
+    )  # fmt: skip
+
+
+# -- many blocks ------------------------------------------------------------------------------------------------------
+
+
+def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene:
+    """Convex blocks on flat contacts."""
+    from slopekit.preie.ravelling import ravel, whole_model
+
+    assembly, (rock, _) = scene.assembly, _rock(design)
+    moving = int((~assembly.fixed).sum())
+    if moving > _MOST_BLOCKS:
+        message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
+        raise DesignError([Fault("E289", message, "--elastic", "Leave --elastic out, or make the slope smaller.")])
+    bodies = _bodies(scene)
+    meshes = {block: bodies(block) for block in np.flatnonzero(~assembly.fixed).tolist()}
+    halved = _HALVED["section" if assembly.in_section else "space"]
+    own_edges = {block: design.elastic_edge_m or _auto(mesh, halved) for block, mesh in meshes.items()}
+    edge = float(np.median(list(own_edges.values())))
+    halved_by = np.zeros(len(assembly) + 1, dtype=np.int64)  # bedrock last
+    for block, mesh in meshes.items():
+        halved_by[block] = _times(mesh, own_edges[block])
+    levels = np.maximum(halved_by[assembly.patches.plus], halved_by[assembly.patches.minus])
+    split, origin = _split(scene, 2**levels) if assembly.in_section else (scene, np.arange(len(assembly.patches)))
+    strength, loads = joint_strength(scene.strengths), scene_loads(split)
+    refine = None if assembly.in_section else np.minimum(levels, _MOST_REFINED)
+    whole = whole_model(split.assembly, loads, strength, refine)
+    if whole is None:
+        raise _refuse("its blocks touch nothing")
+    pairs = whole.joint_pairs.stop
+    most = 8 * _MOST_PAIRS if assembly.in_section else _MOST_IN_SPACE
+    if pairs > most:
+        where = "in a section" if assembly.in_section else "in space"
+        message = f"{pairs} node pairs between elastic blocks {where}, at most {most} are taken"
+        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or fewer blocks.")])
+    rows, bolt_rows = _rows(whole, pairs)
+    contact = whole.pair_contact[:pairs]
+    patch = whole.patch[contact]
+    patches = split.assembly.patches
+    plus, minus = whole.plus[contact], whole.minus[contact]
+    turned = whole.moving[plus] != patches.plus[patch]
+    normals = patches.normals[patch] * np.where(turned, -1.0, 1.0)[:, None]
+    axes = _section_axes(normals) if assembly.in_section else local_axes(normals)
+    area = whole.control_area[:pairs] * whole.area_scale
+    group = whole.group_of_pair[:pairs]
+    bolted = slice(pairs, None)
+    plain = ElasticModel(
+        dense_or_sparse(rows), whole.load.ravel() * whole.force_scale, area,
+        whole.cohesion[:pairs] * whole.force_scale / area, np.array(strength.tension)[patches.joint[patch]],
+        whole.tan_friction[group], whole.tan_dilation[group], bolt_rows, whole.cohesion[bolted] * whole.force_scale,
+    )  # fmt: skip
+    flexible, cells = list[tuple[Flexibility, Ints, Ints]](), 0
+    for k, block in enumerate(whole.moving.tolist()):
+        own = np.flatnonzero((plus == k) | (minus == k))
+        at = (3 * own[:, None] + np.arange(3)).ravel()
+        unknowns = k * whole.unknowns + np.arange(whole.unknowns)
+        mesh = _meshed(meshes[block], own_edges[block], scene.names[block])
+        cells += mesh.t.shape[1]
+        if cells > _MOST_CELLS:
+            message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements"
+            raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+        sides = np.where(plus[own] == k, 1.0, -1.0)[:, None, None] * axes[own]
+        part = plain.rows[at][:, unknowns]
+        elements = Elements(mesh, rock, scene.thickness or 1.0)
+        give = flexibility(
+            elements, whole.points[own], sides, part if plain.is_dense else part.toarray(), whole.length_scale
+        )
+        flexible.append((give, at, unknowns))
+
+    def limit_without(parted: Bools) -> float | None:
+        lost = np.bincount(origin[patch], area * parted, len(assembly.patches))
+        share = np.divide(lost, assembly.patches.areas, out=np.zeros_like(lost), where=assembly.patches.areas > 0.0)
+        given = joint_strength(scene.strengths)
+        joint = assembly.patches.joint
+        if not (share * given.cohesion[joint]).any():
+            return result.fos.limit
+        each = replace(
+            given, cohesion=given.cohesion[joint] * np.clip(1.0 - share, 0.0, 1.0),
+            tan_friction=given.tan_friction[joint], tan_dilation=given.tan_dilation[joint],
+            tension=given.tension[joint], laws=tuple(given.laws[k] for k in joint.tolist()) if given.laws else (),
+        )  # fmt: skip
+        own = replace(assembly, patches=replace(assembly.patches, joint=np.arange(len(joint))))
+        failures = ravel(own, scene_loads(scene), each, ranged=False).failures
+        return failures[0].limit.factor if failures else None
+
+    def redrawn(normal: Floats) -> Floats:
+        from slopekit.preie.strength_lines import drawn
+
+        scaled = np.append(np.maximum(normal, 0.0) / whole.force_scale, np.zeros(len(whole.bolts)))
+        return drawn(whole, scaled).tan_friction[group]
+
+    names = [scene.names[block] for block in whole.moving.tolist()]
+    return _Scene(
+        with_blocks(plain, tuple(flexible)), _stiffness(design, True), None if whole.lines is None else redrawn,
+        result.fos.limit, limit_without, whole.points[:pairs] + scene.origin, normals,
+        [scene.joints[joint] for joint in patches.joint[patch].tolist()], np.eye(3), names, whole.unknowns,
+        whole.length_scale, edge, [one for one, *_ in flexible],
+    )  # fmt: skip
+
+
+def _bodies(scene: AssemblyScene) -> Callable[[int], Any]:
+    """The mesh of a block, one element where it can be; refused where it is not convex."""
+    assembly = scene.assembly
+
+    def body(block: int) -> Any:
+        name = scene.names[block]
+        if assembly.in_section:
+            shown = [outline for called, outline in scene.outlines.items() if called != "bedrock" or called == name]
+            outline = np.asarray(scene.outlines.get(name, shown[block % len(shown)]))
+            if not is_convex_outline(outline):
+                raise _refuse(f"{name} is not convex")
+            return mesh_of(outline, fanned([range(len(outline))]))
+        own = assembly.triangles[assembly.triangle_block == block]
+        points, faces = numbered(assembly.vertices[own])
+        if not is_convex(points, faces):
+            raise _refuse(f"{name} is not convex")
+        return mesh_of(points, cells_of(points, np.array(faces)))
+
+    return body
+
+
+def _split(scene: AssemblyScene, parts: Ints) -> tuple[AssemblyScene, Ints]:
+    """A section with each contact split into parts (k,), no longer than its elements; the contact of each part."""
+    assembly, patches = scene.assembly, scene.assembly.patches
+    ends = patches.corners.reshape(-1, 2, 3)
+    origin = np.repeat(np.arange(len(patches)), parts)
+    first = np.repeat(np.cumsum(parts) - parts, parts)
+    at = (np.arange(len(origin)) - first)[:, None] / parts[origin][:, None]
+    step = (ends[origin, 1] - ends[origin, 0]) / parts[origin][:, None]
+    start = ends[origin, 0] + at * (ends[origin, 1] - ends[origin, 0])
+    corners = np.stack([start, start + step], axis=1)
+    finer = replace(
+        patches, plus=patches.plus[origin], minus=patches.minus[origin], joint=patches.joint[origin],
+        normals=patches.normals[origin], areas=patches.areas[origin] / parts[origin],
+        centroids=corners.mean(axis=1), corners=corners.reshape(-1, 3), first=2 * np.arange(len(origin) + 1),
+    )  # fmt: skip
+    where = patches.centroids if scene.water_points is None else scene.water_points
+    own = replace(assembly, patches=finer)
+    return replace(scene, assembly=own, pressures=scene.pressures[origin], water_points=where[origin]), origin
+
+
+def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
+    """B with three rows a pair, and the rows of passive bolts."""
+    from scipy import sparse
+
+    every, tangents, groups = len(model.control_area), model.slip_rows.shape[1], len(model.group_contact)
+    padded = sparse.vstack([model.kinematics, sparse.csr_matrix((1, model.kinematics.shape[1]))]).tocsr()
+    index = np.full((pairs, 3), padded.shape[0] - 1)
+    index[:, 0] = np.arange(pairs)
+    slip = every + tangents * model.group_of_pair[:pairs]
+    for k in range(tangents):
+        index[:, 1 + k] = slip + k
+    bolts = every + tangents * np.arange(groups - len(model.bolts), groups)
+    return padded[index.ravel()], padded[bolts].toarray()
+
+
+def _section_axes(normals: Floats) -> Floats:
+    axes = np.zeros((len(normals), 3, 3))
+    axes[:, 0] = normals
+    axes[:, 1, 0], axes[:, 1, 2] = normals[:, 2], -normals[:, 0]
+    axes[:, 2, 1] = 1.0
+    return axes
+
+
+# -- the answer -------------------------------------------------------------------------------------------------------
+
+
+def _answer(
+    design: Design, scene: _Scene, found: Rest, rigid: Rest, limits: tuple[float | None, float | None],
+    bracket: tuple[float, float] | None, at_bracket: float | None, steps: int,
+) -> ElasticBlocks:  # fmt: skip
+    model, (rock, taken) = scene.model, _rock(design)
+    area = model.area
+    elastic, stiff = (state.forces.reshape(-1, 3)[:, 0] / area for state in (found, rigid))
+    joints = {}
+    names = np.array(scene.joint)
+    for name in dict.fromkeys(scene.joint):
+        on = names == name
+        joints[name] = OnElasticJoint(
+            (float(elastic[on].min()), float(elastic[on].max())), (float(stiff[on].min()), float(stiff[on].max())),
+            float(area[on & found.parted].sum() / area[on].sum()),
+        )  # fmt: skip
+    moved = _displacements(scene, model, found)
+    most = int(np.argmax((moved * moved).sum(axis=1)))
+    opened, rigid_opened = (float(area[state.parted].sum() / area.sum()) for state in (found, rigid))
+    rigid_moved = _displacements(scene, model.rigid(), rigid)
+    return ElasticBlocks(
+        limits[0], limits[1], bracket, at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
+        frozen(rigid_moved[most]),
+        scene.names[most] if scene.names else None, found.failed_pairs, len(area),
+        sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
+        sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
+        taken, found.residual, steps,
+        ElasticPairs(
+            frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
+            frozen(stiff), tuple(found.parted.tolist()),
+        ),
+    )  # fmt: skip
+
+
+def _displacements(scene: _Scene, model: ElasticModel, state: Rest) -> Floats:
+    """The mean displacement of each block in the user's axes, (b, 3) m."""
+    out = np.zeros((len(model.seen), 3))
+    in_section = scene.unknowns <= 3
+    for k in range(len(out)):
+        own = state.motion[k * scene.unknowns : (k + 1) * scene.unknowns]
+        out[k, [0, 2] if in_section else [0, 1, 2]] = own[: 2 if in_section else 3]
+        out[k] += model.seen_of(k, state.forces, state.motion, state.factor)[0]
+    turned: Floats = out @ scene.axes
+    return turned

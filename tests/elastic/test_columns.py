@@ -1,0 +1,118 @@
+"""A column under its own weight: γ h² / 2E + γ h / k_n, exact with elements of order two (strength of materials)."""
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from slopekit.elastic.flexibility import Elements, Rock, flexibility
+from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
+from slopekit.elastic.model import ElasticModel, with_blocks
+from slopekit.elastic.rest import Search
+from slopekit.geometry.interfaces import node_pairs
+from slopekit.preie.contact import JointStiffness
+from slopekit.preie.model import local_axes
+
+E, NU, K_N, GAMMA, H = 2e6, 0.0, 1e5, 25.0, 10.0
+BOX = np.array([[x, y, z] for z in (0.0, H) for x, y in ((0, 0), (2, 0), (2, 1), (0, 1))])
+FACES = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+
+
+def box_mesh(edge: float):
+    return split_evenly(mesh_of(BOX, cells_of(BOX, fanned(FACES))), edge)
+
+
+def on_its_base(elements: Elements, pairs, also=None) -> ElasticModel:
+    """A box on springs at node pairs of its base."""
+    axes, centre, n = local_axes(pairs.normals), BOX.mean(axis=0), len(pairs)
+    rows = np.concatenate([axes, np.cross((pairs.points - centre)[:, None], axes)], axis=2).reshape(3 * n, 6)
+    weight = GAMMA * elements.volume
+    given = np.zeros(n)
+    model = ElasticModel(
+        rows, np.array([0.0, 0.0, -weight, 0.0, 0.0, 0.0]), pairs.control_areas, given + 100.0, given, given + 0.5,
+        given, np.zeros((0, 6)), np.zeros(0),
+    )  # fmt: skip
+    give = flexibility(elements, pairs.points, axes, rows, 1.0, also)
+    return with_blocks(model, ((give, np.arange(3 * n), np.arange(6)),))
+
+
+def test_the_cells_of_a_box_fill_it() -> None:
+    cells = cells_of(BOX, fanned(FACES))
+    assert np.abs(measures(BOX, cells)).sum() == pytest.approx(20.0, rel=1e-14)
+    assert (np.abs(measures(BOX, cells)) > 0.1).all()
+
+
+@pytest.mark.parametrize("edge", [20.0, 5.0])
+def test_a_column_settles_as_strength_of_materials_says(edge: float) -> None:
+    top = np.array([[0.3, 0.4, H], [1.7, 0.9, H], [1.0, 0.5, 4.0]])
+    model = on_its_base(Elements(box_mesh(edge), Rock(E, NU)), node_pairs({0: BOX[[0, 3, 2, 1]]}, 2), top)
+    found = Search(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
+    assert found.stands
+    exact = [-(GAMMA * (H * z - z * z / 2.0) / E + GAMMA * H / K_N) for z in top[:, 2]]
+    mean = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N)
+    seen = found.motion[2] + model.seen_of(0, found.forces, found.motion, 1.0)[:, 2]
+    # pairs of 1/12 and 3/4 do not give a uniform pressure to elements of other sizes: 2e-5 of the settlement
+    assert seen == pytest.approx([mean, *exact], rel=1e-4)
+    assert found.forces.reshape(-1, 3)[:, 0].sum() == pytest.approx(GAMMA * 20.0, rel=1e-9)
+
+
+def stacked(lower: float, upper: float, modulus: float) -> dict:
+    """Two columns of a section, one on the other on bedrock, in meshes that do not match."""
+    return {
+        "slopekit": 1, "kind": "blocks", "section": {"thickness": "2 m"},
+        "blocks": {
+            "base": {"polygon": [[-5, -5], [8, -5], [8, 0], [-5, 0]], "fixed": True},
+            "A": {"polygon": [[0, 0], [3, 0], [3, lower], [0, lower]], "unit_weight": 25},
+            "B": {"polygon": [[0, lower], [3, lower], [3, lower + upper], [0, lower + upper]], "unit_weight": 25},
+        },
+        "strength": {"joint": {"c": 10, "phi": 30, "stiffness": {"normal": 1e5, "shear": 1e5}}},
+        "rock": {"modulus": modulus, "poisson": 0.0},
+    }  # fmt: skip
+
+
+def test_two_columns_with_meshes_that_do_not_match() -> None:
+    lower, upper = 4.0, 7.0
+    found = sk.run(stacked(lower, upper, E), elastic=True).elastic
+    assert found is not None
+    assert found.block == "B"
+    springs = (GAMMA * (lower + upper) + GAMMA * upper) / 1e5
+    below = (GAMMA * lower**2 / 2.0 + GAMMA * upper * lower) / E
+    mean = springs + below + GAMMA * upper**2 / 3.0 / E
+    assert found.displacement_m[2] == pytest.approx(-mean, rel=1e-4)
+    assert found.rigid_displacement_m[2] == pytest.approx(-springs, rel=1e-9)
+    assert found.opened_share == 0.0
+
+
+SQUARE = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+
+
+def work_on_a_square(traction, order: int, halved: int, parts: int = 32) -> float:
+    """fᵀ D f of tractions up and down on the two ends of a square in a section, ν = 0."""
+    mesh = mesh_of(SQUARE, fanned([[0, 1, 2, 3]])).refined(halved)
+    x = np.linspace(-1.0, 1.0, 2 * parts + 1)
+    weights = np.full(len(x), 2.0)
+    weights[1::2], weights[[0, -1]] = 4.0, 1.0
+    points = np.array([[at, 0.0, z] for z in (-1.0, 1.0) for at in x])
+    axes = local_axes(np.tile([0.0, 0.0, 1.0], (len(points), 1)))
+    rows = np.concatenate([axes, np.cross(points[:, None], axes)], axis=2)[:, :, [0, 2, 4]].reshape(-1, 3)
+    give = flexibility(Elements(mesh, Rock(E, 0.0, order)), points, axes, rows, 1.0)
+    force = np.zeros((len(points), 3))
+    force[:, 0] = np.sign(points[:, 2]) * traction(points[:, 0]) * np.tile(weights, 2) / (3.0 * parts)
+    return float(force.ravel() @ give.by_force @ force.ravel())
+
+
+def test_bending_is_exact_in_order_two() -> None:
+    """M² l / E I of a beam bent by couples at its ends: tractions are linear, displacements quadratic; I = 2 / 3."""
+    moment = 2.0 / 3.0
+    assert work_on_a_square(lambda x: x, 2, 1) == pytest.approx(moment**2 * 2.0 / (E * 2.0 / 3.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(("order", "halved", "least", "most"), [(1, 4, 1.6, 2.3), (2, 2, 3.0, 5.0)])
+def test_the_flexibility_converges_with_twice_the_order_of_the_elements(order, halved, least, most) -> None:
+    """The energy of a smooth load that balances itself: order 2 with linear, 4 with quadratic elements (theory)."""
+
+    def traction(x):
+        return x**3 - 0.6 * x
+
+    exact = work_on_a_square(traction, 2, 4)
+    coarse, fine = (abs(work_on_a_square(traction, order, halved + k) / exact - 1.0) for k in (0, 1))
+    assert least < np.log2(coarse / fine) < most

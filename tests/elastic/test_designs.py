@@ -1,0 +1,126 @@
+"""`--elastic` on designs: what it takes, what it refuses, what it says, and that nothing else pays for it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import slopekit as sk
+from slopekit.core.errors import DesignError
+from slopekit.kinds import cut
+from slopekit.kinds.elastic import _many_blocks
+
+WEDGE = {"dips": ("45/115", "45/245"), "shear_stiffness": 1e5, "edge": "65 m"}
+PLANE = {
+    "slopekit": 1, "kind": "plane", "slope": {"face": "60/180", "height": 12, "upper": "0/180"},
+    "joints": {"J1": {"plane": "35/180"}}, "strength": {"joint": {"c": 20, "phi": 30}}, "rock": {"density": 2600},
+}  # fmt: skip
+
+
+def faults(call) -> list[str]:
+    with pytest.raises(DesignError) as caught:
+        call()
+    return [fault.code for fault in caught.value.faults]
+
+
+def test_json_and_sheet_have_it_where_it_is_asked_for() -> None:
+    found = sk.wedge(**WEDGE, elastic=True)
+    document = json.loads(json.dumps(found.to_dict()))["elastic"]
+    assert document["limit"] == found.elastic.limit <= document["rigid_limit"]
+    assert document["rigid_limit"] == pytest.approx(found.fos.limit, rel=1e-9)
+    assert document["taken"] == ["modulus", "poisson"]
+    assert document["bracket"] is None
+    assert len(document["pairs"]["elastic_kpa"]) == document["node_pairs"]
+    assert "ELASTIC" in str(found.sheet)
+    assert found.timing_s["elastic"] > 0.0
+    plain = sk.wedge(**{key: value for key, value in WEDGE.items() if key != "edge"})
+    assert plain.elastic is None
+    assert "elastic" not in plain.to_dict()
+    assert "ELASTIC" not in str(plain.sheet)
+
+
+def test_a_plane_in_its_section_and_a_slope_below_one() -> None:
+    found = sk.run(PLANE, elastic=True).elastic
+    assert found.factor == 1.0
+    assert found.displacement_m[2] < found.rigid_displacement_m[2] < 0.0
+    weak = sk.run(PLANE, {"strength.joint.c": 1}, elastic=True)
+    assert weak.fos.limit < 1.0
+    assert weak.elastic.factor == pytest.approx(0.95 * weak.fos.limit, rel=1e-9)
+
+
+def test_elastic_rock_may_not_stand_where_rigid_rock_just_does() -> None:
+    """A wedge with a rigid limit of 1.013: what its deformation opens takes it below 1, and the state is one below."""
+    found = sk.wedge(
+        ("41.7/139.1", "41.7/214.5"), face="77.1/180", upper="10.3/180", height=50.42, c=(71.4, 43.0),
+        phi=(25.5, 20.1), unit_weight=26, shear_stiffness=1e5, modulus="13.3 GPa", bolts="3526@0/-10,passive",
+        edge="60 m", elastic=True,
+    )  # fmt: skip
+    assert found.fos.limit > 1.01
+    assert found.elastic.factor == 0.95
+    assert found.elastic.limit < 1.0
+    assert found.elastic.opened_share > found.elastic.rigid_opened_share
+
+
+def columns(cohesion: float) -> dict:
+    return {
+        "slopekit": 1, "kind": "topple", "columns": {"dip": 65, "width": 4, "heights": [4, 9, 6], "base_step": 1},
+        "strength": {"joint": {"c": cohesion, "phi": 38}}, "rock": {"density": 2600, "modulus": "5 GPa"},
+    }  # fmt: skip
+
+
+def test_columns() -> None:
+    """Where there is no cohesion to lose, the limit is that of rigid columns; where there is, both lose much of it."""
+    found = sk.run(columns(0), elastic=True)
+    assert found.elastic.block in ("C1", "C2", "C3")
+    assert found.elastic.limit == found.fos.limit
+    bonded = sk.run(columns(5), elastic=True)
+    assert bonded.elastic.limit == pytest.approx(bonded.elastic.rigid_limit, rel=0.02)
+    assert bonded.elastic.rigid_limit < bonded.fos.limit * 0.95
+    assert bonded.elastic.opened_share == pytest.approx(bonded.elastic.rigid_opened_share, abs=0.05)
+
+
+def test_columns_do_not_hang_on_what_is_open() -> None:
+    """Elastic columns come to rest up to the rigid limit, no farther: springs of open pairs are no contact."""
+    found = sk.run(columns(0), elastic_bracket=True).elastic
+    low, high = found.bracket
+    assert low <= found.limit * 1.0003
+    assert high >= found.limit * 0.9997
+
+
+def test_what_is_refused() -> None:
+    assert faults(lambda: sk.run("templates/sphere.yaml", elastic=True)) == ["E288"]
+    assert faults(lambda: sk.run("templates/paper-footing.yaml", elastic=True)) == ["E288"]
+    assert faults(lambda: sk.wedge(**WEDGE | {"edge": "0.5 m"}, elastic=True)) == ["E290"]
+    bad = {"modulus": "20 kPa", "poisson": 0.5, "edge": -1}
+    assert faults(lambda: sk.wedge(**WEDGE | bad)) == ["E284", "E285", "E287"]
+    assert faults(lambda: sk.wedge(**WEDGE, modulus="20 GP")) == ["E108"]
+    many = columns(0)
+    many["columns"] |= {"heights": [3] * 301, "width": 1}
+    design = sk.load(many)
+    assert faults(lambda: _many_blocks(design, cut(design), None)) == ["E289"]
+
+
+def test_without_scikit_fem_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "skfem", None)
+    with pytest.raises(DesignError) as caught:
+        sk.wedge(**WEDGE, elastic=True)
+    (fault,) = caught.value.faults
+    assert fault.code == "E140"
+    assert "pip install 'slopekit[elastic]'" in str(fault)
+
+
+def test_a_plain_wedge_loads_nothing_of_it() -> None:
+    code = (
+        "import sys, slopekit as sk; sk.wedge(('45/115', '45/245')).to_dict();"
+        "print([m for m in sys.modules if 'elastic' in m or 'skfem' in m])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_nothing_that_falls_has_elastic_blocks() -> None:
+    found = sk.run(PLANE, {"water": "dry", "loads.forces": ["90000@180/-70"]}, elastic=True)
+    assert found.status == "lifted"
+    assert found.elastic is None
+    assert "W450" in [notice.code for notice in found.warnings]

@@ -1,0 +1,128 @@
+"""Elastic blocks at rest, against the rigid code, against displacements on nodes, and as the world turns."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+import slopekit as sk
+from slopekit.elastic.flexibility import Elements, Rock, flexibility
+from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
+from slopekit.elastic.model import with_blocks
+from slopekit.elastic.rest import Search
+from slopekit.kinds import cut
+from slopekit.kinds.elastic import _of_model
+from slopekit.kinds.wedge.design import wedge_design
+from slopekit.preie.contact import JointStiffness, tractions
+from slopekit.preie.equilibrium import equilibrium
+from slopekit.preie.model import local_axes
+
+WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),
+         "phi": (20, 30), "unit_weight": 25}  # fmt: skip
+STIFFNESS = JointStiffness(normal=1e7, tangential=1e5)
+COARSE = {"modulus": "2 GPa", "edge": "25 m", "shear_stiffness": 1e5}
+
+
+def blocks(modulus: float, order: int = 2, **more):
+    """The wedge on its pairs, elastic, with its elements."""
+    made = cut(wedge_design({**WEDGE, **more}))
+    scene = made.scene_at(2)
+    points, faces = numbered(made.block.faces.values())
+    mesh = split_evenly(mesh_of(points, cells_of(points, fanned(faces))), 25.0)
+    elements, model = Elements(mesh, Rock(modulus, 0.25, order)), scene.model
+    give = flexibility(
+        elements, scene.pairs.points, local_axes(scene.pairs.normals), model.flat_rows, model.length_scale
+    )
+    plain = _of_model(model)
+    whole = with_blocks(plain, ((give, np.arange(3 * len(scene.pairs)), np.arange(6)),))
+    return whole, elements, scene, model
+
+
+@pytest.mark.parametrize("more", [{}, {"water": "50%", "bolts": ["3000@5/-10,passive"], "crack": "80/180@8"}])
+def test_rock_that_does_not_give_is_rigid(more) -> None:
+    model, _, scene, rigid = blocks(1e16, **more)
+    found, exact = Search(model, STIFFNESS).rest(1.0), equilibrium(rigid, 1.0, STIFFNESS)
+    assert found.stands
+    assert exact.stands
+    assert found.forces.reshape(-1, 3) == pytest.approx(exact.forces, abs=1e-6 * float(np.abs(exact.forces).max()))
+    turned = np.where(np.arange(6) < 3, 1.0, rigid.length_scale)
+    assert found.motion == pytest.approx(exact.displacement * turned, abs=1e-6 * float(np.abs(found.motion).max()))
+    assert len(scene.pairs) == len(found.modes)
+
+
+def test_displacements_on_nodes_give_the_same_forces() -> None:
+    """The same rest by Newton's method on all displacements of the elements: no D, no γ, nothing condensed."""
+    model, elements, scene, rigid = blocks(2e6)
+    found = Search(model, STIFFNESS).rest(1.0)
+    assert found.stands
+    assert found.parted.any()
+    axes = sparse.block_diag(list(local_axes(scene.pairs.normals)), format="csr")
+    shapes = axes @ elements.shapes(scene.pairs.points)
+    load = elements.spread(rigid.length_scale) @ model.load
+    area, at = model.area, np.linalg.lstsq(shapes.toarray(), found.relative.ravel(), rcond=None)[0]
+    for _ in range(20):
+        relative = (shapes @ at).reshape(-1, 3)
+        relative[:, 1:] -= found.memory
+        law = tractions(relative, STIFFNESS, model.cohesion, model.tan_friction, model.tan_dilation, 1.0, found.parted)
+        off = load + shapes.T @ (law.tractions * area[:, None]).ravel() - elements.stiffness @ at
+        if np.abs(off).max() < 1e-11 * np.abs(load).sum():
+            break
+        slopes = sparse.block_diag(list(law.slopes * area[:, None, None]), format="csr")
+        at = at + splu((elements.stiffness - shapes.T @ slopes @ shapes).tocsc()).solve(off)
+    forces = law.tractions * area[:, None]
+    assert forces == pytest.approx(found.forces.reshape(-1, 3), abs=1e-8 * float(np.abs(forces).max()))
+
+
+@pytest.mark.parametrize("more", [{"water": "50%"}, {"crack": "80/180@8", "bolts": ["1000@5/-10,passive"]}])
+def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(more) -> None:
+    """The oracle of METHOD-2 §10; the rest of the bracket is the search's own."""
+    found = sk.wedge(**WEDGE, **COARSE, **more, elastic_bracket=True).elastic
+    assert found is not None
+    assert found.bracket is not None
+    low, high = found.bracket
+    assert high / low - 1.0 < 1.1e-4
+    assert low * (1.0 - 3e-4) <= found.limit_at_bracket <= high * (1.0 + 3e-4)
+    assert found.limit <= found.rigid_limit
+    assert found.limit == pytest.approx(found.limit_at_bracket, rel=0.02)
+
+
+def test_the_oracle_sees_cohesion_go() -> None:
+    found = sk.wedge(**WEDGE, **COARSE, elastic=True).elastic
+    assert found.opened_share > 0.005
+    assert found.limit < found.rigid_limit * (1.0 - 1e-3)
+    assert found.displacement_m @ found.displacement_m > found.rigid_displacement_m @ found.rigid_displacement_m
+
+
+def turned_by(plane: str, degrees: float) -> str:
+    dip, direction = plane.split("/")
+    return f"{dip}/{(float(direction) + degrees) % 360.0:g}"
+
+
+@pytest.mark.parametrize("changed", ["turned", "moved", "mirrored", "scaled"])
+def test_the_same_wedge_elsewhere(changed: str) -> None:
+    base = sk.wedge(**WEDGE, **COARSE, elastic=True).elastic
+    given = {**WEDGE, **COARSE}
+    size = 1.0
+    if changed == "turned":
+        given |= {"dips": [turned_by(one, 37.0) for one in given["dips"]]}
+        given |= {key: turned_by(given[key], 37.0) for key in ("face", "upper")}
+    elif changed == "moved":
+        given |= {"origin": (500e3, 4.2e6, 300)}
+    elif changed == "mirrored":
+
+        def mirror(plane):
+            dip, direction = plane.split("/")
+            return f"{dip}/{360.0 - float(direction):g}"
+
+        given |= {"dips": [mirror(one) for one in given["dips"]]}
+        given |= {key: mirror(given[key]) for key in ("face", "upper")}
+    else:  # lengths times 3, stresses times 3: strains and factors stay
+        size = 3.0
+        given |= {"height": 90, "c": (72, 144), "modulus": "6 GPa", "edge": "75 m"}
+    found = sk.wedge(**given, elastic=True).elastic
+    assert found.limit == pytest.approx(base.limit, rel=1e-6)
+    assert found.opened_share == pytest.approx(base.opened_share, rel=1e-6)
+    ours, theirs = (float(np.linalg.norm(one.displacement_m)) for one in (found, base))
+    assert ours == pytest.approx(theirs * size, rel=1e-5)
+    for name, joint in base.joints.items():
+        assert found.joints[name].elastic_kpa[1] == pytest.approx(joint.elastic_kpa[1] * size, rel=1e-5)
