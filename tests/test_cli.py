@@ -112,7 +112,7 @@ def test_options_and_parameters_of_a_wedge_are_declared_once() -> None:
     """What the command takes is what `sk.wedge` takes, in its order; a fault names each as its user wrote it."""
     taken = [name for name, one in inspect.signature(sk.wedge).parameters.items() if given_by(one) is not None]
     shown = re.findall(r"^  --([\w-]+)", slopekit("wedge", "--help").stdout, re.MULTILINE)
-    names = {"forces": "force", "bolts": "bolt", "accept": "accept-fos"}
+    names = {"forces": "force", "bolts": "bolt", "limits": "limit", "accept": "accept-fos"}
     assert shown[: len(taken)] == [names.get(name, name).replace("_", "-") for name in taken]
     assert shown[len(taken) :] == ["picture", "no-pictures", "json", "quiet", "help"]
     ran = slopekit(*PAPER, "--unit-weight", "2650", "--force", "much", "--force", "500kN@180/10")

@@ -34,3 +34,26 @@ def onlooker(told: Onlooker) -> Iterator[None]:
         yield
     finally:
         _ONLOOKER.reset(token)
+
+
+@contextmanager
+def told_times(unit: float, of: str) -> Iterator[None]:
+    """What is told within of stages that end with some words has its figure multiplied.
+
+    >>> heard = []
+    >>> with onlooker(lambda stage, value, head: heard.append(value)), told_times(2.0, "divided by"):
+    ...     say("path, strength divided by", 1.5)
+    ...     say("path, load times", 1.5)
+    >>> heard
+    [3.0, 1.5]
+    """
+    told = _ONLOOKER.get()
+    if told is None:
+        yield
+        return
+
+    def times(stage: str, value: float | None, head: bool) -> None:
+        told(stage, unit * value if value is not None and stage.endswith(of) else value, head)
+
+    with onlooker(times):
+        yield

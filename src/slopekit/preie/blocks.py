@@ -21,6 +21,7 @@ from typing import Protocol
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
+from slopekit.core.onlooker import told_times
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, Drive
@@ -180,7 +181,8 @@ def _limit_of(
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
             return _weaker(settled, 1.0 / unit)
-        found, loads_last, carried, work = _on_path(model, unit, bond, bound, ratio)
+        with told_times(unit, "divided by"):
+            found, loads_last, carried, work = _on_path(model, unit, bond, bound, ratio)
         steps += work
         return found
 
@@ -328,7 +330,8 @@ def first_limit(model: AssemblyModel, bond: Floats) -> PathLimit | None:
     bound = static_bound(model)
     if bound.lifted:
         return None
-    path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL)
+    with told_times(unit or 1.0, "divided by"):
+        path_end, *_ = _on_path(model, unit, bond, bound, SHEAR_TO_NORMAL)
     return _weaker(path_end, unit or 1.0) if path_end.parameter else None
 
 
