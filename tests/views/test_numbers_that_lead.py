@@ -169,10 +169,12 @@ def test_blocks_fail_at_the_factor_of_their_mechanism_or_at_once_with_others(sou
 
 
 def test_a_section_whose_second_mechanism_needs_less_strength_than_the_first() -> None:
-    """B2 and B3 lean on B1: freed of it they topple at 0.4314, so they fail with it, at 0.4518."""
-    result = sk.run(section(15), set={"analysis.mechanisms": 6})
-    first, second = result.findings.mechanisms
-    assert second.fos < first.fos
-    (row,) = blocks_of(result)
-    assert row == [factor_text(first.fos).strip(), "3", "B1; then at once B2, B3"]
-    assert "at once: 2 topple (B2, B3)" in str(result)
+    """B1 stands by B3 and B4: freed of them it slides at 1.2564, so it fails with them, at 1.3684."""
+    result = sk.run(section(572), set={"analysis.mechanisms": 6})
+    first, second, third = result.findings.mechanisms
+    assert second.fos < first.fos < third.fos
+    assert blocks_of(result) == [
+        [factor_text(first.fos).strip(), "3", "B3, B4; then at once B1"],
+        [factor_text(third.fos).strip(), "1", "B2"],
+    ]
+    assert "at once: 1 slides (B1)" in str(result)
