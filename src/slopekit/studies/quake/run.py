@@ -87,7 +87,7 @@ class Motion:
     displacement: Any
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON values, every so manieth sample of a long one."""
+        """As JSON values; of a long one every k-th sample, k under `every`."""
         every = max(1, math.ceil(len(self.times_s) / _MOST_DRAWN))
         columns = {"t_s": self.times_s, "a_g": self.acceleration_g, "v_m_s": self.velocity, "d_m": self.displacement}
         return {"record": self.record, "way": self.way, "every": every} | {
