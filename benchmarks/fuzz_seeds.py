@@ -139,7 +139,8 @@ slope: {face: 65/185, upper: 0/185, height: 20 m}
 joints: {J1: {plane: 45/105}, J2: {plane: 60/235}}
 crack: {plane: 85/185, distance: 4 m, water: 3 m}
 strength: {j: {c: 20 kPa, phi: 30}}
-rock: {unit_weight: 26}
+rock: {unit_weight: 26, modulus: 20 GPa, poisson: 0.25}
+analysis: {elastic: {edge: 5 m}}
 """,
     "sheet surface": """\
 slopekit: 1
@@ -262,6 +263,7 @@ EXTREMES: dict[str, tuple[object, ...]] = {
              "flat.stl"),
     "csv": ("joints.csv", "strikes.csv", "bad.csv"), "rules": ("fos >= 1", "fos < 2", "fos.static_bound >= 1.2", "1.5"),
     "acts": ("active", "passive"), "pick": ("A1", "A2", "B1", "B2"), "strength": ("rough", "weak", "joint", "clay"),
+    "modulus": ("1e3", "20 GPa", "20", "1e9", "1e10"), "poisson": ("0", "0.49", "0.5", "-0.1"),
     "mean": ("1", "20", "30", "1e3"), "sd": ("0", "1", "100"), "min": ("0", "10", "25"), "max": ("30", "50", "1e3"),
     "title": ("", "a: b", "\u200b", "\U0001f4a5 x", "'", "x" * 300), "head": ("0", "-4", "15", "1e3"),
 } | VALUES  # fmt: skip

@@ -129,8 +129,12 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
         yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
                      "left of it (COHESION); the lower of those that converge is used")  # fmt: skip
     if facts.moved_at:
-        yield Notice("W398", f"on the cracked base the {facts.block} moves at a factor of {facts.moved_at:.4g} and "
-                     "comes to rest again at less strength: the limit there is that of the last motion")  # fmt: skip
+        first, used = f"{facts.moved_at:.4g}", limit.factor
+        then = "the limit there is that of the last motion"
+        if used is not None and used > facts.moved_at:
+            then = f"{used:.4g}, which acceptance is judged by, is above that: where it cannot be borne, use {first}"
+        yield Notice("W398", f"on the cracked base the {facts.block} moves at a factor of {first} and comes to rest "
+                     f"again at less strength: {then}")  # fmt: skip
     if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"

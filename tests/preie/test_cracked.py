@@ -338,6 +338,7 @@ def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
     assert found.range[0] < result.fos.limit == found.headline
     said = {notice.code: notice.message for notice in result.warnings}
     assert "at a factor of 0.2017 and comes to rest again" in said["W398"]
+    assert f"{result.fos.limit:.4g}, which acceptance is judged by, is above that" in said["W398"]
     assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
 
 

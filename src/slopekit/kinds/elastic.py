@@ -35,6 +35,7 @@ from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.protocol import Kind
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
+from slopekit.preie.assembly import section_axes
 from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
 from slopekit.preie.model import Model, local_axes
 from slopekit.result import ElasticBlocks, ElasticPairs, OnElasticJoint, Result
@@ -80,7 +81,8 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     limit = rigid_limit = scene.rigid_limit
     if not stands:
         limit = scene.limit_without(found.parted)
-        rigid_limit = scene.limit_without(rigid.parted) if rigid.stands else rigid_limit
+        without = scene.limit_without(rigid.parted) if rigid.stands else None
+        rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
     ends, at_bracket = None, None
@@ -318,7 +320,7 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
     plus, minus = whole.plus[contact], whole.minus[contact]
     turned = whole.moving[plus] != patches.plus[patch]
     normals = patches.normals[patch] * np.where(turned, -1.0, 1.0)[:, None]
-    axes = _section_axes(normals) if assembly.in_section else local_axes(normals)
+    axes = section_axes(normals) if assembly.in_section else local_axes(normals)
     area = whole.control_area[:pairs] * whole.area_scale
     group = whole.group_of_pair[:pairs]
     bolted = slice(pairs, None)
@@ -430,14 +432,6 @@ def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
         index[:, 1 + k] = slip + k
     bolts = every + tangents * np.arange(groups - len(model.bolts), groups)
     return padded[index.ravel()], padded[bolts].toarray()
-
-
-def _section_axes(normals: Floats) -> Floats:
-    axes = np.zeros((len(normals), 3, 3))
-    axes[:, 0] = normals
-    axes[:, 1, 0], axes[:, 1, 2] = normals[:, 2], -normals[:, 0]
-    axes[:, 2, 1] = 1.0
-    return axes
 
 
 # -- the answer -------------------------------------------------------------------------------------------------------

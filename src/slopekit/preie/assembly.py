@@ -221,7 +221,7 @@ def build_assembly(
     plus[turned], minus[turned], normals[turned] = minus[turned], plus[turned], -normals[turned]
     middle = patches.centroids[kept]
     length = math.sqrt(float(patches.areas[kept].mean()))
-    axes = _section_axes(normals) if in_section else local_axes(normals)
+    axes = section_axes(normals) if in_section else local_axes(normals)
     if in_section:
         where, pair_contact, areas = segment_pairs(patches, kept)
     else:
@@ -315,7 +315,7 @@ def _with_bolts(model: AssemblyModel, bolts: PassiveBolts, index: Ints, centroid
     along = forces / capacity[:, None]
     in_section, contacts, blocks = model.unknowns == 3, len(model.plus), len(model.moving)
     if in_section:  # the tangent of the axes is the bolt
-        axes = _section_axes(np.stack([-along[:, 2], along[:, 1], along[:, 0]], axis=1))
+        axes = section_axes(np.stack([-along[:, 2], along[:, 1], along[:, 0]], axis=1))
     else:
         axes = local_axes(along)[:, [2, 0, 1]]
     arms = (middle - centroids[model.moving[plus]]) / model.length_scale
@@ -389,7 +389,7 @@ def _motion(axes: Floats, arms: Floats, in_section: bool) -> Floats:
     return out
 
 
-def _section_axes(normals: Floats) -> Floats:
+def section_axes(normals: Floats) -> Floats:
     """Normal, tangent in the section and y of each contact, (k, 3, 3); the tangent is e_y x normal."""
     axes = np.zeros((len(normals), 3, 3))
     axes[:, 0] = normals

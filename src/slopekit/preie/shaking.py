@@ -80,6 +80,7 @@ class ShakenBlock:
     cohesion, tension : (n,) kPa; tan_friction : (n,); residual : c and tan φ (n,) after slip, None where they stay
     mass : (u, u) t, t m²; load : (u,) kN, kNm; stiffness : with a constant shear stiffness
     translations : how many unknowns are translations
+    at_rest : displacement (u,), slip memory (n, 2) and lost bonds (n,) under the static loads
     """
 
     rows: Floats

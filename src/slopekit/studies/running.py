@@ -28,6 +28,7 @@ Record: TypeAlias = Any
 Advance = Callable[[int], None]
 _MOST_LOSSES = 3  # times that workers may die without a task being finished in between
 _CONNECT_S = 10.0
+_GONE_S = 5.0  # within which workers of a broken pool have ended
 _MOST_JOBS = 512
 _NO_GUARD = 64  # exit code of a worker whose script asks for workers itself while it is imported
 
@@ -275,8 +276,11 @@ def _several(work: Callable[[Any], Record], tasks: Sequence[Any]) -> list[Record
 
 def _refuse_without_guard(executor: Executor) -> None:
     """E464 where a worker of ours went away because the script that asked runs itself again in it."""
-    workers = getattr(executor, "_processes", None) or {}
-    if any(getattr(one, "exitcode", None) == _NO_GUARD for one in workers.values()):
+    workers = list((getattr(executor, "_processes", None) or {}).values())
+    ends = time.monotonic() + _GONE_S
+    while any(one.exitcode is None for one in workers) and time.monotonic() < ends:
+        time.sleep(0.01)  # the pool is told of a worker's end before its exit code can be read
+    if any(one.exitcode == _NO_GUARD for one in workers):
         script = str(getattr(sys.modules["__main__"], "__file__", ""))
         message = "the script has no main guard: every process of jobs= begins it anew"
         advice = "Put what it does into a function, def main():, and end it with these two lines, or leave jobs out:\n"

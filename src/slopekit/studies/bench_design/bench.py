@@ -270,8 +270,26 @@ def _columns(ground: Ground, trials: Trials, height: float, face: float) -> _Par
     return found
 
 
-def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> tuple[int, int]:
-    """Of the columns that stand against toppling how many slide on their base all the same, and how many stand.
+@dataclass(frozen=True, slots=True)
+class SlidingColumns:
+    """Columns of a bench that stand against toppling.
+
+    Attributes
+    ----------
+    slide, stand : how many slide on their base all the same, of how many
+    uncounted : of those that slide, where nothing else fails at their place; failing, places : places of the bench
+        where something is counted as failing, of how many
+    """
+
+    slide: int
+    stand: int
+    uncounted: int
+    failing: int
+    places: int
+
+
+def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> SlidingColumns:
+    """How many of the columns that stand against toppling slide on their base all the same.
 
     The first column of each place, by its weight: F = (c b + W cos ψ_b tan φ) / (W sin ψ_b), W = γ y Δx, b = Δx /
     sin(ψ_d + ψ_b). Those whose width is not known are left out.
@@ -289,7 +307,11 @@ def sliding_columns(ground: Ground, trials: Trials, bench: Bench) -> tuple[int, 
     along, weight = np.radians(out), ground.unit_weight_kn_m3 * high * widths
     bond = cohesion * widths / np.sin(np.radians(dip) + along)
     factor = (bond + weight * np.cos(along) * np.tan(np.radians(friction))) / (weight * np.sin(along))
-    return int((known & (factor < ground.target)).sum()), int(known.sum())
+    slides = known & (factor < ground.target)
+    any_fails: Bools = np.logical_or.reduce(bench.fails)
+    return SlidingColumns(
+        int(slides.sum()), int(known.sum()), int((slides & ~any_fails[stands]).sum()), int(any_fails.sum()), len(trials)
+    )
 
 
 def _judged(names: tuple[str, ...], outcome: np.ndarray, factor: Floats, target: float) -> tuple[Floats, Bools]:

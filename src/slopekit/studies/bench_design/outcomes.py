@@ -223,14 +223,3 @@ def along(bench: Bench, steps: Floats) -> tuple[Floats, float]:
     whole = math.floor(ends[-1] / STRETCH_M)
     volumes: Floats = np.bincount(stretch, bench.volume_m3, minlength=whole)[:whole].astype(np.float64)
     return volumes, float(bench.width_m.sum() / ends[-1])
-
-
-def words_of_share(share: Share) -> str:
-    """A share in per cent with its limits."""
-    if share.share is None:
-        return "-"
-    return f"{_percent(share.share)} % ({_percent(share.low)} to {_percent(share.high)})"
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.3g}"

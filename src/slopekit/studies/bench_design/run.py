@@ -209,7 +209,7 @@ def bench_design(
         "total": end - began,
     }  # fmt: skip
     sliding = [sliding_columns(asked.ground(bench.height_m), trials, bench) for bench in benches]
-    notices = [*notices_of(asked, outcomes, checked), *of_columns(sliding)]
+    notices = [*notices_of(asked, outcomes, checked), *of_columns(outcomes, sliding)]
     found = BenchDesigns(
         asked, tuple(outcomes), checked, crew_in_words(crew), tuple(notices), times, journal, columns
     )  # fmt: skip

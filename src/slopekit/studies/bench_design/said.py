@@ -6,6 +6,7 @@ import numpy as np
 
 from slopekit.core.errors import Notice
 from slopekit.core.orientation import number
+from slopekit.studies.bench_design.bench import SlidingColumns
 from slopekit.studies.bench_design.confirmed import Confirmed
 from slopekit.studies.bench_design.given import BenchInputs
 from slopekit.studies.bench_design.outcomes import OfBench
@@ -110,12 +111,16 @@ def _hidden_ends(asked: BenchInputs) -> Iterator[Notice]:
     )
 
 
-def of_columns(found: Sequence[tuple[int, int]]) -> Iterator[Notice]:
-    """W425, of columns of each bench that slide, and of those that stand against toppling."""
-    slide, stand = (sum(part) for part in zip(*found, strict=True))
-    if slide:
-        yield Notice(
-            "W425",
-            f"{slide} of {stand} columns that stand against toppling slide on their base: they do not count as failing "
-            "here; a base counts as a plane where it is the first joint of a place",
-        )
+def of_columns(benches: Sequence[OfBench], found: Sequence[SlidingColumns]) -> Iterator[Notice]:
+    """W425, with the bench in which most of what slides is not counted."""
+    slide, stand = sum(one.slide for one in found), sum(one.stand for one in found)
+    if not slide:
+        return
+    bench, most = max(zip(benches, found, strict=True), key=lambda one: one[1].uncounted)
+    counted, with_them = (100.0 * part / most.places for part in (most.failing, most.failing + most.uncounted))
+    where = f"at {number(bench.height_m)} m and {number(bench.face_dip_deg)}°"
+    yield Notice(
+        "W425",
+        f"{slide} of {stand} columns that stand against toppling slide on their base and do not count as failing "
+        f"columns; {where} something fails at {counted:.1f} % of the places, with them at {with_them:.1f} %",
+    )

@@ -28,7 +28,6 @@ _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
 _STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
-_MOST_UNTIED = 100  # moving blocks for which the all-pairs factor is looked for: its search takes long
 _INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
 
 

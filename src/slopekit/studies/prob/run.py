@@ -345,10 +345,10 @@ def prob(
         cracks = cracked(design, samples)
         placed, those = (design, samples) if cracks is None else (cracks.design, cracks.samples)
         at_work = _AtWork(placed, asked, crew, desk)
-        judged = _judge(those, at_work)
+        fast = vectorised(placed, those.values, those.settings)
+        judged = _judge(those, at_work, fast)
         if cracks is not None:
             judged = nowhere(judged, cracks.nowhere)
-        fast = vectorised(placed, those.values, those.settings)
         bolts = without_force(placed, _holding(those, placed, fast), judged.forms)
         sizes = sizes_of_samples(placed, fast, those.values, _Settings(those), judged.forms, judged.fails)
     confirmation = None
@@ -462,13 +462,12 @@ def _dilates(design: Design) -> bool:
     return any(angles) or any(variable.path.endswith(".dilation") for variable in design.variables)
 
 
-def _judge(samples: Samples, at_work: _AtWork) -> Judged:
+def _judge(samples: Samples, at_work: _AtWork, fast: Vectorised | None) -> Judged:
     """Outcome and factor of every sample."""
     design, asked = at_work.design, at_work.asked
     # passive bolts are searched for wedge by wedge: that is for the crew
     alone = asked.by == "pre-ie" or any(bolt.acts == "passive" for bolt in design.bolts)
-    fast = None if alone else vectorised(design, samples.values, samples.settings)
-    if fast is not None:
+    if fast is not None and not alone:
         found = fast(samples.values)
         names, outcome, factor = (*found.names, IMPOSSIBLE), found.outcome.astype(np.int16), found.factor
         impossible = _impossible(design, samples)

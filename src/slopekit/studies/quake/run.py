@@ -87,7 +87,7 @@ class Motion:
     displacement: Any
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON values, every so manieth sample of a long one."""
+        """As JSON values; of a long one every k-th sample, k under `every`."""
         every = max(1, math.ceil(len(self.times_s) / _MOST_DRAWN))
         columns = {"t_s": self.times_s, "a_g": self.acceleration_g, "v_m_s": self.velocity, "d_m": self.displacement}
         return {"record": self.record, "way": self.way, "every": every} | {
@@ -206,7 +206,6 @@ class Quake(Outcome):
             "regressions": self.compared(),
             "six": [one.to_dict() for one in self.six] or None,
             "motion": None if self.motion is None else self.motion.to_dict(),
-            "warnings": json_of(self.warnings),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -347,7 +346,8 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     found = [notice for one in shaken for notice in one.record.notices]
     ours = yields[0]
     if ours.coefficient is not None and ours.factor is None:
-        found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's"))
+        found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
+                            "too small"))  # fmt: skip
     if ours.coefficient is None:
         found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]
