@@ -48,6 +48,8 @@ def test_one_motion_in_many_files(tmp_path, text) -> None:
     (_columns(""), "E511", "nothing says the unit"),
     (_columns("time (s),acceleration (furlong)"), "E511", "nothing says the unit"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.0800,"), "E514", "line 7: 0.08 s, then 0.08 s"),
+    (_columns("time (ms),acceleration (g)"), "E514", "times are in ms"),
+    (_columns("time_msec;acc_g").replace(",", ";"), "E514", "times are in msec"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.1000,x"), "E513", "line 7 holds 'x"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "0.1000,1,"), "E512", "line 7 has 3 columns"),
     (_columns("time (s),acceleration (g)").replace("0.1000,", "nan,"), "E513", "line 7"),
@@ -77,6 +79,8 @@ def test_the_unit_may_be_given(tmp_path) -> None:
     assert read_record(path, "gal").pga_g == pytest.approx(np.abs(VALUES).max(), rel=1e-8)
     with pytest.raises(sk.DesignError, match="E511"):
         read_record(path, "feet")
+    with pytest.raises(sk.DesignError, match="E511"):  # though the pulse names its own
+        read_records(["sine:0.5g,1Hz"], "feet")
 
 
 def test_a_folder_is_read_and_every_bad_file_is_said(tmp_path) -> None:

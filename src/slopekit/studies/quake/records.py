@@ -41,6 +41,7 @@ _PARTS = 100  # of a rectangular or triangular pulse
 _CYCLE = 2000  # samples of a sine: the displacement is off by some 2e-6
 _TIMES = ("t", "time", "zeit", "sec", "seconds", "s")
 _ACCELERATIONS = ("a", "acc", "accel", "acceleration", "ag", "beschleunigung", "ground acceleration", "amplitude")
+_MILLI = re.compile(r"(?:^|[^a-z])(ms|msec|milliseconds?)(?![a-z])")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?")
 _STEPS = (
     re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.eE+-]+)", re.IGNORECASE),
@@ -175,6 +176,8 @@ def read_records(given: Sequence[Any], unit: str | None = None) -> tuple[Record,
     DesignError
         E147 to E149 for the files, E510 nothing there, E511 to E519 what is in them, E517 a pulse.
     """
+    if unit is not None:
+        _factor_of(unit, "unit")
     found: list[Record] = []
     faults = Faults()
     paths: list[Any] = []
@@ -329,6 +332,9 @@ def _columns(name: str, lines: Sequence[str], unit: str | None) -> Record:
     width = len(cells(rows[first][1]))
     heads = _heads(rows[first - 1][1], mark, width) if first else []
     at = _places(name, heads, width, rows[first][0])
+    if heads and _plain(heads[at[0]]) in _TIMES and (other := _MILLI.search(heads[at[0]])):
+        message = f"{name}: times are in {other[1]}, in seconds they are needed"
+        raise DesignError([Fault("E514", message, f"{name}:{rows[first - 1][0]}", "Divide them by 1000: time (s).")])
     stated = _unit_of_head(heads[at[1]]) if heads else None
     before = " ".join(line for line in lines[: rows[first][0] - 1])
     stated = stated or _unit_in(before)
