@@ -45,6 +45,7 @@ def test_a_plane_in_its_section_and_a_slope_below_one() -> None:
     assert found.factor == 1.0
     assert found.displacement_m[2] < found.rigid_displacement_m[2] < 0.0
     weak = sk.run(PLANE, {"strength.joint.c": 1}, elastic=True)
+    assert "W454" in [notice.code for notice in weak.warnings]  # k_t is not given
     assert weak.fos.limit < 1.0
     assert weak.elastic.factor == pytest.approx(0.95 * weak.fos.limit, rel=1e-9)
 
@@ -76,6 +77,7 @@ def test_columns() -> None:
     assert found.elastic.limit == found.fos.limit
     bonded = sk.run(columns(5), elastic=True)
     assert bonded.elastic.limit == pytest.approx(bonded.elastic.rigid_limit, rel=0.02)
+    assert "W455" in [notice.code for notice in bonded.warnings]
     assert bonded.elastic.rigid_limit < bonded.fos.limit * 0.95
     assert bonded.elastic.opened_share == pytest.approx(bonded.elastic.rigid_opened_share, abs=0.05)
 
@@ -124,3 +126,10 @@ def test_nothing_that_falls_has_elastic_blocks() -> None:
     assert found.status == "lifted"
     assert found.elastic is None
     assert "W450" in [notice.code for notice in found.warnings]
+
+
+def test_where_no_rest_is_found_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("slopekit.elastic.rest.BALANCED", -1.0)  # no balance is good enough
+    found = sk.wedge(**WEDGE, elastic=True)
+    assert found.elastic is None
+    assert "W451" in [notice.code for notice in found.warnings]

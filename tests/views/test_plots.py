@@ -368,7 +368,7 @@ def test_offers(scattered) -> None:
     assert set(offers(plain(sk.run(path_of("paper-footing"))))) >= {"scene", "reduction"}
     assert offers({"slopekit": "0"}) == {}
     assert set(offers(plain(sk.quake(sk.load(WEDGE), "triangular:0.5g,0.4s")))) == {"motion"}
-    assert len(set(EVERY)) == len(EVERY) == 21
+    assert len(set(EVERY)) == len(EVERY) == 22
 
 
 def test_whole_documents_have_what_pictures_need(scattered) -> None:

@@ -46,7 +46,8 @@ def plot(
     """A picture of any JSON that slopekit wrote (extra: plot).
 
     Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
-    histogram curve contour tornado speed-error reduction normals. Without WHAT: those that the file can give.
+    histogram curve contour tornado speed-error reduction normals
+    elastic-tractions. Without WHAT: those that the file can give.
     """
     from slopekit.views import plots
 

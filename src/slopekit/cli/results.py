@@ -15,7 +15,7 @@ OPTIONS = {
     "quiet": QUIET, "output": FOLDER,
 }  # fmt: skip
 _ENDINGS = (".png", ".glb", ".gltf")
-_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction")
+_PICTURES = ("scene", "elevation", "mechanism", "stereonet", "reduction", "elastic-tractions")
 
 
 def finish(record: dict[str, Any], folder: Path | None, image: Path | None, plain: bool) -> None:

@@ -21,6 +21,7 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 
 _CHUNK = 2_000_000  # barycentric coordinates at a time
+_COLUMNS = 64  # right sides at a time: they stay in the cache, all at once take twice as long
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +201,9 @@ class Elements:
 
         def solve(right: Floats) -> Floats:
             out = np.zeros(right.shape)
-            out[free] = factor.solve(np.ascontiguousarray(right[free]))
+            for first in range(0, right.shape[1], _COLUMNS):
+                own = slice(first, first + _COLUMNS)
+                out[free, own] = factor.solve(np.asfortranarray(right[free, own]))
             return out
 
         return solve

@@ -14,7 +14,10 @@ from slopekit.views.kinematic_charts import NETS_OF
 from slopekit.views.plots import Options, draw, offers
 
 #: Pictures of a result in the order of the page, those of blocks for many blocks only.
-_OF_RESULT = ("scene", "elevation", "stereonet", "tractions", "mechanism", "factors", "ravelling", "reduction")
+_OF_RESULT = (
+    "scene", "elevation", "stereonet", "tractions", "elastic-tractions", "mechanism", "factors", "ravelling",
+    "reduction",
+)  # fmt: skip
 _SCENES = ("scene", "exploded", "tractions", "forces", "displacement", "mechanism", "factors", "ravelling")
 _TYPES = {".png": "image/png", ".svg": "image/svg+xml"}
 _LARGEST_SVG = 110_000  # bytes; beyond that a PNG is smaller and as legible

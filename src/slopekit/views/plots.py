@@ -148,6 +148,11 @@ CHARTS: Mapping[str, Chart] = {
         "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
+    "elastic-tractions": Chart(
+        "normal tractions of each joint, rigid beside elastic",
+        "result.json of elastic blocks: slopekit run design.yaml --elastic -o DIR",
+        "elastic_charts.draw_elastic_tractions", lambda of: isinstance(of.get("elastic"), Mapping),
+    ),
     "speed-error": Chart(
         "time against error of the solver", "check.json: slopekit check design.yaml -o DIR",
         "charts.draw_speed_errors", lambda of: "ladder" in of,

@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from operator import attrgetter
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from slopekit.core.codec import json_of, record_of
 from slopekit.core.errors import Notice
@@ -22,12 +22,13 @@ from slopekit.kinds import kind_of
 from slopekit.kinds.ladders import Ladder, NormalsRung, Rung
 from slopekit.preie.balance import Balance
 from slopekit.result import Result
-from slopekit.studies.protocol import DESK, ADesign, Desk, Outcome, study
+from slopekit.studies.protocol import DESK, ADesign, Desk, Option, Outcome, study
 
 _EXACT = 1e-9  # a mesh that moves the factor by less does not matter
 _ALIKE = 1e-6  # factors that differ by less are one
 _STIFFNESS = 1e-2  # that k_t / k_n from 0.1 to 1 may move a limit: of 683 random sections it moved 48 by more
 _BALANCED = 1e-5  # of a block's load: what settles balances to 1e-6 or better
+_ELASTIC = 1e-3  # that the rigid limit without what is open may lie outside the bracket of elastic blocks, as of W453
 _INDEPENDENT = ("closed form", "node pairs", "static bound")  # findings that hold the number against something else
 
 
@@ -143,6 +144,7 @@ class Check(Outcome):
             "normals": json_of(self.normals),
             "orders": list(self.orders),
             "balance": result["balance"],
+            **({} if self.result.elastic is None else {"elastic": result["elastic"]}),
             "timing_s": {
                 "total": self.seconds,
                 "cheapest": None if self.cheapest is None else self.ladder[self.cheapest].setting,
@@ -153,7 +155,14 @@ class Check(Outcome):
 
 
 @study
-def check(design: ADesign, *, desk: Desk = DESK) -> Check:
+def check(
+    design: ADesign,
+    *,
+    elastic: Annotated[
+        bool, Option("Elastic blocks beside the rigid ones, with their bracket (extra: elastic).")
+    ] = False,
+    desk: Desk = DESK,
+) -> Check:
     """Closed form against PRE-IE on a design, speed against error; or the verification suite.
 
     Takes a few seconds for one block, up to minutes for a bench. Exit codes: 0 consistent or nothing independent to
@@ -166,14 +175,22 @@ def check(design: ADesign, *, desk: Desk = DESK) -> Check:
         As `slopekit.analyse`.
     """
     began = time.perf_counter()
+    if elastic:
+        from slopekit.elastic.meshing import required
+
+        required()
     found = kind_of(design).ladder(design)
+    if elastic:
+        from slopekit.kinds.elastic import with_elastic
+
+        found = replace(found, result=with_elastic(kind_of(design), found.result, bracket=True))
     result, ladder = found.result, found.rungs
     reference, against, own = _reference(result, ladder)
     errors = tuple(
         None if rung.factor is None or reference is None else abs(rung.factor / reference - 1.0) for rung in ladder
     )
     orders = _orders(ladder)
-    findings = tuple(_findings(result, ladder, orders, found))
+    findings = (*_findings(result, ladder, orders, found), *([_elastic(result)] if elastic else []))
     cheapest = None
     if not any(finding.met is False for finding in findings):
         cheapest = _cheapest(ladder, errors, design.agree_within, own, result.moments_govern)
@@ -328,6 +345,31 @@ def _stiffness(result: Result, limit: float, rungs: Sequence[Rung]) -> Iterator[
                       + " and ".join(f"{rung.setting_value:g}" for rung in rungs))  # fmt: skip
     else:
         yield Finding(name, None, None, None, f"{shown}: whether the limit hangs on it is not known", "W364")
+
+
+def _elastic(result: Result) -> Finding:
+    """Elastic blocks: that they lose the cohesion of what they pull open is physics, and no disagreement.
+
+    Judged is whether they come to rest up to the rigid limit without it; where moments lead them to another limit state
+    (W453) that is said and not judged.
+    """
+    name, found = "elastic blocks", result.elastic
+    if found is None or found.limit is None or found.rigid_limit is None:
+        return Finding(
+            name, None, None, None, "none: see NOTE" if found is None else "no limit: they stand as they are"
+        )
+    less, opened = 1.0 - found.limit / found.rigid_limit, 100.0 * found.opened_share
+    same = "the same" if less < _ALIKE else f"{100.0 * less:.2g} % less, the cohesion of {opened:.2g} % that opens"
+    words = f"limit {found.limit:.4f}, rigid {found.rigid_limit:.4f}: {same}"
+    if found.bracket is None or found.limit_at_bracket is None:
+        return Finding(name, None, None, None, f"{words}; where they lose their rest was not found")
+    low, high = found.bracket
+    off = max(low / found.limit_at_bracket - 1.0, found.limit_at_bracket / high - 1.0, 0.0)
+    words = f"{words}; at rest up to {low:.5f} .. {high:.5f}, rigid without what is open there"
+    words = f"{words} {found.limit_at_bracket:.5f}"
+    if off > _ELASTIC:
+        return Finding(name, off, _ELASTIC, None, f"{words}: another limit state, take the lower", "W453")
+    return Finding(name, off, _ELASTIC, True, words)
 
 
 def _balance(result: Result, rest: Balance | None, limit: float) -> Iterator[Finding]:

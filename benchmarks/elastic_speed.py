@@ -1,0 +1,52 @@
+"""Table 7's row of elastic blocks: speed against error with the edge of the elements and their order.
+
+python -m benchmarks.elastic_speed [HALVED]: the wedge of Sheng et al. (2023), Table 4, k_t 1e5 kN/m³, 20 GPa, rigid
+bedrock; edges of half the longest of the wedge, halved HALVED times [3]; CPU seconds of the elastic blocks alone.
+"""
+
+import sys
+import time
+from dataclasses import replace
+from unittest.mock import patch
+
+import numpy as np
+
+import slopekit as sk
+from slopekit.kinds import elastic, kind_of
+
+PAPER_S, COARSE_S = 305.0, 3.0  # Table 7; what a coarse answer may take
+
+
+def main(halved: int = 3) -> None:
+    """Print a line for each edge and order, then how the quickest that is near the finest compares with the paper."""
+    plain = sk.wedge(("45/115", "45/245"), shear_stiffness=1e5)
+    corners = np.array([*plain.to_dict()["geometry"]["corners_m"].values()])
+    longest = max(float(np.linalg.norm(a - b)) for a in corners for b in corners)
+    warm = sk.wedge(("45/115", "45/245"), shear_stiffness=1e5, edge=longest / 2.0, elastic=True)
+    assert warm.elastic is not None  # what it loads is no part of the times
+    rows = []
+    for edge in (longest / 2.0**k for k in range(1, halved + 2)):
+        for order in (1, 2):
+            design = replace(plain.design, elastic_edge_m=edge * (1.0 + 1e-9))
+            with patch.object(elastic, "ORDER", order):
+                began = time.process_time()
+                found = elastic.with_elastic(kind_of(design), replace(plain, design=design), bracket=False).elastic
+                took = time.process_time() - began
+            assert found is not None
+            assert found.limit is not None
+            rows.append((edge, order, found, took))
+    finest = rows[-1][2]
+    print("edge m  order  elements  pairs  unknowns  opened    limit    off finest  moved mm    σ' J1 kPa     CPU s")
+    for edge, order, found, took in rows:
+        moved = 1e3 * float(np.linalg.norm(found.displacement_m))
+        low, high = found.joints["J1"].elastic_kpa
+        print(f"{edge:6.1f}  {'P' + str(order):>5s}  {found.cells:8d}  {found.node_pairs:5d}  {found.unknowns:8d}  "
+              f"{found.opened_share:6.2%}  {found.limit:.5f}  {found.limit / finest.limit - 1.0:10.1e}  {moved:8.4f}  "
+              f"{low:6.1f} .. {high:5.1f}  {took:8.3f}")  # fmt: skip
+    for edge, _, _, took in rows[5:6]:  # an eighth of the longest edge, order two
+        print(f"edge: auto is {edge:.1f} m in P2: {took:.2f} s, the paper's PFE-IE {PAPER_S:.0f} s; "
+              f"{'within' if took <= COARSE_S else 'NOT within'} {COARSE_S:.0f} s")  # fmt: skip
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:2]))
