@@ -43,7 +43,7 @@ class Facts:
     seismic : (3,) the way it acts, local axes; None without
     by_rules : moments open part of a contact with cohesion, and the limit is that of a rule on it
     span : lowest and highest factor of the mechanism, whatever forces are locked in
-    moved_at : factor at which the block moved on its cracked base, to rest again at less strength
+    rests_to : of a block that moves on its cracked base and rests again farther off, the factor up to which it does
     """
 
     status: str
@@ -58,7 +58,7 @@ class Facts:
     seismic: Floats | None = None
     by_rules: bool = False
     span: tuple[float | None, float | None] = (None, None)
-    moved_at: float | None = None
+    rests_to: float | None = None
 
 
 def common_notices(design: Design, strengths: Sequence[Strength]) -> Iterator[Notice]:
@@ -128,13 +128,9 @@ def notices(design: Design, interfaces: Sequence[Interface], facts: Facts) -> It
     if facts.by_rules:
         yield Notice("W314", "moments open part of a joint with cohesion: the limit depends on the rule for what is "
                      "left of it (COHESION); the lower of those that converge is used")  # fmt: skip
-    if facts.moved_at:
-        first, used = f"{facts.moved_at:.4g}", limit.factor
-        then = "the limit there is that of the last motion"
-        if used is not None and used > facts.moved_at:
-            then = f"{used:.4g}, which acceptance is judged by, is above that: where it cannot be borne, use {first}"
-        yield Notice("W398", f"on the cracked base the {facts.block} moves at a factor of {first} and comes to rest "
-                     f"again at less strength: {then}")  # fmt: skip
+    if facts.rests_to:
+        yield Notice("W398", f"the {facts.block} moves on its cracked base and may rest again farther off, up to a "
+                     f"factor of {facts.rests_to:.4g}: the first motion is its limit")  # fmt: skip
     if limit.factor and not limit.settled_to(design.stop_when):
         highest = limit.factor / (1.0 - limit.change)
         swings = f"the limit swings between {limit.factor:.4g} and {highest:.4g}"

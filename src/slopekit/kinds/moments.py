@@ -41,7 +41,7 @@ class CohesionRules:
     runs : the motion runs there; False: the block is still at rest when its pressed part gives way
     contacts : evidence by interface, in local axes
     why_not : why the cracked base has no limit
-    moved_at : factor at which the block first moved on it, where it came to rest again at less strength
+    rests_to : where it moves on the cracked base, but rests again farther off: the factor up to which it does
     """
 
     rule: str
@@ -52,12 +52,12 @@ class CohesionRules:
     runs: bool
     contacts: Mapping[int, ContactOpening]
     why_not: str
-    moved_at: float | None = None
+    rests_to: float | None = None
 
     @property
     def numbers(self) -> tuple[float, ...]:
         """The factors that there are, the headline first."""
-        numbers = (self.headline, self.by_mechanism, self.cracked_base, self.bond_gone, self.moved_at)
+        numbers = (self.headline, self.by_mechanism, self.cracked_base, self.bond_gone, self.rests_to)
         return tuple(value for value in numbers if value is not None)
 
 
@@ -167,7 +167,7 @@ def limit_by_rules(scene: Scene, analysis: LimitAnalysis, before: CohesionLimit 
     assert governing.factor is not None
     rules = CohesionRules(
         rule if govern else "forces_alone", governing.factor, motion.factor, cracked, bare, base.runs,
-        _evidence(bed, base, model, bedding.centroid), base.why_not, base.moved_at,
+        _evidence(bed, base, model, bedding.centroid), base.why_not, base.rests_to,
     )  # fmt: skip
     without_path = without_path and govern and rule == "bond_gone"
     by_rules = LimitAnalysis(governing, alone, headline, govern, govern, without_path)

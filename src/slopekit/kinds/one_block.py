@@ -454,7 +454,7 @@ def result(
         rest is not None and not rest.stands, closed.why_not,
         words.block,
         made.loads.parts["seismic"] if made.loads.parts["seismic"].any() else None, solved.rules is not None,
-        solved.span, None if solved.rules is None else solved.rules.moved_at,
+        solved.span, None if solved.rules is None else solved.rules.rests_to,
     )  # fmt: skip
     origin, turn = made.origin, made.axes
     of_laws = left_out_of_laws([interface.strength for interface in made.interfaces])

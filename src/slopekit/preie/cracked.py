@@ -70,7 +70,7 @@ class CrackedBase:
     forces : of the points of the bed
     change : what splitting the triangles once more does to F, in parts of it (first order)
     residual : unbalanced force in parts of the load; points : of the path
-    moved_at : the factor at which it first moved, where it came to rest again at less strength
+    rests_to : where it moves at `factor`, but comes to rest again farther off, the factor up to which it does
     """
 
     factor: float | None
@@ -83,7 +83,7 @@ class CrackedBase:
     change: float = 0.0
     residual: float = 0.0
     points: int = 0
-    moved_at: float | None = None
+    rests_to: float | None = None
 
 
 def cracked_base(bed: PolygonBed, guess: float) -> CrackedBase:
@@ -287,7 +287,7 @@ class _Path:
             return CrackedBase(None, "the elastic path could not be followed")
         point = best = begun
         folds: list[_Fold] = []
-        moved: float | None = None
+        moved: CrackedBase | None = None
         last = point, _FIRST
         length, most, is_fold, ended = _FIRST, _RUNS * math.sqrt(float(u @ u)), False, False
         while not ended:
@@ -324,7 +324,7 @@ class _Path:
                 onward = self._march(best, _BEYOND)  # it moves: to rest again farther off?
                 ended = onward is None
                 if onward is not None:
-                    moved = moved or math.exp(-best.log_reduction)
+                    moved = moved or self._at_rest(best, not is_fold)
                     point = best = onward
                     length, is_fold, folds = _FIRST / 10.0, False, []
         best, is_fold = self._lowest(folds, best, is_fold)
@@ -333,7 +333,11 @@ class _Path:
         running = self._running(best, min(SAME_RUN, SAME_FOLD + _SETTLES * slope))
         if running is None and ended and best is point:
             best = self._landed(*last, point, most)
-        return replace(running or self._at_rest(best, not is_fold), moved_at=moved)
+        farthest = running or self._at_rest(best, not is_fold)
+        if moved is None or moved.factor is None or farthest.factor is None or farthest.factor <= moved.factor:
+            return farthest
+        # what it comes to farther off hangs on the way there: the first motion is its limit
+        return replace(moved, rests_to=farthest.factor, points=farthest.points)
 
     def _landed(self, before: _PathPoint, length: float, after: _PathPoint, most: float) -> _PathPoint:
         """Where between two points of a path that creeps the displacement is `most`, however long the steps were."""
