@@ -1,6 +1,7 @@
 """The cracked base against hand calculations of dams, against thousands of separate springs, and against itself."""
 
 import math
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -334,9 +335,9 @@ def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
     found = result.cohesion_under_moments
     assert found.rule == "cracked_base"
     assert result.fos.limit == found.headline == found.range[0] == pytest.approx(0.2012, rel=1e-3)
-    assert found.headline < 0.5 < found.rests_to <= found.range[1]
     (said,) = [notice.message for notice in result.warnings if notice.code == "W398"]
-    assert f"up to a factor of {found.rests_to:.4g}: the first motion is its limit" in said
+    farther = float(re.search(r"up to a factor of (\S+): the first motion is its limit", said)[1])
+    assert 0.5 < farther <= found.range[1] * (1.0 + 1e-3)
     assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
 
 
