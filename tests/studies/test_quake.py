@@ -233,6 +233,26 @@ def test_regressions_as_they_are_printed(index) -> None:
     assert median_m(REGRESSIONS[index], 0.4, 0.4, 0.3, 1.0) == 0.0
 
 
+def test_regressions_stop_where_they_run_away_or_the_block_does_not_move() -> None:
+    """30 m by a formula at k_y 0.014 beside 4 m of the record itself: nothing is printed there, and why."""
+    names = [one.name for one in REGRESSIONS]
+    weak = sk.load(PLANE, set={"strength.bedding.c": 0, "strength.bedding.phi": 35.6})
+    low = sk.quake(weak, record_of("low", *_sine(50, 0.4 * G)))
+    assert low.coefficient == pytest.approx(math.tan(math.radians(0.6)), rel=1e-6)
+    assert [row["median_m"] for row in low.compared()] == [None] * 5
+    assert [row["name"] for row in low.compared()] == names
+    assert "none: k_y 0.0104724 lies below 0.02" in str(low)
+    assert "Jibson" not in str(low)
+    high = sk.quake(sk.load(PLANE), record_of("weak", *_sine(50, 0.1 * G)))
+    assert [row["median_m"] for row in high.compared()] == [None] * 5
+    assert "lies above the peak of every record (k_y / PGA 1.4" in str(high)
+    both = sk.quake(sk.load(PLANE), [record_of("weak", *_sine(50, 0.1 * G)), record_of("strong", *_sine(50, 0.4 * G))])
+    strong = both.shaken[1].record
+    alone = median_m(REGRESSIONS[0], both.coefficient, strong.pga_g, strong.pgv_m_s, strong.arias_m_s)
+    assert both.compared()[0]["median_m"] == alone  # no median with a record that does not move it
+    assert "left out: 1 record with a peak below k_y" in str(both)
+
+
 # -- as users meet it --------------------------------------------------------------------------------------------------
 
 

@@ -26,7 +26,7 @@ from slopekit.design.common import Design
 from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
 from slopekit.studies.quake.records import Record, read_record, read_records
-from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
 from slopekit.studies.quake.yielding import KEY, Yield, check_stands, shown_k, static_design, yields_of
@@ -171,16 +171,28 @@ class Quake(Outcome):
             for name, values in columns.items()
         }
 
+    @property
+    def natural(self) -> tuple[Shaken, ...]:
+        """Records that regressions speak of: no pulses."""
+        return tuple(one for one in self.shaken if not one.record.is_pulse)
+
+    @property
+    def comparable(self) -> tuple[Shaken, ...]:
+        """Of these, those whose peak lies above k_y; none where k_y is too small for regressions."""
+        k = self.coefficient
+        return () if k is None or k < LEAST_K else tuple(one for one in self.natural if one.record.pga_g > k)
+
     def compared(self) -> list[dict[str, Any]]:
-        """Regressions beside plain Newmark displacements (the mean of both polarities): medians over the records."""
+        """Regressions: their medians over the records that can be compared, None where none can."""
         k = self.coefficient
         if k is None:
             return []
-        real = [one for one in self.shaken if not one.record.is_pulse]
-        rows = []
-        for regression in REGRESSIONS if real else ():
-            of = [median_m(regression, k, one.record.pga_g, one.record.pgv_m_s, one.record.arias_m_s) for one in real]
-            rows.append({"name": regression.name, "asks": regression.asks, "median_m": float(np.median(of))})
+        rows: list[dict[str, Any]] = []
+        for regression in REGRESSIONS if self.natural else ():
+            records = [one.record for one in self.comparable]
+            of = [median_m(regression, k, one.pga_g, one.pgv_m_s, one.arias_m_s) for one in records]
+            median = float(np.median(of)) if of else None
+            rows.append({"name": regression.name, "asks": regression.asks, "median_m": median})
         return rows
 
     def to_dict(self) -> dict[str, Any]:

@@ -4,8 +4,11 @@ from collections.abc import Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
+import numpy as np
+
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
+from slopekit.studies.quake.regressions import LEAST_K
 from slopekit.studies.quake.run import Motion, Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
@@ -28,7 +31,7 @@ def sheet_of(found: Quake) -> Sheet:
         Section("SLIDES", [records]),
         Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
         Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
-        Section("COMPARE", [_compared(found)] if found.compared() else []),
+        Section("COMPARE", _compared(found) if found.compared() else []),
         Section("MODEL", [_model(found)]),
         Section("TIME", [f"{found.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in found.warnings]),
@@ -172,15 +175,26 @@ def _six_notes(found: Quake) -> list[str]:
     ]
 
 
-def _compared(found: Quake) -> Table[Any]:
-    own = found.percentiles()["newmark"]["median"]
+def _compared(found: Quake) -> list[str | Table[Any]]:
+    """Regressions where they hold, else why not; k_y / PGA either way."""
+    k = found.coefficient or 0.0
+    taken = found.comparable
+    ratios = [k / one.record.pga_g for one in taken or found.natural]
+    span = " to ".join(dict.fromkeys(f"{ratio:.3g}" for ratio in (min(ratios), max(ratios))))
+    if k < LEAST_K:
+        return [f"none: k_y {shown_k(k)} lies below {LEAST_K:g}, where regressions run away (k_y / PGA {span})"]
+    if not taken:
+        return [f"none: k_y {shown_k(k)} lies above the peak of every record (k_y / PGA {span})"]
+    left = len(found.natural) - len(taken)
+    less = f"; left out: {counted(left, 'record')} with a peak below k_y" if left else ""
+    own = float(np.median([0.5 * (one.newmark_m + one.newmark_reversed_m) for one in taken]))
     ours = {"name": "these records, factor 1", "asks": "", "median_m": own}
     columns: tuple[Column[Any], ...] = (
         Column("median displacement", itemgetter("name"), "name", width=-_NAME),
         Column("cm", itemgetter("median_m"), "median_m", "m", lambda m: f"{m * 100.0:.4g}", 10),
         Column("  from", itemgetter("asks"), "asks", width=-1, about="  {}"),
     )
-    return Table(columns, [ours, *found.compared()])
+    return [Table(columns, [ours, *found.compared()]), f"k_y / PGA {span}{less}"]
 
 
 def _model(found: Quake) -> str:
