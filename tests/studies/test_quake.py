@@ -213,6 +213,19 @@ def test_peaks_are_scaled() -> None:
     assert found.percentiles()["mean"]["median"] == pytest.approx(np.mean([one.mean_m for one in found.shaken]))
 
 
+def test_percentiles_ask_for_seven_records(wedge) -> None:
+    pulses = [f"triangular:0.{k}g,0.4s" for k in range(3, 10)]
+    seven = sk.quake(wedge.design, pulses)
+    means = [one.mean_m for one in seven.shaken]
+    low, median, high = np.percentile(means, (16, 50, 84))
+    assert seven.percentiles()["mean"] == pytest.approx({"p16": low, "median": median, "p84": high}, rel=1e-14)
+    assert "over 7 records 16 % cm median cm 84 % cm" in " ".join(str(seven).split())
+    six = sk.quake(wedge.design, pulses[:6])
+    assert six.percentiles()["mean"] == {"p16": None, "median": pytest.approx(np.median(means[:6])), "p84": None}
+    assert "over 6 records median cm as recorded" in " ".join(str(six).split())
+    assert "16 %" not in str(six)
+
+
 # -- regressions -------------------------------------------------------------------------------------------------------
 
 

@@ -36,6 +36,7 @@ _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
+_SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
 
@@ -158,18 +159,30 @@ class Quake(Outcome):
         """Acceleration, velocity and displacement."""
         return ("motion",) if self.motion is not None else ()
 
-    def percentiles(self) -> dict[str, dict[str, float]]:
-        """16th percentile, median and 84th of the displacements over the records, m."""
+    @property
+    def has_spread(self) -> bool:
+        """Whether the records are enough for percentiles beside the median."""
+        return len(self.shaken) >= _SPREAD
+
+    def percentiles(self) -> dict[str, dict[str, float | None]]:
+        """16th percentile, median and 84th of the displacements over the records, m; of few the median alone."""
         columns = {
             "as_recorded": [one.as_recorded_m for one in self.shaken],
             "reversed": [one.reversed_m for one in self.shaken],
             "mean": [one.mean_m for one in self.shaken], "larger": [one.larger_m for one in self.shaken],
             "newmark": [0.5 * (one.newmark_m + one.newmark_reversed_m) for one in self.shaken],
         }  # fmt: skip
-        return {
-            name: dict(zip(("p16", "median", "p84"), np.percentile(values, (16.0, 50.0, 84.0)).tolist(), strict=True))
-            for name, values in columns.items()
-        }
+        found: dict[str, dict[str, float | None]] = {}
+        for name, values in columns.items():
+            low, median, high = np.percentile(values, (16.0, 50.0, 84.0)).tolist()
+            spread = self.has_spread
+            found[name] = {"p16": low if spread else None, "median": median, "p84": high if spread else None}
+        return found
+
+    @property
+    def median_m(self) -> float:
+        """Median over the records of the mean of both polarities, m."""
+        return float(np.median([one.mean_m for one in self.shaken]))
 
     @property
     def natural(self) -> tuple[Shaken, ...]:

@@ -50,7 +50,7 @@ def line_of(found: Quake) -> str:
     k, factor = found.coefficient, found.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
     larger = max(one.larger_m for one in found.shaken)
-    parts.append(f"median {_length(found.percentiles()['mean']['median'])}, most {_length(larger)}")
+    parts.append(f"median {_length(found.median_m)}, most {_length(larger)}")
     parts.append({True: "agree", False: "disagree", None: "not compared"}[found.agree])
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in found.warnings)])
 
@@ -122,10 +122,9 @@ def _percentiles(found: Quake) -> Table[Any]:
     def column(title: str, key: str) -> Column[Any]:
         return Column(title, lambda row: row[1][key], key + "_m", "m", lambda m: f"{m * 100.0:.4g}", 13)
 
-    return Table(
-        (Column("over the records", itemgetter(0), "over", width=-_NAME), column("16 % cm", "p16"),
-         column("median cm", "median"), column("84 % cm", "p84")), rows,
-    )  # fmt: skip
+    low, median, high = column("16 % cm", "p16"), column("median cm", "median"), column("84 % cm", "p84")
+    over = Column[Any](f"over {counted(len(found.shaken), 'record')}", itemgetter(0), "over", width=-_NAME)
+    return Table([over, *([low, median, high] if found.has_spread else [median])], rows)
 
 
 def _six(found: Quake) -> Table[Any]:
