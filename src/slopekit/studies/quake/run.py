@@ -29,7 +29,7 @@ from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
-from slopekit.studies.quake.yielding import KEY, Yield, check_stands, shown_k, static_design, yields_of
+from slopekit.studies.quake.yielding import KEY, Yield, check_stands, other_way, shown_k, static_design, yields_of
 from slopekit.studies.running import checked_crew
 
 _ABOUT = 150  # evaluations: for the bar
@@ -313,7 +313,8 @@ def quake(
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
         in_six = () if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
-    warnings = (*_notices(static, yields, shaken), *_of_six(in_six))
+        out = other_way(static, yields[0], advance)
+    warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken), *_of_six(in_six))
     trend = static.seismic.trend_deg
     return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, time.perf_counter() - began)
 
@@ -355,6 +356,15 @@ def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gr
 
 
 _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
+
+
+def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:
+    """W467 where the shaking pushes the block into the slope."""
+    if out is None:
+        return []
+    toward, away = (f"{number(trend or 0.0):0>3}" for trend in (static.seismic.trend_deg, out[0]))
+    return [Notice("W467", f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {away} "
+                   f"pushes out of it, k_y is below {shown_k(out[1])}: --toward {away}")]  # fmt: skip
 
 
 def _of_six(in_six: Sequence[Shaking]) -> list[Notice]:

@@ -118,6 +118,22 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
     return Yield(method, k, status, factor, why, before, agree)
 
 
+def other_way(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
+    """The trend away from that of the shaking and a k above its k_y, where that is far the lower one; else None.
+
+    Far lower is half; where the block goes up the slope, lower at all.
+    """
+    trend = static.seismic.trend_deg
+    if trend is None:
+        return None
+    k = MOST_K if ours.coefficient is None else ours.coefficient
+    at = k if ours.status.endswith("slides_up") else 0.5 * k
+    away = (trend + 180.0) % 360.0
+    factor = factor_at(point_of(static, {KEY: at, TOWARD: away}), "pre_ie")
+    advance(1)
+    return (away, at) if factor is not None and factor < 1.0 else None
+
+
 def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
     """The closed form of columns comes with PRE-IE: from PRE-IE's coefficient by secants."""
     near = solution.answer
