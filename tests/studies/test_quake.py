@@ -325,6 +325,20 @@ def test_wrong_input_is_said(arguments, code) -> None:
     assert done.stderr.startswith(code)
 
 
+@pytest.mark.parametrize(("name", "arguments", "said"), [
+    ("footing", (), "a footing has none"), ("footing", ("--toward", "90"), "a footing has none"),
+    ("wall", (), "Give --toward 270"), ("wall", ("--toward", "45"), "--toward is 45"),
+])  # fmt: skip
+def test_designs_that_take_no_shaking_say_what_is_missing(name, arguments, said) -> None:
+    """Not which key of the file nobody typed is wrong."""
+    done = slopekit("quake", str(path_of(name)), "sine:0.5g,1Hz", *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith("E523 ")
+    assert said in done.stderr
+    assert "loads.seismic.k=" not in done.stderr
+    assert max(map(len, done.stderr.splitlines())) <= 100
+
+
 def test_six_degrees_of_freedom(tmp_path) -> None:
     """A plane moves as in the slide one way, also with a push up; its work is balanced."""
     plane = sk.load(PLANE)

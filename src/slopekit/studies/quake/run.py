@@ -285,7 +285,8 @@ def quake(
     ------
     DesignError
         E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
-        together, E522 a design that --six has no answer for, E280 a design without a file.
+        together, E522 a design that --six has no answer for, E523 a design without a seismic coefficient or a direction
+        of it, E280 a design without a file.
 
     In Python `records` may be one or several of: a path, the name of a pulse, a `Record`.
     """
@@ -306,7 +307,7 @@ def quake(
     if scale_pga is not None and (across is not None or vertical is not None):
         message = f"{desk.named('scale_pga')} would scale one of three components"
         raise DesignError([Fault("E521", message, "", "Scale the records, all three, by the same number.")])
-    static = static_design(design, toward)
+    static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
     block = six_block(static, len(taken), others[0], others[1]) if six else None
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:

@@ -27,6 +27,7 @@ from slopekit.studies.solve.solutions import Solution
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
+_SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
 _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
@@ -57,18 +58,39 @@ class Yield:
     agree: bool | None = None
 
 
-def static_design(design: Design, toward: float | None) -> Design:
+def static_design(design: Design, toward: float | None, named: str = "toward") -> Design:
     """The design without its earthquake, which pushes another way where that is given.
 
     Raises
     ------
     DesignError
-        E280 a design without a file, E122 a direction that is none.
+        E280 a design without a file, E122 a direction that is none, E523 a design that takes no shaking this way.
     """
     values: dict[str, object] = {KEY: 0.0}
+    if toward is not None and not 0.0 <= toward <= 360.0:
+        raise DesignError([Fault("E122", f"{named} is {number(toward)}, it lies between 0 and 360", named)])
     if toward is not None:
         values[TOWARD] = float(toward)
+    try:
+        with_values(design, values | {KEY: _SOME_K})
+    except DesignError as error:
+        codes = {fault.code for fault in error.faults}
+        if not codes <= {"E142", "E253"}:
+            raise
+        raise DesignError([_takes_none(design, toward, named, "E142" in codes)]) from None
     return with_values(design, values)
+
+
+def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bool) -> Fault:
+    """E523: no seismic coefficient, no direction of it, or one that leaves the section."""
+    if has_no_key:
+        message = f"quake needs a design with a seismic coefficient: a {design.kind} has none"
+        return Fault("E523", message, "", "Kinds with loads.seismic.k: wedge, plane, surface, topple, bench, blocks.")
+    if toward is None:
+        message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
+        return Fault("E523", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
+    return Fault("E523", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
+                 "x is east (090), -x west (270).")  # fmt: skip
 
 
 def check_stands(static: Design) -> None:
