@@ -427,6 +427,8 @@ def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None
     assert found.moments_govern
     assert found.agree is None
     assert [notice.code for notice in found.warnings] == ["W462", "W465"]
+    assert " cm (W465)  not compared  W462  W465" in found.line
+    assert "no displacement stands for what follows" in str(found)
     below, above = (
         sk.run(PLANE, set=strong | {"loads.seismic.k": k * ours.coefficient}).fos.limit for k in (0.999, 1.001)
     )

@@ -394,4 +394,7 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     if len(yields) > 1 and ours.why_not.startswith("moments"):
         found.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
                             f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
+    elif ours.jumps:
+        found.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
+                            "gone"))  # fmt: skip
     return [*found, *means_taken(static, [KEY])]

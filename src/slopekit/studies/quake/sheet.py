@@ -28,7 +28,7 @@ def sheet_of(found: Quake) -> Sheet:
         Section("RECORDS", [f"{counted(len(found.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(found)]),
         Section("YIELD", [*(_yield(found, one) for one in found.yields), *_agree(found)], hang=14),
-        Section("SLIDES", [records]),
+        Section("SLIDES", [records, *_stands_for_none(found)]),
         Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
         Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
         Section("COMPARE", _compared(found) if found.compared() else []),
@@ -50,7 +50,8 @@ def line_of(found: Quake) -> str:
     k, factor = found.coefficient, found.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
     larger = max(one.larger_m for one in found.shaken)
-    parts.append(f"median {_length(found.median_m)}, most {_length(larger)}")
+    mark = " (W465)" if found.yields[0].jumps else ""
+    parts.append(f"median {_length(found.median_m)}, most {_length(larger)}{mark}")
     parts.append({True: "agree", False: "disagree", None: "not compared"}[found.agree])
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in found.warnings)])
 
@@ -71,6 +72,11 @@ def _yield(found: Quake, one: Yield) -> str:
     status = status_words(found.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
     return f"{name}k_y {one.coefficient:.6f} g   {factor}   {status}"
+
+
+def _stands_for_none(found: Quake) -> list[str]:
+    """Where a joint opens at k_y."""
+    return ["W465: a joint opens at k_y, no displacement stands for what follows"] if found.yields[0].jumps else []
 
 
 def _agree(found: Quake) -> list[str]:

@@ -57,6 +57,11 @@ class Yield:
     before: float
     agree: bool | None = None
 
+    @property
+    def jumps(self) -> bool:
+        """Whether moments open a joint at the coefficient, and the factor of safety jumps across 1."""
+        return self.why_not.startswith("moments open")
+
 
 def static_design(design: Design, toward: float | None, named: str = "toward") -> Design:
     """The design without its earthquake, which pushes another way where that is given.
