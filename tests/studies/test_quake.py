@@ -204,6 +204,20 @@ def test_toward_another_trend_a_symmetric_wedge_sees_the_part_along_its_line(wed
     assert aside.toward_deg == 150.0
 
 
+def test_toward_into_the_slope_is_said_with_the_way_out(wedge) -> None:
+    """The wedge goes toward 180: toward 000 it would have to be pushed up, at seven times the k_y."""
+    into = sk.quake(wedge.design, "sine:0.5g,1Hz", toward=0)
+    assert into.yields[0].status == "slides_up"
+    assert [notice.code for notice in into.warnings] == ["W467"]
+    assert "toward 180 pushes out of it" in into.warnings[0].message
+    nowhere = sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=20)
+    assert nowhere.coefficient is None
+    assert [notice.code for notice in nowhere.warnings] == ["W467", "W463"]
+    assert "--toward 200" in nowhere.warnings[0].message
+    for trend in (100, 180, 240):
+        assert "W467" not in [n.code for n in sk.quake(sk.load(PLANE), "sine:0.5g,1Hz", toward=trend).warnings]
+
+
 def test_peaks_are_scaled() -> None:
     found = sk.quake(sk.load(PLANE), ["sine:0.5g,1Hz", "triangular:0.2g,1s"], scale_pga=0.3)
     assert [one.record.pga_g for one in found.shaken] == pytest.approx([0.3, 0.3], rel=1e-14)
@@ -211,6 +225,19 @@ def test_peaks_are_scaled() -> None:
     exact = slide(sine.times_s, sine.accelerations, found.coefficient * G).displacement_m
     assert found.shaken[0].newmark_m == pytest.approx(exact, rel=1e-12)
     assert found.percentiles()["mean"]["median"] == pytest.approx(np.mean([one.mean_m for one in found.shaken]))
+
+
+def test_percentiles_ask_for_seven_records(wedge) -> None:
+    pulses = [f"triangular:0.{k}g,0.4s" for k in range(3, 10)]
+    seven = sk.quake(wedge.design, pulses)
+    means = [one.mean_m for one in seven.shaken]
+    low, median, high = np.percentile(means, (16, 50, 84))
+    assert seven.percentiles()["mean"] == pytest.approx({"p16": low, "median": median, "p84": high}, rel=1e-14)
+    assert "over 7 records 16 % cm median cm 84 % cm" in " ".join(str(seven).split())
+    six = sk.quake(wedge.design, pulses[:6])
+    assert six.percentiles()["mean"] == {"p16": None, "median": pytest.approx(np.median(means[:6])), "p84": None}
+    assert "over 6 records median cm as recorded" in " ".join(str(six).split())
+    assert "16 %" not in str(six)
 
 
 # -- regressions -------------------------------------------------------------------------------------------------------
@@ -231,6 +258,26 @@ def test_regressions_as_they_are_printed(index) -> None:
     found = median_m(REGRESSIONS[index], 0.1, 0.4, 0.3, 1.0)
     assert found == pytest.approx(10.0 ** log10_cm[index] / 100.0, rel=1e-12)
     assert median_m(REGRESSIONS[index], 0.4, 0.4, 0.3, 1.0) == 0.0
+
+
+def test_regressions_stop_where_they_run_away_or_the_block_does_not_move() -> None:
+    """30 m by a formula at k_y 0.014 beside 4 m of the record itself: nothing is printed there, and why."""
+    names = [one.name for one in REGRESSIONS]
+    weak = sk.load(PLANE, set={"strength.bedding.c": 0, "strength.bedding.phi": 35.6})
+    low = sk.quake(weak, record_of("low", *_sine(50, 0.4 * G)))
+    assert low.coefficient == pytest.approx(math.tan(math.radians(0.6)), rel=1e-6)
+    assert [row["median_m"] for row in low.compared()] == [None] * 5
+    assert [row["name"] for row in low.compared()] == names
+    assert "none: k_y 0.0104724 lies below 0.02" in str(low)
+    assert "Jibson" not in str(low)
+    high = sk.quake(sk.load(PLANE), record_of("weak", *_sine(50, 0.1 * G)))
+    assert [row["median_m"] for row in high.compared()] == [None] * 5
+    assert "lies above the peak of every record (k_y / PGA 1.4" in str(high)
+    both = sk.quake(sk.load(PLANE), [record_of("weak", *_sine(50, 0.1 * G)), record_of("strong", *_sine(50, 0.4 * G))])
+    strong = both.shaken[1].record
+    alone = median_m(REGRESSIONS[0], both.coefficient, strong.pga_g, strong.pgv_m_s, strong.arias_m_s)
+    assert both.compared()[0]["median_m"] == alone  # no median with a record that does not move it
+    assert "left out: 1 record with a peak below k_y" in str(both)
 
 
 # -- as users meet it --------------------------------------------------------------------------------------------------
@@ -276,6 +323,20 @@ def test_wrong_input_is_said(arguments, code) -> None:
     done = slopekit("quake", str(path_of("wedge")), *arguments)
     assert done.returncode == 2
     assert done.stderr.startswith(code)
+
+
+@pytest.mark.parametrize(("name", "arguments", "said"), [
+    ("footing", (), "a footing has none"), ("footing", ("--toward", "90"), "a footing has none"),
+    ("wall", (), "Give --toward 270"), ("wall", ("--toward", "45"), "--toward is 45"),
+])  # fmt: skip
+def test_designs_that_take_no_shaking_say_what_is_missing(name, arguments, said) -> None:
+    """Not which key of the file nobody typed is wrong."""
+    done = slopekit("quake", str(path_of(name)), "sine:0.5g,1Hz", *arguments)
+    assert done.returncode == 2
+    assert done.stderr.startswith("E523 ")
+    assert said in done.stderr
+    assert "loads.seismic.k=" not in done.stderr
+    assert max(map(len, done.stderr.splitlines())) <= 100
 
 
 def test_six_degrees_of_freedom(tmp_path) -> None:
@@ -366,6 +427,8 @@ def test_where_moments_open_the_joint_the_coefficient_is_where_they_do() -> None
     assert found.moments_govern
     assert found.agree is None
     assert [notice.code for notice in found.warnings] == ["W462", "W465"]
+    assert " cm (W465)  not compared  W462  W465" in found.line
+    assert "no displacement stands for what follows" in str(found)
     below, above = (
         sk.run(PLANE, set=strong | {"loads.seismic.k": k * ours.coefficient}).fos.limit for k in (0.999, 1.001)
     )

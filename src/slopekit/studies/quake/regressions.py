@@ -13,6 +13,8 @@ from typing import TypeAlias
 
 from slopekit.core.records import dataclass
 
+#: Below that k_y, g, none is printed: all grow without end as k_y / PGA falls, far beyond the records behind them.
+LEAST_K = 0.02
 #: Of k_y, PGA (g), PGV (cm/s), Arias intensity (m/s) to the displacement in cm.
 Formula: TypeAlias = Callable[[float, float, float, float], float]
 

@@ -26,16 +26,17 @@ from slopekit.design.common import Design
 from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
 from slopekit.studies.quake.records import Record, read_record, read_records
-from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
 from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
-from slopekit.studies.quake.yielding import KEY, Yield, check_stands, shown_k, static_design, yields_of
+from slopekit.studies.quake.yielding import KEY, Yield, check_stands, other_way, shown_k, static_design, yields_of
 from slopekit.studies.running import checked_crew
 
 _ABOUT = 150  # evaluations: for the bar
 _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
+_SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
 
@@ -158,29 +159,53 @@ class Quake(Outcome):
         """Acceleration, velocity and displacement."""
         return ("motion",) if self.motion is not None else ()
 
-    def percentiles(self) -> dict[str, dict[str, float]]:
-        """16th percentile, median and 84th of the displacements over the records, m."""
+    @property
+    def has_spread(self) -> bool:
+        """Whether the records are enough for percentiles beside the median."""
+        return len(self.shaken) >= _SPREAD
+
+    def percentiles(self) -> dict[str, dict[str, float | None]]:
+        """16th percentile, median and 84th of the displacements over the records, m; of few the median alone."""
         columns = {
             "as_recorded": [one.as_recorded_m for one in self.shaken],
             "reversed": [one.reversed_m for one in self.shaken],
             "mean": [one.mean_m for one in self.shaken], "larger": [one.larger_m for one in self.shaken],
             "newmark": [0.5 * (one.newmark_m + one.newmark_reversed_m) for one in self.shaken],
         }  # fmt: skip
-        return {
-            name: dict(zip(("p16", "median", "p84"), np.percentile(values, (16.0, 50.0, 84.0)).tolist(), strict=True))
-            for name, values in columns.items()
-        }
+        found: dict[str, dict[str, float | None]] = {}
+        for name, values in columns.items():
+            low, median, high = np.percentile(values, (16.0, 50.0, 84.0)).tolist()
+            spread = self.has_spread
+            found[name] = {"p16": low if spread else None, "median": median, "p84": high if spread else None}
+        return found
+
+    @property
+    def median_m(self) -> float:
+        """Median over the records of the mean of both polarities, m."""
+        return float(np.median([one.mean_m for one in self.shaken]))
+
+    @property
+    def natural(self) -> tuple[Shaken, ...]:
+        """Records that regressions speak of: no pulses."""
+        return tuple(one for one in self.shaken if not one.record.is_pulse)
+
+    @property
+    def comparable(self) -> tuple[Shaken, ...]:
+        """Of these, those whose peak lies above k_y; none where k_y is too small for regressions."""
+        k = self.coefficient
+        return () if k is None or k < LEAST_K else tuple(one for one in self.natural if one.record.pga_g > k)
 
     def compared(self) -> list[dict[str, Any]]:
-        """Regressions beside plain Newmark displacements (the mean of both polarities): medians over the records."""
+        """Regressions: their medians over the records that can be compared, None where none can."""
         k = self.coefficient
         if k is None:
             return []
-        real = [one for one in self.shaken if not one.record.is_pulse]
-        rows = []
-        for regression in REGRESSIONS if real else ():
-            of = [median_m(regression, k, one.record.pga_g, one.record.pgv_m_s, one.record.arias_m_s) for one in real]
-            rows.append({"name": regression.name, "asks": regression.asks, "median_m": float(np.median(of))})
+        rows: list[dict[str, Any]] = []
+        for regression in REGRESSIONS if self.natural else ():
+            records = [one.record for one in self.comparable]
+            of = [median_m(regression, k, one.pga_g, one.pgv_m_s, one.arias_m_s) for one in records]
+            median = float(np.median(of)) if of else None
+            rows.append({"name": regression.name, "asks": regression.asks, "median_m": median})
         return rows
 
     def to_dict(self) -> dict[str, Any]:
@@ -260,7 +285,8 @@ def quake(
     ------
     DesignError
         E510 to E519 for the records, E518 for a peak, E520 a slope that does not stand, E521 components that do not go
-        together, E522 a design that --six has no answer for, E280 a design without a file.
+        together, E522 a design that --six has no answer for, E523 a design without a seismic coefficient or a direction
+        of it, E280 a design without a file.
 
     In Python `records` may be one or several of: a path, the name of a pulse, a `Record`.
     """
@@ -281,14 +307,15 @@ def quake(
     if scale_pga is not None and (across is not None or vertical is not None):
         message = f"{desk.named('scale_pga')} would scale one of three components"
         raise DesignError([Fault("E521", message, "", "Scale the records, all three, by the same number.")])
-    static = static_design(design, toward)
+    static = static_design(design, toward, desk.named("toward"))
     check_stands(static)
     block = six_block(static, len(taken), others[0], others[1]) if six else None
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
         in_six = () if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
-    warnings = (*_notices(static, yields, shaken), *_of_six(in_six))
+        out = other_way(static, yields[0], advance)
+    warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken), *_of_six(in_six))
     trend = static.seismic.trend_deg
     return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, time.perf_counter() - began)
 
@@ -332,6 +359,15 @@ def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gr
 _WAYS: dict[Way, float] = {"as recorded": 1.0, "reversed": -1.0}
 
 
+def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[Notice]:
+    """W467 where the shaking pushes the block into the slope."""
+    if out is None:
+        return []
+    toward, away = (f"{number(trend or 0.0):0>3}" for trend in (static.seismic.trend_deg, out[0]))
+    return [Notice("W467", f"toward {toward} pushes into the slope: k_y is {shown_k(ours.coefficient)}; toward {away} "
+                   f"pushes out of it, k_y is below {shown_k(out[1])}: --toward {away}")]  # fmt: skip
+
+
 def _of_six(in_six: Sequence[Shaking]) -> list[Notice]:
     """What did not come to rest."""
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
@@ -358,4 +394,7 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     if len(yields) > 1 and ours.why_not.startswith("moments"):
         found.append(Notice("W465", f"moments govern: PRE-IE has k_y {shown_k(ours.coefficient)}, the closed form, "
                             f"which knows no moments, {shown_k(yields[1].coefficient)}"))  # fmt: skip
+    elif ours.jumps:
+        found.append(Notice("W465", f"moments govern: at k_y {shown_k(ours.coefficient)} a joint opens and strength is "
+                            "gone"))  # fmt: skip
     return [*found, *means_taken(static, [KEY])]

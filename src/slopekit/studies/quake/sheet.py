@@ -4,8 +4,11 @@ from collections.abc import Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
+import numpy as np
+
 from slopekit.core.orientation import number
 from slopekit.core.sheet import Column, Section, Sheet, Table, counted, factor_text
+from slopekit.studies.quake.regressions import LEAST_K
 from slopekit.studies.quake.run import Motion, Quake, Shaken
 from slopekit.studies.quake.six import Shaking, springs_in_words
 from slopekit.studies.quake.yielding import Yield, shown_k
@@ -25,10 +28,10 @@ def sheet_of(found: Quake) -> Sheet:
         Section("RECORDS", [f"{counted(len(found.shaken), 'record')}{scaled}; toward {toward}, and reversed"]),
         Section("NOW", [_now(found)]),
         Section("YIELD", [*(_yield(found, one) for one in found.yields), *_agree(found)], hang=14),
-        Section("SLIDES", [records]),
+        Section("SLIDES", [records, *_stands_for_none(found)]),
         Section("OVERALL", [_percentiles(found)] if len(found.shaken) > 1 else []),
         Section("SIX", [_six(found), *_six_notes(found)] if found.six else []),
-        Section("COMPARE", [_compared(found)] if found.compared() else []),
+        Section("COMPARE", _compared(found) if found.compared() else []),
         Section("MODEL", [_model(found)]),
         Section("TIME", [f"{found.seconds:.2f} s"]),
         Section("NOTE", [str(notice) for notice in found.warnings]),
@@ -47,7 +50,8 @@ def line_of(found: Quake) -> str:
     k, factor = found.coefficient, found.factor
     parts = [f"k_y {shown_k(k)}", f"factor {factor:.4f}" if factor is not None else "no factor"]
     larger = max(one.larger_m for one in found.shaken)
-    parts.append(f"median {_length(found.percentiles()['mean']['median'])}, most {_length(larger)}")
+    mark = " (W465)" if found.yields[0].jumps else ""
+    parts.append(f"median {_length(found.median_m)}, most {_length(larger)}{mark}")
     parts.append({True: "agree", False: "disagree", None: "not compared"}[found.agree])
     return "  ".join([*parts, *dict.fromkeys(notice.code for notice in found.warnings)])
 
@@ -68,6 +72,11 @@ def _yield(found: Quake, one: Yield) -> str:
     status = status_words(found.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
     return f"{name}k_y {one.coefficient:.6f} g   {factor}   {status}"
+
+
+def _stands_for_none(found: Quake) -> list[str]:
+    """Where a joint opens at k_y."""
+    return ["W465: a joint opens at k_y, no displacement stands for what follows"] if found.yields[0].jumps else []
 
 
 def _agree(found: Quake) -> list[str]:
@@ -119,10 +128,9 @@ def _percentiles(found: Quake) -> Table[Any]:
     def column(title: str, key: str) -> Column[Any]:
         return Column(title, lambda row: row[1][key], key + "_m", "m", lambda m: f"{m * 100.0:.4g}", 13)
 
-    return Table(
-        (Column("over the records", itemgetter(0), "over", width=-_NAME), column("16 % cm", "p16"),
-         column("median cm", "median"), column("84 % cm", "p84")), rows,
-    )  # fmt: skip
+    low, median, high = column("16 % cm", "p16"), column("median cm", "median"), column("84 % cm", "p84")
+    over = Column[Any](f"over {counted(len(found.shaken), 'record')}", itemgetter(0), "over", width=-_NAME)
+    return Table([over, *([low, median, high] if found.has_spread else [median])], rows)
 
 
 def _six(found: Quake) -> Table[Any]:
@@ -172,15 +180,26 @@ def _six_notes(found: Quake) -> list[str]:
     ]
 
 
-def _compared(found: Quake) -> Table[Any]:
-    own = found.percentiles()["newmark"]["median"]
+def _compared(found: Quake) -> list[str | Table[Any]]:
+    """Regressions where they hold, else why not; k_y / PGA either way."""
+    k = found.coefficient or 0.0
+    taken = found.comparable
+    ratios = [k / one.record.pga_g for one in taken or found.natural]
+    span = " to ".join(dict.fromkeys(f"{ratio:.3g}" for ratio in (min(ratios), max(ratios))))
+    if k < LEAST_K:
+        return [f"none: k_y {shown_k(k)} lies below {LEAST_K:g}, where regressions run away (k_y / PGA {span})"]
+    if not taken:
+        return [f"none: k_y {shown_k(k)} lies above the peak of every record (k_y / PGA {span})"]
+    left = len(found.natural) - len(taken)
+    less = f"; left out: {counted(left, 'record')} with a peak below k_y" if left else ""
+    own = float(np.median([0.5 * (one.newmark_m + one.newmark_reversed_m) for one in taken]))
     ours = {"name": "these records, factor 1", "asks": "", "median_m": own}
     columns: tuple[Column[Any], ...] = (
         Column("median displacement", itemgetter("name"), "name", width=-_NAME),
         Column("cm", itemgetter("median_m"), "median_m", "m", lambda m: f"{m * 100.0:.4g}", 10),
         Column("  from", itemgetter("asks"), "asks", width=-1, about="  {}"),
     )
-    return Table(columns, [ours, *found.compared()])
+    return [Table(columns, [ours, *found.compared()]), f"k_y / PGA {span}{less}"]
 
 
 def _model(found: Quake) -> str:

@@ -27,6 +27,7 @@ from slopekit.studies.solve.solutions import Solution
 
 KEY, TOWARD = "loads.seismic.k", "loads.seismic.toward"
 MOST_K = 2.0  # where a design's coefficient ends
+_SOME_K = 0.1  # a coefficient to ask whether the design takes one
 _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a force along the sliding moves it
 _LEAST_PUSH = 1e-3
 _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
@@ -56,19 +57,45 @@ class Yield:
     before: float
     agree: bool | None = None
 
+    @property
+    def jumps(self) -> bool:
+        """Whether moments open a joint at the coefficient, and the factor of safety jumps across 1."""
+        return self.why_not.startswith("moments open")
 
-def static_design(design: Design, toward: float | None) -> Design:
+
+def static_design(design: Design, toward: float | None, named: str = "toward") -> Design:
     """The design without its earthquake, which pushes another way where that is given.
 
     Raises
     ------
     DesignError
-        E280 a design without a file, E122 a direction that is none.
+        E280 a design without a file, E122 a direction that is none, E523 a design that takes no shaking this way.
     """
     values: dict[str, object] = {KEY: 0.0}
+    if toward is not None and not 0.0 <= toward <= 360.0:
+        raise DesignError([Fault("E122", f"{named} is {number(toward)}, it lies between 0 and 360", named)])
     if toward is not None:
         values[TOWARD] = float(toward)
+    try:
+        with_values(design, values | {KEY: _SOME_K})
+    except DesignError as error:
+        codes = {fault.code for fault in error.faults}
+        if not codes <= {"E142", "E253"}:
+            raise
+        raise DesignError([_takes_none(design, toward, named, "E142" in codes)]) from None
     return with_values(design, values)
+
+
+def _takes_none(design: Design, toward: float | None, named: str, has_no_key: bool) -> Fault:
+    """E523: no seismic coefficient, no direction of it, or one that leaves the section."""
+    if has_no_key:
+        message = f"quake needs a design with a seismic coefficient: a {design.kind} has none"
+        return Fault("E523", message, "", "Kinds with loads.seismic.k: wedge, plane, surface, topple, bench, blocks.")
+    if toward is None:
+        message = "quake needs the direction of the shaking: the blocks do not say which way they fall"
+        return Fault("E523", message, "", f"Give {named} 270 (or 090), or loads: {{seismic: {{toward: 270}}}}.")
+    return Fault("E523", f"{named} is {number(toward)}: a section is shaken toward 090 or 270", "",
+                 "x is east (090), -x west (270).")  # fmt: skip
 
 
 def check_stands(static: Design) -> None:
@@ -116,6 +143,22 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
     factor, why = _gain(static, method, k, advance)
     return Yield(method, k, status, factor, why, before, agree)
+
+
+def other_way(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
+    """The trend away from that of the shaking and a k above its k_y, where that is far the lower one; else None.
+
+    Far lower is half; where the block goes up the slope, lower at all.
+    """
+    trend = static.seismic.trend_deg
+    if trend is None:
+        return None
+    k = MOST_K if ours.coefficient is None else ours.coefficient
+    at = k if ours.status.endswith("slides_up") else 0.5 * k
+    away = (trend + 180.0) % 360.0
+    factor = factor_at(point_of(static, {KEY: at, TOWARD: away}), "pre_ie")
+    advance(1)
+    return (away, at) if factor is not None and factor < 1.0 else None
 
 
 def _beside(static: Design, solution: Solution, advance: Advance) -> tuple[float | None, str]:
