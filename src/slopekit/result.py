@@ -482,8 +482,12 @@ class Result(Shown):
         def factor(value: float | None) -> str:
             return factor_text(value).strip()
 
+        elastic: list[Column[Any]] = [
+            Column("elastic", lambda of: of.elastic and of.elastic.limit, "elastic_limit", show=factor, width=9)
+        ]  # fmt: skip
         return [
             Column("FoS", attrgetter("fos.limit"), "fos_limit", show=factor, width=8),
+            *([] if self.elastic is None else elastic),
             Column("closed form", attrgetter("fos.closed_form"), "fos_closed_form", show=factor, width=13),
             Column("agree", attrgetter("agree"), "agree", show=word, width=7),
             Column("asks", lambda of: ", ".join(str(rule) for rule in of.design.rules), "rules"),

@@ -133,3 +133,25 @@ def test_where_no_rest_is_found_it_says_so(monkeypatch: pytest.MonkeyPatch) -> N
     found = sk.wedge(**WEDGE, elastic=True)
     assert found.elastic is None
     assert "W451" in [notice.code for notice in found.warnings]
+
+
+def test_moments_that_open_cohesion_and_the_line() -> None:
+    """W452: COHESION takes what is left of the bond, elastic blocks are held against the rigid limit on their pairs."""
+    found = sk.wedge(
+        ("44.785/86.243", "41.797/34.813"), face="87.102/77.401", upper="20.153/77.401", height=3.98878,
+        c=(66.2215, 13.1616), phi=(43.0, 47.5), unit_weight=28.741, shear_stiffness=1e5, edge="8 m", elastic=True,
+    )  # fmt: skip
+    said = {notice.code: notice.message for notice in found.warnings}
+    assert f"the rigid one on its pairs, {found.elastic.rigid_limit:.4f}, not with COHESION" in said["W452"]
+    assert found.elastic.rigid_limit != pytest.approx(found.fos.limit, rel=1e-3)
+    assert f"{found.fos.limit:.4f}, elastic {found.elastic.limit:.4f}  " in found.line
+
+
+def test_the_table_of_cases_has_the_elastic_limit() -> None:
+    cases = {"static": {"accept": "fos >= 1.2"}, "quake": {"set": {"loads.seismic.k": 0.1}}}
+    design = PLANE | {"cases": cases, "analysis": {"elastic": {"edge": "6 m"}}}
+    found = sk.run(design, elastic=True)
+    one = found.cases["quake"]
+    assert f"{one.elastic.limit:.4f}" in str(found.sheet).split("quake", 1)[1].split("\n", 1)[0]
+    assert f"elastic {found.cases[found.governing].elastic.limit:.4f}" in found.line
+    assert "elastic" not in str(sk.run(design).sheet)

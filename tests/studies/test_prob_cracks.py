@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import slopekit as sk
-from slopekit.core.errors import GeometryError
+from slopekit.core.errors import DesignError, GeometryError
 from slopekit.design.files import with_values
 from slopekit.kinds import kind_of
 from slopekit.studies.prob.bolts import as_laid_out, standing
-from slopekit.studies.prob.cracks import PLACE, cracked
+from slopekit.studies.prob.cracks import PLACE, checked_alone, cracked
 from slopekit.studies.prob.sampling import samples
 
 SCATTER = {"c": {"dist": "uniform", "min": 20, "max": 60}, "phi": {"dist": "normal", "mean": 25, "sd": 3}}
@@ -108,3 +108,42 @@ def test_what_is_looked_for_alone_still_is() -> None:
     assert cracked(passive, samples(passive.variables, (), 3, 1)) is None
     fixed = sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3}})
     assert cracked(fixed, samples(fixed.variables, (), 3, 1)) is None
+
+
+IN_METRES = {"plane": "80/180", "distance": "worst", "water": "1 m"}
+CURVED = {"law": "barton-bandis", "jrc": 8, "jcs": "50 MPa", "phi_r": SCATTER["phi"]}
+ALONE = {
+    "crack water in metres": ({"crack": IN_METRES}, "Give crack.water in % or kPa, or give"),
+    "passive bolts": ({"support": {"bolts": [{**BOLT, "acts": "passive"}]}}, "Give the distance"),
+    "table, pond or surcharge": ({"loads": {"surcharge": "20 kPa"}}, "Give the distance"),
+    "a curved strength": ({"strength": {"s": CURVED}}, "Give the distance"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("why", ALONE)
+def test_many_samples_that_are_looked_for_alone_are_refused(why) -> None:
+    changes, way = ALONE[why]
+    with pytest.raises(DesignError) as caught:
+        sk.prob(sk.load(WEDGE | changes), n=201)
+    (fault,) = caught.value.faults
+    assert (fault.code, fault.where) == ("E424", PLACE)
+    assert why in fault.message
+    assert fault.advice.startswith(way)
+    assert len(f"{fault.code} {fault.message}") <= 100
+
+
+def test_many_are_refused_where_the_mean_values_cut_no_block_too() -> None:
+    joints = {"J1": {"plane": {"dip": {"dist": "uniform", "min": 5, "max": 50}, "dip_direction": 115}}}
+    changes = {"crack": IN_METRES, "joints": {**joints, "J2": {"plane": "45/245"}}}
+    design = sk.load(WEDGE | changes | {"slope": {"face": "15/180", "upper": "10/180", "height": 30}})
+    assert design.crack is None
+    with pytest.raises(DesignError, match="E424"):
+        sk.prob(design, n=201)
+
+
+def test_few_are_looked_for_alone_and_others_never_refused() -> None:
+    found = sk.prob(sk.load({**WEDGE, "crack": IN_METRES}), n=2, confirm=0, near=0.0)
+    assert found.evaluator == "closed form, sample by sample"
+    checked_alone(sk.load({**WEDGE, "crack": {"plane": "80/180", "distance": 3, "water": "1 m"}}), 10_000)
+    with pytest.raises(DesignError, match="E424"):
+        checked_alone(sk.load({**WEDGE, "crack": IN_METRES}), 201)

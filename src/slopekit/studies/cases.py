@@ -196,7 +196,7 @@ class Cases(Shown, Generic[Found]):
         """The table over the cases."""
         rows = [_Row(case, self.cases[case.name]) for case in self.design.cases]
         first = next(iter(self.cases.values()))
-        more = first.case_columns()
+        more = max((one.case_columns() for one in self.cases.values()), key=len)  # not every case has every column
         width = min(max(len(row.case.name) for row in rows), 24) + 2
         room = _ROOM - width - sum(abs(column.width) for column in more if abs(column.width) > 1) - _LAST
         room = max(min(room, max(len(row.case.in_words) for row in rows) + 2), 8)

@@ -16,6 +16,8 @@ def line_of(result: Result) -> str:
         name, value = result.leading
         first = "all-pairs" if name == "all_pairs_failed" else JUDGED[name]
         named = [(first, value), ("limit", result.fos.limit), *(one for one in named[1:] if one[0] != first)]
+    if result.elastic is not None and result.elastic.limit is not None:
+        named.append(("elastic", result.elastic.limit))
     shown = [f"{name} {'none' if value is None else f'{value:.4f}'}".strip() for name, value in named]
     parts = [result.status, ", ".join(shown), {True: "agree", False: "disagree", None: "not compared"}[result.agree]]
     parts += ["moments_govern"] if result.moments_govern else []

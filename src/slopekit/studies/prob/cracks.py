@@ -9,16 +9,19 @@ from dataclasses import replace
 import numpy as np
 
 from slopekit.core.arrays import Bools, Floats
-from slopekit.core.errors import DesignError
+from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Variable
 from slopekit.design.files import with_values
+from slopekit.design.ground_water import WORST
+from slopekit.kinds import kind_of
 from slopekit.kinds.worst_crack import WHERE
 from slopekit.studies.prob.sampling import Samples
 from slopekit.studies.prob.vectorised import vectorised
 
 PLACE = "crack.distance"
+_MOST_ALONE = 200  # samples: a second or more each
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,3 +82,34 @@ def cracked(design: Design, samples: Samples) -> Cracked | None:
         said = WorstCracks(float(own.mean()), float(own.min()), float(own.max()), where)
     placed = Samples((*samples.variables, variable), (*samples.names, PLACE), values, samples.replicate)
     return Cracked(replace(fixed, variables=(*fixed.variables, variable)), placed, blocks & ~known, said)
+
+
+def checked_alone(design: Design, count: int) -> None:
+    """Refuse many samples whose crack is looked for in each by itself: E424.
+
+    Where the mean values cut no block the design has no such crack to show: its file says that one is looked for.
+    """
+    plain = None if design.source is None else design.source.root.plain()
+    written = plain.get("crack") if isinstance(plain, dict) else None
+    if count <= _MOST_ALONE or WORST not in str(written):
+        return
+    why, way = _why_alone(design)
+    message = f"{why} worst cracks are found sample by sample: at most {_MOST_ALONE}, here {count}"
+    give = f"{way}, or give" if way else "Give"
+    advice = f"{give} the distance that slopekit run finds, or fewer samples: -n {_MOST_ALONE}."
+    raise DesignError([Fault("E424", message, PLACE, advice)])
+
+
+def _why_alone(design: Design) -> tuple[str, str]:
+    """What it is looked for alone for, and what would do without, if anything."""
+    if any(bolt.acts == "passive" for bolt in design.bolts):
+        return "with passive bolts", ""
+    if any(strength.named_law for strength in kind_of(design).strengths(design)):
+        return "with a curved strength", ""
+    if getattr(design, "basal", None) is not None:
+        return "with a basal joint", ""
+    if getattr(design, "is_wet_by_crack", False):
+        return "with crack water in metres", "Give crack.water in % or kPa"
+    if design.is_cut_for_loads:
+        return "with table, pond or surcharge", ""
+    return "in this design", ""

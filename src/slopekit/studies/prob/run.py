@@ -34,7 +34,7 @@ from slopekit.studies.prob.bolts import (
     notices_of_bolts,
     without_force,
 )
-from slopekit.studies.prob.cracks import WorstCracks, cracked
+from slopekit.studies.prob.cracks import WorstCracks, checked_alone, cracked
 from slopekit.studies.prob.estimates import Drawn, Share, Summary, drawn_of, share_of, summary_of
 from slopekit.studies.prob.from_survey import Draw, FromSurvey, surveyed
 from slopekit.studies.prob.judged import (
@@ -321,8 +321,8 @@ def prob(
     Raises
     ------
     DesignError
-        E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, and those of
-        `run_all`.
+        E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, E424 a worst
+        crack of many samples that is looked for in each by itself, and those of `run_all`.
 
     In Python `executor` takes any of `concurrent.futures` in place of jobs.
     """
@@ -343,9 +343,13 @@ def prob(
     with clock("factors"):
         # a crack that is looked for is at a place of its own in each sample, as if that had been drawn
         cracks = cracked(design, samples)
+        if cracks is None and bool(getattr(design, "crack_searched", "")):
+            checked_alone(design, asked.n)
         placed, those = (design, samples) if cracks is None else (cracks.design, cracks.samples)
         at_work = _AtWork(placed, asked, crew, desk)
         fast = vectorised(placed, those.values, those.settings)
+        if fast is None and cracks is None:
+            checked_alone(design, asked.n)  # no block at the mean values
         judged = _judge(those, at_work, fast)
         if cracks is not None:
             judged = nowhere(judged, cracks.nowhere)
