@@ -281,7 +281,7 @@ MUTATIONS = (
          "live, turning = 1.01 * weights[:, None] * seismic,", _LOADS),
         ("gravity", "design/sections.py", "else found * gravity / 1e3", "else 1.01 * found * gravity / 1e3",
          ("tests/design/test_messages.py", "tests/validation")),
-        ("MPa", "core/units.py", "\"mpa\": 1e3, \"kn/m2\"", "\"mpa\": 1.01e3, \"kn/m2\"", _UNITS),
+        ("MPa", "core/units.py", "\"mpa\": 1e3,", "\"mpa\": 1.01e3,", _UNITS),
         ("feet", "core/units.py", "\"ft\": 0.3048", "\"ft\": 0.3078", _UNITS),
         ("pounds per cubic foot", "core/units.py", "\"pcf\": 0.1570874638", "\"pcf\": 0.1586583384", _UNITS),
         ("kips", "core/units.py", "\"kip\": 4.4482216", "\"kip\": 4.4927038", _UNITS),
