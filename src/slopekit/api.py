@@ -83,6 +83,9 @@ def wedge(
     "trace_length": (10, 12), "by": "filter"}. Of a crack {"water": "3 m"} says how deep the water stands in it.
     """
     given = {key: value for key, value in locals().items() if key not in _NO_INPUTS} | unknown
+    for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
+        if not isinstance(asked, bool):
+            raise wrong_kind("wedge", name, "True or False", asked)
     from slopekit.kinds import analyse as analyse_design
     from slopekit.kinds.wedge.design import wedge_design
 

@@ -58,7 +58,7 @@ def median_m(regression: Regression, k: float, pga_g: float, pgv_m_s: float, ari
     """The median displacement of a regression, m; nothing where the peak does not reach the yield coefficient.
 
     >>> round(median_m(REGRESSIONS[1], 0.1, 0.4, 0.3, 1.0), 5)
-    0.06141
+    0.06142
     """
     if pga_g <= k:
         return 0.0

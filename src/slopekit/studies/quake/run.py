@@ -6,7 +6,7 @@
 >>> round(found.coefficient, 6), round(found.factor, 6)
 (0.196243, 1.105688)
 >>> round(found.shaken[0].as_recorded_m, 5), round(found.shaken[0].newmark_m, 5)
-(0.26434, 0.23907)
+(0.2649, 0.23958)
 """
 
 import math

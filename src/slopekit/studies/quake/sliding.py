@@ -43,7 +43,7 @@ def slide(times: Floats, accelerations: Floats, yield_acceleration: float) -> Sl
 
     >>> pulse = np.array([0.0, 0.0, 0.3, 0.3]), np.array([0.0, 0.5, 0.5, 0.0]) * 9.80665
     >>> round(slide(*pulse, 0.1 * 9.80665).displacement_m, 6)  # V²/(2 g N) (1 - N/A), Newmark 1965
-    0.882599
+    0.882598
     """
     drive = accelerations - yield_acceleration
     steps = np.diff(times)
