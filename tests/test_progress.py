@@ -48,6 +48,7 @@ def test_an_analysis_of_many_blocks_names_its_stages_in_their_order() -> None:
     inner = list(dict.fromkeys(stage for stage, head in heard if not head))
     assert inner == ["static bound", "path, strength divided by", "range of the mechanism"]
     assert min(factors) < found.fos.limit < max(factors)  # from a strong start to where the blocks run
+    assert factors[0] == pytest.approx(found.fos.static_bound / 1.7, rel=1e-6)  # in the strength of the design
     say("nobody hears")
     assert heard[-1][0] != "nobody hears"
 

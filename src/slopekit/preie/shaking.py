@@ -16,7 +16,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
-from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
+from slopekit.preie.contact import CloughDuncan, ContactMode, JointStiffness, Tractions, breaks, tractions
 from slopekit.preie.equilibrium import equilibrium
 from slopekit.preie.model import Model
 
@@ -124,7 +124,7 @@ def shaken_block(
     mass[model.translations :, model.translations :] = turning
     rows = model.rows * scale
     relative = (rows.reshape(-1, model.unknowns) @ still.displacement).reshape(-1, 3)
-    give = float(stiffness.tangential)  # type: ignore[arg-type]
+    give = _shear_stiffness(stiffness)
     slipped = relative[:, 1:] + still.forces[:, 1:] / (give * area[:, None])
     per_area = model.force_scale / area
     after = None if residual is None else (residual[0][model.interface], residual[1][model.interface])
@@ -133,6 +133,12 @@ def shaken_block(
         model.tan_friction, after, frozen(mass), frozen(model.load * model.force_scale * scale), stiffness,
         model.translations, (still.displacement, slipped, still.debonded),
     )  # fmt: skip
+
+
+def _shear_stiffness(stiffness: JointStiffness) -> float:
+    """k_t, kN/m³: a block is shaken on springs whose k_t is constant."""
+    assert not isinstance(stiffness.tangential, CloughDuncan)
+    return stiffness.tangential
 
 
 @dataclass(frozen=True, slots=True)
@@ -234,7 +240,7 @@ def _step(block: ShakenBlock, state: _State, length: float, push: Floats) -> _St
         if not broken.any():
             at = state.at + length * velocity
             relative = (block.rows.reshape(-1, block.unknowns) @ at).reshape(-1, 3)
-            memory = relative[:, 1:] + law.tractions[:, 1:] / float(block.stiffness.tangential)  # type: ignore[arg-type]
+            memory = relative[:, 1:] + law.tractions[:, 1:] / _shear_stiffness(block.stiffness)
             slid = state.slid | (law.modes == ContactMode.SLIP)
             return _State(at, velocity, memory, debonded, slid, law)
         debonded = debonded | broken
@@ -288,7 +294,7 @@ def _work(block: ShakenBlock, before: _State, after: _State, push: Floats) -> Fl
     load[: block.translations] += block.mass[: block.translations, : block.translations] @ push
     moved = after.at - before.at
     gained = after.velocity - before.velocity
-    give = np.array([block.stiffness.normal, *[float(block.stiffness.tangential)] * 2])  # type: ignore[arg-type]
+    give = np.array([block.stiffness.normal, *[_shear_stiffness(block.stiffness)] * 2])
     f0, f1 = before.law.tractions, after.law.tractions
     area = block.area[:, None]
     stored = 0.5 * (area * (f1 * f1 - f0 * f0) / give).sum()
