@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
@@ -302,3 +303,46 @@ def test_a_basal_joint_into_the_slope_is_said() -> None:
     codes = {plane: {notice.code for notice in sk.run(put(CUT_OFF, basal__plane=plane)).warnings}
              for plane in ("20/000", "20/080", "20/180", "0/000")}  # fmt: skip
     assert ["W424" in codes[plane] for plane in codes] == [True, True, False, False]
+
+
+#: A socket under a line of intersection that plunges into the slope: J1 and J2 alone cut no wedge (E204).
+SOCKET = put(
+    TROUGH, slope__face="74/180", joints__J1__plane="79/140", joints__J2__plane="62/320", basal__plane="27/163",
+    basal__height=-3,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("crack", [{"plane": "85/180"}, {"plane": "80/170", "water": "25 %"}])
+def test_the_worst_crack_of_a_block_whose_sides_do_not_daylight(crack) -> None:
+    """Scanned from the crest to behind the block, one at a time: nowhere lower than where it was put."""
+    design = put(SOCKET, crack=crack)
+    worst = sk.load(put(design, crack__distance="worst"))
+    assert worst.crack is not None
+    assert worst.crack_searched == "end"
+    lowest = closed_form(worst).factor
+    scanned = []
+    for distance in np.linspace(1e-3, 20.0, 150):
+        with suppress(GeometryError):  # behind the block
+            scanned.append(closed_form(sk.load(put(design, crack__distance=float(distance)))).factor)
+    assert 75 < len(scanned) < 150
+    assert lowest <= min(scanned)
+    assert lowest == pytest.approx(min(scanned), rel=1e-2)
+
+
+def test_a_block_that_only_a_crack_closes_has_no_farthest_crack() -> None:
+    design = put(TROUGH, slope__upper="35/180", basal__plane="20/180")
+    with pytest.raises(GeometryError, match="E443"):
+        sk.run(design)
+    cracked = put(design, crack={"plane": "85/180", "distance": 3})
+    assert sk.run(cracked).geometry.volume_m3 > 0.0
+    with pytest.raises(DesignError, match="E459 without the crack the block goes on"):
+        sk.load(put(cracked, crack__distance="worst"))
+
+
+def test_a_block_that_ends_before_the_crest_has_no_worst_crack() -> None:
+    design = put(
+        SOCKET, joints__J1__plane="84/048", joints__J2__plane="72/259", basal__plane="45/181", slope__face="63/180"
+    )
+    assert sk.run(put(design, basal__height=-2)).fos.limit is not None
+    with pytest.raises(DesignError, match="E459 no place of the crack"):
+        sk.load(put(design, basal__height=-2, crack={"plane": "85/180", "distance": "worst"}))

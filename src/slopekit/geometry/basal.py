@@ -80,13 +80,23 @@ def basal_rock_mass(
     outward = {J1: -sides[J1] * joints[0], J2: -sides[J2] * joints[1], FACE: face, UPPER: upper, BASAL: -basal}
     offsets = {J1: 0.0, J2: 0.0, FACE: 0.0, UPPER: offset, BASAL: -float(basal @ at)}
     if crack is not None:
-        trace = cross(joints[0], upper)
-        trace = trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
+        trace = _behind(joints[0], upper, face)
         ahead = float(crack @ trace) * distance
         sign = 1.0 if ahead > 0.0 else -1.0  # the crest lies in front of it
         outward[CRACK], offsets[CRACK] = sign * crack, sign * (float(crack @ crest1) + ahead)
     down = line if line[2] < 0.0 else -line
     return BasalRockMass(outward, offsets, frozen(down), frozen(crest1), frozen(crest2), frozen(at))
+
+
+def trace_behind(rock: BasalRockMass) -> Floats:
+    """The unit vector (3,) along J1's trace on the upper slope, away from the crest."""
+    return _behind(rock.outward[J1], rock.outward[UPPER], rock.outward[FACE])
+
+
+def _behind(joint: Floats, upper: Floats, face: Floats) -> Floats:
+    trace = cross(joint, upper)
+    found: Floats = trace / math.copysign(math.sqrt(float(trace @ trace)), -float(face @ trace))
+    return found
 
 
 def cut_basal_wedge(rock: BasalRockMass) -> Block:

@@ -168,7 +168,9 @@ def with_worst_crack(design: D, on_arrays: OnArrays[D], at: Callable[[D, float],
         found: Floats = _factors(on_arrays, on_arrays.arguments(first), on_arrays.bolts(first), places[None])[0]
         return found
 
-    distance, _, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
+    distance, where = 0.0, "none"
+    if reach > 0.0:
+        distance, _, where = lowest(factors, reach, *((_MANY, _ROUNDS) if together else (_FEW, 5)))
     if where == "none":
         message = "no place of the crack behind the crest gives a factor of safety: none is the worst"
         raise DesignError([Fault("E459", message, place, "Give its distance, or leave the crack out.")])

@@ -9,7 +9,7 @@ import numpy as np
 
 from slopekit.closed_form.wedge import OUTCOMES, WedgeArrays, hoek_bray_wedges
 from slopekit.core.arrays import Floats, frozen
-from slopekit.core.errors import GeometryError, Notice
+from slopekit.core.errors import DesignError, Fault, GeometryError, Notice
 from slopekit.core.orientation import Line, Plane, line_of
 from slopekit.core.sheet import Section
 from slopekit.design.common import Strength
@@ -355,13 +355,23 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
         assert design.crack is not None
         return replace(design, crack=replace(design.crack, distance_m=distance))
 
+    assert design.crack is not None
+    whole = replace(design, crack=None)
     try:
-        rock = _rock_mass(replace(design, crack=None))
-    except GeometryError:
-        return replace(design, crack=None)  # which says the same where it is cut
-    trace = rock.back - rock.crest1
+        if design.basal is not None:
+            from slopekit.kinds.wedge import basal
 
-    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, math.sqrt(float(trace @ trace)), place)
+            reach = basal.crack_reach(whole, design.crack.plane)
+        else:
+            rock = _rock_mass(whole)
+            trace = rock.back - rock.crest1
+            reach = math.sqrt(float(trace @ trace))
+    except GeometryError as error:
+        if "E443" in error.codes:  # a crack would close the block, however far it is
+            message = "without the crack the block goes on without end: the worst place has no farthest"
+            raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
+        return whole  # which says the same where it is cut
+    return worst_crack.with_worst_crack(design, ON_ARRAYS, at, reach, place)
 
 
 def _changes(design: WedgeDesign) -> list[tuple[str, WedgeDesign]]:

@@ -23,6 +23,7 @@ from slopekit.geometry.basal import (
     BasalRockMass,
     basal_rock_mass,
     cut_basal_wedge,
+    trace_behind,
 )
 from slopekit.geometry.cutting import Block
 from slopekit.geometry.interfaces import node_pairs
@@ -80,6 +81,21 @@ def cut(design: WedgeDesign) -> Cut:
 def block_of(design: WedgeDesign) -> Block:
     """The block alone. Raises GeometryError as `cut`."""
     return cut_basal_wedge(_rock_mass(design))
+
+
+def crack_reach(design: WedgeDesign, crack: Plane) -> float:
+    """How far from the crest along J1's trace a crack still cuts the block of a design without one, m.
+
+    Raises
+    ------
+    GeometryError
+        As `cut`.
+    """
+    rock = _rock_mass(design)
+    corners = cut_basal_wedge(rock).corners
+    trace, normal = trace_behind(rock), crack.normal()
+    along = float(normal @ trace)
+    return float(((corners - rock.crest1) @ normal / along).max()) if abs(along) > _ACROSS else 0.0
 
 
 def _rock_mass(design: WedgeDesign) -> BasalRockMass:
