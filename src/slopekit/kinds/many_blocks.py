@@ -19,7 +19,7 @@ from slopekit.core.records import dataclass
 from slopekit.core.sheet import Section, counted
 from slopekit.design.reader import Reader
 from slopekit.findings import AssemblyGeometry, Column, Findings, Mechanism
-from slopekit.kinds.many_blocks_design import AssemblyDesign, TableDesign
+from slopekit.kinds.many_blocks_design import AssemblyDesign
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
@@ -66,6 +66,7 @@ from slopekit.result import (
 
 if TYPE_CHECKING:
     from slopekit.kinds.ladders import Ladder, Rung
+    from slopekit.kinds.topple import ToppleDesign
 
 A = TypeVar("A", bound=AssemblyDesign)
 _MOST_LOADS = 8
@@ -127,6 +128,7 @@ def kind_of_many_blocks(
     name: str, record: type[A], read: Callable[[Reader], A], own: Blocks[A], slope: Callable[[A, Result], Section],
     pressures: Callable[[A], Sequence[tuple[str, float]]], *, with_areas: Callable[[A], Container[str]] = lambda _: (),
     figures: Mapping[str, Callable[[A, Any], float]] | None = None, carried: Carried, falls_west: bool = False,
+    column_row: "Callable[[A], ToppleDesign] | None" = None,
 ) -> Kind[A]:  # fmt: skip
     """A kind of many blocks.
 
@@ -150,7 +152,7 @@ def kind_of_many_blocks(
     def parts(design: A, result: Result) -> tuple[Section, ...]:
         geometry = result.geometry
         assert isinstance(geometry, AssemblyGeometry)
-        table = design.ground_in_words() if isinstance(design, TableDesign) else []
+        table = design.ground_in_words()
         wet, in_section = [*_water(pressures(design)), *table], geometry.thickness_m is not None
         return (
             slope(design, result),
@@ -162,7 +164,7 @@ def kind_of_many_blocks(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
         lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
         own.cut, at_load=lambda *asked: _at_load(own, *asked), figures=figures or {}, carried=carried,
-        falls_west=falls_west,
+        falls_west=falls_west, column_row=column_row,
     )  # fmt: skip
 
 

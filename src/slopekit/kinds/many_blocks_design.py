@@ -70,6 +70,10 @@ class AssemblyDesign(Design):
         """A strength by its name."""
         return dict(self.strengths)[name]
 
+    def ground_in_words(self) -> list[str]:
+        """Table and pond as the sheet prints them: none."""
+        return []
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableDesign(AssemblyDesign):

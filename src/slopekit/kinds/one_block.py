@@ -169,7 +169,8 @@ def kind_of_one_block(
     cut: Callable[[D], Cut], closed_form: Callable[[D], ClosedForm], *,
     changes: Callable[[D], Sequence[tuple[str, D]]], strengths: Callable[[D], Sequence[Strength]],
     slope: Callable[[D, Result], Iterator[Section]], notices: Callable[[D], Iterable[Notice]] = lambda _: (),
-    on_arrays: "OnArrays[D] | None" = None, has_site: bool = False, paper_keys: tuple[str, ...] = (),
+    on_arrays: "OnArrays[D] | None" = None, has_site: bool = False,
+    crest_point: Callable[[D], Floats] | None = None, paper_keys: tuple[str, ...] = (),
     carried: Carried = Carried(),  # noqa: B008  (frozen)
     variants: Mapping[str, Words] = MappingProxyType({}),
     without_basal: Callable[[D], WithoutBasal | None] = lambda _: None,
@@ -182,7 +183,7 @@ def kind_of_one_block(
     changes : a few changes of the input, by name: GOVERNS says what they do to the closed form
     notices : what a reader must know of the design
     on_arrays : the closed form of many designs in one call, where it can be had
-    has_site : support can be looked for, by the block's `face`
+    has_site : support can be looked for, by the block's `face`; crest_point : and by anchors of its crest
     variants : what designs call things that have the input of that name, where it is not as the kind does
     without_basal : a block that the one analysed is part of, and that may fail before it
     """
@@ -228,7 +229,7 @@ def kind_of_one_block(
 
     return Kind(
         name, record, read, words, analyse, factors, ladder, strengths,
-        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site,
+        lambda design, found: tuple(slope(design, found)), cut, closed_form, on_arrays, has_site, crest_point,
         paper_keys=paper_keys, carried=carried, variants=variants,
     )  # fmt: skip
 

@@ -531,5 +531,5 @@ KIND = kind_of_one_block(
         {"slides_on_J1": "slides on its plane", "lifted": "is pushed off its plane"},
     ),
     cut, compared, changes=_changes, strengths=_strengths, slope=_slope, notices=_notices,
-    on_arrays=ON_ARRAYS, has_site=True,
+    on_arrays=ON_ARRAYS, has_site=True, crest_point=crest_point,
 )  # fmt: skip

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from slopekit.core.arrays import Floats
 from slopekit.core.errors import GeometryError
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from slopekit.core.sheet import Section
     from slopekit.kinds.closed_forms import OnArrays
     from slopekit.kinds.ladders import Ladder
+    from slopekit.kinds.topple import ToppleDesign
 
 D = TypeVar("D", bound=Design)
 T = TypeVar("T")
@@ -126,6 +128,8 @@ class Kind(Generic[D]):
     on_arrays : the same for many designs in one call, None where it takes them one by one
     cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
     has_site : support can be looked for: the block is a `Cut` with a free face
+    crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
+    column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
     at_load : (without, unit, target) the multiplier of a load at which the factor is the target, with the status; None
         where a kind has no such path
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
@@ -148,6 +152,8 @@ class Kind(Generic[D]):
     closed_form: Callable[[D], ClosedForm] | None = None
     on_arrays: "OnArrays[D] | None" = None
     has_site: bool = False
+    crest_point: Callable[[D], Floats] | None = None
+    column_row: "Callable[[D], ToppleDesign] | None" = None
     at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()

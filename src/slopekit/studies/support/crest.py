@@ -14,7 +14,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
-from slopekit.kinds.plane import PlaneDesign, crest_point
+from slopekit.kinds import kind_of
 from slopekit.studies.support.search import Site
 
 _CLEAR_DEG = 0.1  # off the line to the back end of the plane
@@ -49,7 +49,8 @@ class Crest:
 
 def crest_of(site: Site) -> Crest | None:
     """The crest of a site; None of a wedge, and where it is no part of the block (a crack in the face)."""
-    if not isinstance(site.design, PlaneDesign):
+    crest_point = kind_of(site.design).crest_point
+    if crest_point is None:
         return None
     head, joint = crest_point(site.design), site.joints[0]
     polygon, size = site.block.faces[joint], float(np.ptp(site.block.corners, axis=0).max())

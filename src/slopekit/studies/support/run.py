@@ -110,12 +110,11 @@ def support(
         fos=fos, acts=acts, toward=toward, plunge=plunge, bolt_capacity=bolt_capacity, spacing=spacing, bond=bond,
         length=length, named=desk.named,
     )  # fmt: skip
-    if design.kind == "topple":
-        from slopekit.kinds.topple import ToppleDesign
+    column_row = kind_of(design).column_row
+    if column_row is not None:
         from slopekit.studies.support.columns.run import support_of_columns  # wedges and planes do not pay for it
 
-        if isinstance(design, ToppleDesign):
-            return support_of_columns(design, options, began)
+        return support_of_columns(column_row(design), options, began)
     site = site_of(design)
     bare, bare_limit = site.closed_form(design), pre_ie(design)
     search = _Search(site, options, bare, bare_limit)
