@@ -16,7 +16,7 @@ from slopekit.studies.protocol import STUDIES
 #: In the order of the help, studies after them and before the others; those of results and studies are made of their
 #: functions, when they are asked for.
 _FIRST = ("wedge", "run", "lint")
-_LAST = ("plot", "export", "report", "templates", "doctor", "explain")
+_LAST = ("plot", "export", "report", "app", "templates", "doctor", "explain")
 
 
 class _Commands(TyperGroup):
@@ -70,6 +70,7 @@ for command in (
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(tools.templates, name="templates")
+app.command()(tools.app)
 app.command()(tools.doctor)
 app.command()(tools.explain)
 
