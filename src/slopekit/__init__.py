@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "explore", "export", "kinematic", "load", "plot", "prob", "quake", "report", "run",
-    "sets", "solve", "support", "sweep", "tornado", "wedge",
+    "bench_design", "check", "combos", "explore", "export", "kinematic", "load", "plot", "prob", "quake", "report",
+    "run", "sets", "solve", "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
 
