@@ -210,16 +210,10 @@ class Desk:
             "of": "design", "rev": session.rev, "kind": session.design.kind, "title": session.design.title,
             "name": session.opened.name, "file": None if session.opened.path is None else str(session.opened.path),
             "live": session.live,
-            "groups": controls.groups_of(self.sound(), session.opened.design),
+            "groups": controls.groups_of(session.shown, session.opened.design),
             "changed": session.changed, "can_undo": session.can_undo, "can_redo": session.can_redo,
             "jobs": jobs_of(session.design.kind),
         }  # fmt: skip
-
-    def sound(self) -> Any:
-        """The design whose numbers the controls have: what is written, where that is no sound design."""
-        from dataclasses import replace
-
-        return replace(self.session.design, source=self.session.now.document)
 
     def hello(self) -> Message:
         """The first message."""
@@ -233,7 +227,7 @@ class Desk:
 
     def structure(self) -> Any:
         """What the page has controls for: where it changes they are sent again."""
-        return [(path, key.given) for path, key in controls.values_of(self.sound()).items()]
+        return [(path, key.given) for path, key in self.session.numbers.items()]
 
     # -- analysis -----------------------------------------------------------------------------------------------------
 
