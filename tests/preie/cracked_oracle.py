@@ -68,24 +68,29 @@ class Block:
         self.bonded = whole + SHEAR * (self.flat * np.tile(self.share, 2)[:, None]).T @ self.flat
 
     def forces(self, u, strength):
-        """Unbalanced forces and their slope at a strength (1 / F)."""
+        """Unbalanced forces at a strength (1 / F), and what gives their slope."""
         pressure = -self.open @ u
         pressed = pressure > 0
-        one, other = (way @ u for way in self.slide)
-        size = np.maximum(np.hypot(one, other), 1e-300)
-        on = np.clip(pressure / RAMP, 0.0, 1.0)
+        one, other = (self.flat @ u).reshape(2, -1)
+        size = np.maximum(np.sqrt(one * one + other * other), 1e-300)
+        one, other = one / size, other / size
+        over = np.maximum(pressure, 0.0)
+        on = np.minimum(over / RAMP, 1.0)
         c = self.s.cohesion / self.stress
-        cap = strength * (c * on + self.s.tan_friction * np.maximum(pressure, 0.0))
-        cap_slope = strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
+        cap = strength * (c * on + self.s.tan_friction * over)
         slides = (SHEAR * size > cap) | ~pressed
-        shear = np.where(slides, cap, SHEAR * size)
-        along = (one / size)[:, None] * self.slide[0] + (other / size)[:, None] * self.slide[1]
-        out = self.load + (self.share * np.where(pressed, pressure, 0.0)) @ self.open - (self.share * shear) @ along
-        slope = -(self.open * (self.share * pressed)[:, None]).T @ self.open
-        per = self.share * np.where(slides, shear / size, SHEAR)
-        slope -= (self.flat * np.tile(per, 2)[:, None]).T @ self.flat
-        slope += (along * np.where(slides, per, 0.0)[:, None]).T @ along
-        slope += (along * (self.share * slides * cap_slope)[:, None]).T @ self.open
+        shear = self.share * np.where(slides, cap, SHEAR * size)
+        out = self.load + (self.share * over) @ self.open - np.concatenate([shear * one, shear * other]) @ self.flat
+
+        def slope():
+            cap_slope = strength * (c * ((on > 0) & (on < 1)) / RAMP + self.s.tan_friction) * pressed
+            ways = one[:, None] * self.slide[0] + other[:, None] * self.slide[1]
+            per = np.where(slides, shear / size, self.share * SHEAR)
+            found = -(self.open * (self.share * pressed)[:, None]).T @ self.open
+            found -= (self.flat * np.tile(per, 2)[:, None]).T @ self.flat
+            of_sliding = ways * np.where(slides, per, 0.0)[:, None]
+            return found + of_sliding.T @ ways + (ways * (self.share * slides * cap_slope)[:, None]).T @ self.open
+
         return out, slope
 
     def rest(self, u, strength, most_steps=60):
@@ -114,7 +119,7 @@ class Block:
             size = np.abs(out).max()
             if size < _RESTS / 10:
                 return u
-            step = -np.linalg.lstsq(slope - drag * self.bonded, out, rcond=None)[0]
+            step = -np.linalg.lstsq(slope() - drag * self.bonded, out, rcond=None)[0]
             length = 1.0
             while True:
                 after, slope_after = self.forces(u + length * step, strength)

@@ -18,12 +18,15 @@ from slopekit.preie import kernels as module
 from slopekit.preie.bed import Bed, BedForces, Drive
 from slopekit.preie.blocks import limit_of_blocks
 from slopekit.preie.cones import longest_step
+from slopekit.preie.cracked import cracked_limit
 from slopekit.preie.fronts import Fronts
 from slopekit.preie.patterns import ContactPattern, compiled_contacts
+from slopekit.preie.polygon_bed import BedSprings, PolygonBed
 from slopekit.preie.program import BlockProgram
 from slopekit.preie.stiffness import SparseStiffness
 from tests.preie.block_scenes import bench, boxes_in_space, columns, random_bench, stack, wall
 from tests.preie.path_oracle import model_of
+from tests.preie.test_cracked import dam
 from tests.preie.test_path import BEDS
 from tests.preie.test_stiffness import stiffness_of
 
@@ -120,6 +123,59 @@ def test_the_longest_step_in_cones(seed, width, rows) -> None:
     assert found == pytest.approx(plain, rel=1e-12)
 
 
+def cut_square(cohesion: float = 0.4) -> PolygonBed:
+    """A block on a square and on a triangle upright beside it, in space: each its own strength."""
+    square = np.array([[-0.9, -0.8, -0.5], [-0.9, 0.7, -0.5], [0.8, 0.9, -0.5], [0.7, -0.9, -0.5]])
+    triangle = np.array([[-0.9, -0.8, -0.5], [-0.9, 0.2, 0.7], [-0.9, 0.7, -0.5]])
+    axes = np.array([np.eye(3)[[2, 0, 1]], np.eye(3)[[0, 1, 2]]])
+    return PolygonBed(
+        (square, triangle), axes, np.array([0.3, 0.4]), np.array([cohesion, 0.2]), np.array([0.6, 0.3]),
+        np.arange(2), np.array([-0.3, 0.2, -0.9, 0.05, 0.2, 0.1]), np.array([[0.1, 0.2, 0.4, 0.0, -0.3, 0.1]]),
+        np.array([0.2]), np.arange(6),
+    )  # fmt: skip
+
+
+CRACKED = {
+    "in space": cut_square,
+    "without cohesion": lambda: cut_square(0.0),
+    "section": lambda: dam(2.0, 150.0, 40.0, 1500.0, True, 17.0),
+    "dam": lambda: dam(2.0, 150.0, 40.0, 1500.0, False),
+}
+
+
+@compiled_only
+@pytest.mark.parametrize("name", CRACKED)
+def test_the_forces_of_a_cracked_base(name) -> None:
+    """And their slopes, with contacts that are whole, cut and open, where blocks rest, run and stick."""
+    bed, rng, cuts = CRACKED[name](), np.random.default_rng(5), set()
+    for split in (0, 2):
+        plain, found = both_ways(lambda split=split: BedSprings(bed, split))
+        assert plain._kernels is None
+        assert found._kernels is not None
+        for running, sticks in ((False, False), (True, False), (False, True)):
+            for number in range(40):
+                size = np.abs(plain.bonded).mean() * rng.uniform(0.0, 5.0)
+                opening, slip = plain.bonded + size * rng.normal(size=(2, len(plain.bonded)))
+                slip *= number > 3  # nothing has slipped yet
+                reduction = rng.uniform(0.1, 2.0)
+                for rows in plain.rows:
+                    cuts.add(int((rows[:, 0] @ opening < 0.0).sum()) - len(rows))
+                exact, one = (each.unbalanced(opening, slip, reduction, running, sticks) for each in (plain, found))
+                for field in dataclasses.fields(exact):
+                    assert close(getattr(one, field.name), getattr(exact, field.name), 1e-12), field.name
+    assert {0, -1, -2} <= cuts
+
+
+@compiled_only
+def test_limits_of_cracked_bases_are_the_same() -> None:
+    """To 1e-9, with as many points of the path."""
+    for bed in (dam(2.0, 150.0, 40.0, 1500.0, True, 17.0), dam(3.0, 150.0, 40.0, 1500.0, False), cut_square()):
+        plain, found = both_ways(lambda bed=bed: cracked_limit(bed, 1.0, 2))
+        assert plain.factor is not None
+        assert found.factor == pytest.approx(plain.factor, rel=1e-9)
+        assert (found.runs, found.creeps, found.points) == (plain.runs, plain.creeps, plain.points)
+
+
 LIMITS = {
     "stack": lambda: stack(5, width=8.0).model(35.0),
     "columns": lambda: columns().model(38.15),
@@ -162,6 +218,13 @@ def test_arrays_of_another_size_are_refused() -> None:
         kernels.stiffness(contacts, springs, tangent, out)
     with pytest.raises(ValueError, match="PyCapsule"):
         kernels.stiffness(SparseStiffness(model).plans[True]._plan, springs, tangent, np.zeros((k, 3, 3)))
+    springs_of_bed, six = BedSprings(cut_square(), 1), np.zeros((6, 6))
+    for count, slopes in ((5, six), (6, six[:5])):
+        with pytest.raises(ValueError, match="bytes where"):
+            kernels.pressed(
+                springs_of_bed._polygons, np.zeros(6), np.zeros(count), 1.0, False, False, np.zeros(6), six, slopes,
+                np.zeros(6),
+            )  # fmt: skip
 
 
 # -- the choice -------------------------------------------------------------------------------------------------------
@@ -192,9 +255,11 @@ def test_another_word_is_an_error(monkeypatch) -> None:
 
 @compiled_only
 def test_kernels_of_another_source_are_not_used(monkeypatch) -> None:
-    """As in an editable install whose source has changed since."""
+    """As in an editable install whose source has changed since; the BLAS is asked for no more then."""
     found, _ = module.chosen()
     monkeypatch.setattr(found, "SOURCE", found.SOURCE + 1)
-    kernels, missing = module._loaded.__wrapped__()
+    kernels, missing = module._alone.__wrapped__()
     assert kernels is None
     assert "another" in missing
+    monkeypatch.setattr(module, "_alone", module._alone.__wrapped__)
+    assert module._loaded.__wrapped__() == (None, missing)

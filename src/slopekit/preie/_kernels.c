@@ -1,4 +1,5 @@
-/* The loops that take the time of many blocks, compiled: what bed.py, patterns.py and stiffness.py do with NumPy.
+/* The loops that take the time of many blocks, and of one on its cracked base, compiled: what bed.py, patterns.py,
+   stiffness.py and polygon_bed.py do with NumPy.
 
    Optional, and one file for every Python from 3.11 on (limited API). Arrays come as buffers, C order, float64, int64
    and bool, and are checked for their size only: kernels.py and its callers see to the rest. BLAS and LAPACK are those
@@ -761,12 +762,285 @@ static PyObject *solved(PyObject *self, PyObject *const *a, Py_ssize_t n)
     return failed ? NULL : Py_NewRef(Py_None);
 }
 
+/* -- one block on an elastic bed (BedSprings.unbalanced) -------------------------------------------------------------- */
+
+/* An end of the new edge of a contact that is cut: which corner of the part it is, the way it can go, how far it goes
+   with the gap by 1, ξ and η; what it moves of a triangle and of a point, and the sums of the shear that it brings. */
+typedef struct {
+    whole corner;
+    double way[2], by_gap[3], middle[2], growth, point[2], area, by[2][3];
+} End;
+
+typedef struct {
+    Kept kept;
+    whole u, contacts, points[2];     /* points of a line and of a triangle */
+    const double *at[2], *shares[2];  /* their barycentric coordinates (q, 2) and (q, 3), and their shares (q) */
+    const whole *first;               /* corner of each contact, (k + 1) */
+    const double *rows, *plane, *law; /* (k, 9, u) by 1, ξ and η; corners (2); area per area, cohesion, tan φ (k, 3) */
+    double spring, least;             /* k_t / k_n; slips of this size and below have no direction */
+    double *gaps, *corners;           /* of one contact: room for all of it, and for its part */
+    End *ends;
+} Polygons;
+
+/* Sums over the points of one contact: of the slopes by products of 1, ξ and η, of the forces by 1, ξ and η. */
+typedef struct {
+    double second[6][6], first[4][3];
+} Sums;
+
+static const char POLYGONS[] = "slopekit.polygons";
+
+/* polygons(u, spring, least, first, rows, plane, law, points of a line, shares, points of a triangle, shares) */
+static PyObject *polygons(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    if (!enough(n, 11)) return NULL;
+    Polygons *p = calloc(1, sizeof *p);
+    if (!p) return PyErr_NoMemory();
+    Kept *kept = &p->kept;
+    p->u = PyLong_AsLongLong(a[0]), p->spring = PyFloat_AsDouble(a[1]), p->least = PyFloat_AsDouble(a[2]);
+    int failed = PyErr_Occurred() != NULL;
+    if (!failed && !(p->u > 0 && p->u <= 6)) {
+        PyErr_SetString(PyExc_ValueError, "a block has up to six unknowns");
+        failed = 1;
+    }
+    p->first = WHOLES(a[3], -1);
+    whole k = p->contacts = failed ? 0 : kept->views[0].len / 8 - 1, most = 0;
+    p->rows = FLOATS(a[4], k * 9 * p->u), p->plane = FLOATS(a[5], failed ? 0 : p->first[k] * 2);
+    p->law = FLOATS(a[6], k * 3);
+    for (int i = 0; i < 2; i++) {
+        p->shares[i] = FLOATS(a[8 + 2 * i], -1);
+        p->points[i] = failed ? 0 : kept->views[kept->arrays - 1].len / 8;
+        p->at[i] = FLOATS(a[7 + 2 * i], p->points[i] * (2 + i));
+    }
+    for (whole i = 0; !failed && i < k; i++)
+        if (p->first[i + 1] - p->first[i] > most) most = p->first[i + 1] - p->first[i];
+    char *room = failed ? NULL : malloc((size_t)(most + 1) * (sizeof(End) + 5 * sizeof(double)));
+    if (!failed && !room) {
+        PyErr_NoMemory();
+        failed = 1;
+    }
+    p->ends = (End *)room, p->gaps = (double *)(p->ends + most + 1), p->corners = p->gaps + most + 1;
+    PyObject *capsule = object_of(p, POLYGONS, failed);
+    if (capsule) PyCapsule_SetContext(capsule, room);
+    return capsule;
+}
+
+/* Clips what is pressed (gap < 0) out of a contact of `count` corners: `_pressed` of polygon_bed.py. */
+static const double *pressed_part(Polygons *p, const double *plane, whole count, whole *left, whole *ends)
+{
+    double least = p->gaps[0], most = p->gaps[0];
+    for (whole k = 1; k < count; k++) {
+        if (p->gaps[k] < least) least = p->gaps[k];
+        if (p->gaps[k] > most) most = p->gaps[k];
+    }
+    *ends = 0, *left = most <= 0.0 ? count : 0;
+    if (most <= 0.0 || least >= 0.0) return plane;
+    for (whole k = 0; k < count; k++) {
+        whole after = k + 1 < count ? k + 1 : 0;
+        double here = p->gaps[k], there = p->gaps[after], *corner = p->corners + 2 * *left;
+        if (here < 0.0) {
+            corner[0] = plane[2 * k], corner[1] = plane[2 * k + 1];
+            *left += 1, corner += 2;
+        }
+        if ((here < 0.0) == (there < 0.0) || (count == 2 && k)) continue;
+        End *end = p->ends + *ends;
+        double part = here / (here - there), square = (here - there) * (here - there);
+        end->corner = *left, *left += 1, *ends += 1;
+        end->by_gap[0] = (here - there) / square;
+        for (int i = 0; i < 2; i++) {
+            double from = plane[2 * k + i], to = plane[2 * after + i];
+            corner[i] = (1.0 - part) * from + part * to;
+            end->way[i] = to - from;
+            end->by_gap[1 + i] = (here * to - there * from) / square;
+        }
+    }
+    return p->corners;
+}
+
+/* Adds a point at (x, y) with its area to the sums, and to those of the ends, which move it. */
+INLINE void add_point(const Polygons *p, const double *law, const double field[3][3], double reduction, int running,
+                      int sticks, double x, double y, double area, whole ends, Sums *to)
+{
+    const double powers[6] = {1.0, x, y, x * x, x * y, y * y};
+    double normal = field[0][0] + field[0][1] * x + field[0][2] * y;
+    double first = field[1][0] + field[1][1] * x + field[1][2] * y;
+    double second = field[2][0] + field[2][1] * x + field[2][2] * y;
+    double size = sqrt(first * first + second * second), elastic = p->spring * size;
+    double strength = law[1] + law[2] * normal, allowed = reduction * strength;
+    size = size > p->least ? size : p->least;
+    first /= size, second /= size;
+    int slides = !sticks && (running || elastic > allowed);
+    double sliding = slides ? area : 0.0, shear = slides ? allowed : elastic;
+    double turning = area * (elastic == 0.0 ? (running ? 0.0 : p->spring) : shear / size);
+    double slips = slides ? turning : 0.0, drags = sliding * (reduction * law[2]);
+    double turned = slips * first, carried = area * shear, lost = sliding * strength;
+    const double slopes[6] = {
+        -area, drags * first, drags * second, turning - turned * first, -turned * second,
+        turning - slips * second * second,
+    };
+    const double forces[4] = {carried * first, carried * second, lost * first, lost * second};
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) to->second[i][j] += slopes[i] * powers[j];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 3; j++) to->first[i][j] += forces[i] * powers[j];
+    for (End *end = p->ends; end < p->ends + ends; end++) {
+        const double *moves = end->point;
+        double slipped[2], pressed = field[0][1] * moves[0] + field[0][2] * moves[1];
+        for (int i = 0; i < 2; i++) slipped[i] = field[1 + i][1] * moves[0] + field[1 + i][2] * moves[1];
+        double more = end->area * shear - (slipped[0] * first + slipped[1] * second) * slips + drags * pressed;
+        double gained[2] = {more * first + turning * slipped[0], more * second + turning * slipped[1]};
+        for (int i = 0; i < 2; i++) {
+            for (int j = 0; j < 3; j++) end->by[i][j] += gained[i] * powers[j];
+            for (int j = 0; j < 2; j++) end->by[i][1 + j] += forces[i] * moves[j];
+        }
+    }
+}
+
+/* The part of a line between two corners. */
+static void add_line(const Polygons *p, const double *c, const double *law, const double field[3][3], double reduction,
+                     int running, int sticks, whole ends, Sums *to)
+{
+    double way[2] = {c[2] - c[0], c[3] - c[1]}, length = hypot(way[0], way[1]);
+    End *end = p->ends;
+    double growth = ends ? (way[0] * end->way[0] + way[1] * end->way[1]) / length * (end->corner ? 1.0 : -1.0) : 0.0;
+    for (whole q = 0; q < p->points[0]; q++) {
+        const double *b = p->at[0] + 2 * q, share = law[0] * p->shares[0][q];
+        if (ends) {
+            end->area = growth * share;
+            for (int i = 0; i < 2; i++) end->point[i] = b[end->corner] * end->way[i];
+        }
+        add_point(p, law, field, reduction, running, sticks, b[0] * c[0] + b[1] * c[2], b[0] * c[1] + b[1] * c[3],
+                  length * share, ends, to);
+    }
+}
+
+/* Twice the area of the triangle of a point and two arms. */
+INLINE double turn(const double *one, const double *other)
+{
+    return one[0] * other[1] - one[1] * other[0];
+}
+
+/* The triangles of a part about its centroid: `_fan` and `_fan_moves` of polygon_bed.py. */
+static void add_fan(const Polygons *p, const double *c, whole count, const double *law, const double field[3][3],
+                    double reduction, int running, int sticks, whole ends, Sums *to)
+{
+    double middle[2] = {0.0, 0.0}, moment[2] = {0.0, 0.0}, all = 0.0;
+    for (whole k = 0; k < count; k++)
+        for (int i = 0; i < 2; i++) middle[i] += c[2 * k + i] / count;
+    for (int round = 0; round < 2; round++) { /* then about the centroid itself */
+        all = 0.0;
+        for (whole k = 0; k < count; k++) {
+            const double *here = c + 2 * k, *after = c + 2 * (k + 1 < count ? k + 1 : 0);
+            double one[2] = {here[0] - middle[0], here[1] - middle[1]};
+            double other[2] = {after[0] - middle[0], after[1] - middle[1]}, twice = turn(one, other);
+            all += twice;
+            for (int i = 0; i < 2 && !round; i++) moment[i] += twice * (one[i] + other[i]);
+        }
+        for (int i = 0; i < 2 && !round && all != 0.0; i++) middle[i] += moment[i] / (3.0 * all);
+    }
+    for (whole m = 0; m < ends; m++) { /* the part gains a sliver along the new edge, closed at its other end */
+        End *end = p->ends + m;
+        const double *corner = c + 2 * end->corner, *far = c + 2 * p->ends[ends - 1 - m].corner;
+        const double *before = c + 2 * (end->corner ? end->corner - 1 : count - 1);
+        const double *after = c + 2 * (end->corner + 1 < count ? end->corner + 1 : 0);
+        double across[2] = {after[0] - before[0], after[1] - before[1]}, gain = turn(end->way, across) / all;
+        for (int i = 0; i < 2; i++) end->middle[i] = gain * ((2.0 * corner[i] + far[i]) / 3.0 - middle[i]);
+    }
+    for (whole k = 0; k < count; k++) {
+        whole next = k + 1 < count ? k + 1 : 0;
+        const double *here = c + 2 * k, *after = c + 2 * next;
+        double one[2] = {here[0] - middle[0], here[1] - middle[1]};
+        double other[2] = {after[0] - middle[0], after[1] - middle[1]}, size = 0.5 * fabs(turn(one, other));
+        for (End *end = p->ends; end < p->ends + ends; end++) {
+            double a[2] = {-end->middle[0], -end->middle[1]}, b[2] = {a[0], a[1]};
+            for (int i = 0; i < 2 && end->corner == k; i++) a[i] += end->way[i];
+            for (int i = 0; i < 2 && end->corner == next; i++) b[i] += end->way[i];
+            end->growth = copysign(0.5, all) * (turn(a, other) + turn(one, b));
+        }
+        for (whole q = 0; q < p->points[1]; q++) {
+            const double *b = p->at[1] + 3 * q, share = law[0] * p->shares[1][q];
+            for (End *end = p->ends; end < p->ends + ends; end++) {
+                double part = (end->corner == k ? b[1] : 0.0) + (end->corner == next ? b[2] : 0.0);
+                for (int i = 0; i < 2; i++) end->point[i] = b[0] * end->middle[i] + part * end->way[i];
+                end->area = end->growth * share;
+            }
+            add_point(p, law, field, reduction, running, sticks, b[0] * middle[0] + b[1] * here[0] + b[2] * after[0],
+                      b[0] * middle[1] + b[1] * here[1] + b[2] * after[1], size * share, ends, to);
+        }
+    }
+}
+
+/* pressed(polygons, opening, slip, reduction, running, sticks, out, by_opening, by_slip, by_reduction): adds to them */
+static PyObject *pressed(PyObject *self, PyObject *const *a, Py_ssize_t n)
+{
+    static const int SECOND[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    if (!enough(n, 10)) return NULL;
+    Polygons *p = PyCapsule_GetPointer(a[0], POLYGONS);
+    if (!p) return NULL;
+    const whole u = p->u;
+    Kept here = {0}, *kept = &here;
+    double reduction = PyFloat_AsDouble(a[3]);
+    int running = PyObject_IsTrue(a[4]), sticks = PyObject_IsTrue(a[5]), failed = PyErr_Occurred() != NULL;
+    const double *opening = FLOATS(a[1], u), *slip = FLOATS(a[2], u);
+    double *out = OUT(a[6], u), *by_opening = OUT(a[7], u * u), *by_slip = OUT(a[8], u * u);
+    double *by_reduction = OUT(a[9], u);
+    for (whole k = 0; !failed && k < p->contacts; k++) {
+        const double *rows = p->rows + k * 9 * u, *across = rows + 3 * u, *plane = p->plane + 2 * p->first[k];
+        const double *law = p->law + 3 * k;
+        double field[3][3], gap[3];
+        whole count = p->first[k + 1] - p->first[k], left, ends;
+        for (int i = 0; i < 3; i++) {
+            gap[i] = dot(rows + i * u, opening, (int)u), field[0][i] = -gap[i];
+            for (int j = 1; j < 3; j++) field[j][i] = dot(rows + (3 * j + i) * u, slip, (int)u);
+        }
+        for (whole i = 0; i < count; i++) p->gaps[i] = gap[0] + gap[1] * plane[2 * i] + gap[2] * plane[2 * i + 1];
+        const double *part = pressed_part(p, plane, count, &left, &ends);
+        if (!left) continue;
+        Sums sums = {{{0.0}}, {{0.0}}};
+        for (whole m = 0; m < ends; m++) memset(p->ends[m].by, 0, sizeof p->ends[m].by);
+        if (count == 2) add_line(p, part, law, field, reduction, running, sticks, ends, &sums);
+        else add_fan(p, part, left, law, field, reduction, running, sticks, ends, &sums);
+        /* from moments by 1, ξ and η to the block: out, then the slopes */
+        double lifts[3] = {0.0}, opens[9][6] = {{0.0}}, turns[6][6] = {{0.0}};
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                lifts[i] += sums.second[0][SECOND[i][j]] * gap[j];
+                for (int w = 0; w < 3; w++)
+                    for (whole b = 0; b < u; b++) opens[3 * w + i][b] += sums.second[w][SECOND[i][j]] * rows[j * u + b];
+                for (int w = 0; w < 2; w++)
+                    for (int v = 0; v < 2; v++)
+                        for (whole b = 0; b < u; b++)
+                            turns[3 * w + i][b] += sums.second[3 + w + v][SECOND[i][j]] * across[(3 * v + j) * u + b];
+            }
+        for (whole m = 0; m < ends; m++) /* where the part grows its points move, and its shear with them */
+            for (whole b = 0; b < u; b++) {
+                const End *end = p->ends + m;
+                double grows = 0.0;
+                for (int i = 0; i < 3; i++) grows += end->by_gap[i] * rows[i * u + b];
+                for (int i = 0; i < 6; i++) opens[3 + i][b] -= end->by[i / 3][i % 3] * grows;
+            }
+        for (whole b = 0; b < u; b++) {
+            for (int i = 0; i < 3; i++) out[b] += lifts[i] * rows[i * u + b];
+            for (int i = 0; i < 6; i++) {
+                out[b] -= sums.first[i / 3][i % 3] * across[i * u + b];
+                by_reduction[b] -= sums.first[2 + i / 3][i % 3] * across[i * u + b];
+            }
+            for (whole c = 0; c < u; c++) {
+                for (int i = 0; i < 9; i++) by_opening[b * u + c] += rows[i * u + b] * opens[i][c];
+                for (int i = 0; i < 6; i++) by_slip[b * u + c] -= across[i * u + b] * turns[i][c];
+            }
+        }
+    }
+    released(kept);
+    return failed ? NULL : Py_NewRef(Py_None);
+}
+
 /* -- the module ------------------------------------------------------------------------------------------------------ */
 
 #define FAST(name) {#name, (PyCFunction)(void (*)(void))name, METH_FASTCALL, NULL}
 static PyMethodDef METHODS[] = {
     FAST(contacts), FAST(law), FAST(forces), FAST(add_viscous), FAST(stiffness), FAST(couple), FAST(tangent), FAST(plan),
-    FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), {"bind", bind, METH_O, NULL}, {NULL},
+    FAST(longest_step), FAST(assembled), FAST(fronts), FAST(factored), FAST(solved), FAST(polygons), FAST(pressed),
+    {"bind", bind, METH_O, NULL}, {NULL},
 };
 
 static struct PyModuleDef MODULE = {PyModuleDef_HEAD_INIT, .m_name = "_kernels", .m_size = -1, .m_methods = METHODS};

@@ -1,4 +1,4 @@
-"""The loops of many blocks compiled (`_kernels.c`), where slopekit was installed with a C compiler.
+"""The loops of many blocks and of a cracked base compiled (`_kernels.c`), where there was a C compiler at the install.
 
 Without, or with the environment variable SLOPEKIT_KERNELS=numpy, NumPy does the same, slower; both ways are tested.
 SLOPEKIT_KERNELS=compiled asks for them: what is missing is an error then.
@@ -20,31 +20,35 @@ _ROUTINES = {
 }
 
 
-def compiled() -> Any:
+def compiled(solvers: bool = True) -> Any:
     """The compiled kernels, None where NumPy is to do their work.
+
+    Parameters
+    ----------
+    solvers : with SciPy's BLAS and LAPACK, which take time to load and which only the fronts need
 
     Raises
     ------
     SlopekitError
         E506 SLOPEKIT_KERNELS asks for them and they are not there, or it says neither numpy nor compiled.
     """
-    found, missing = chosen()
+    found, missing = chosen(solvers)
     if found is None and os.environ.get("SLOPEKIT_KERNELS") == "compiled":
         raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS=compiled, but {missing}")])
     return found
 
 
-def chosen() -> tuple[ModuleType | None, str]:
+def chosen(solvers: bool = True) -> tuple[ModuleType | None, str]:
     """The compiled kernels, or why there are none."""
     wanted = os.environ.get("SLOPEKIT_KERNELS", "")
     if wanted not in ("", "numpy", "compiled"):
         raise SlopekitError([Fault("E506", f"SLOPEKIT_KERNELS is {wanted!r}: it may be numpy or compiled")])
-    return (None, "SLOPEKIT_KERNELS=numpy") if wanted == "numpy" else _loaded()
+    return (None, "SLOPEKIT_KERNELS=numpy") if wanted == "numpy" else _loaded() if solvers else _alone()
 
 
 @cache
-def _loaded() -> tuple[ModuleType | None, str]:
-    """The module, bound to SciPy's BLAS and LAPACK, or why there is none."""
+def _alone() -> tuple[ModuleType | None, str]:
+    """The module, or why there is none."""
     try:
         module = import_module("slopekit.preie._kernels")
     except ImportError as error:
@@ -52,6 +56,15 @@ def _loaded() -> tuple[ModuleType | None, str]:
     source = Path(__file__).with_name("_kernels.c").read_bytes()
     if zlib.crc32(source) & 0x7FFFFFFF != module.SOURCE:
         return None, "they were compiled from another _kernels.c: install slopekit again"
+    return module, ""
+
+
+@cache
+def _loaded() -> tuple[ModuleType | None, str]:
+    """The module, bound to SciPy's BLAS and LAPACK, or why there is none."""
+    module, missing = _alone()
+    if module is None:
+        return None, missing
     routines: dict[str, Any] = {}
     for library, names in _ROUTINES.items():
         offered = import_module(f"scipy.linalg.{library}").__pyx_capi__

@@ -14,6 +14,7 @@ slips one way). Where the pressed part grows its shear grows with it: the slopes
 import math
 from collections.abc import Iterator, Mapping
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -147,6 +148,22 @@ class BedSprings:
         self.stiffness = stiffness
         self.bonded = np.asarray(np.linalg.lstsq(stiffness, bed.load, rcond=None)[0], dtype=np.float64)
         self.first = math.sqrt(float(self.bonded @ self.bonded))
+        self._kernels, self._polygons = self._compiled()
+
+    def _compiled(self) -> tuple[Any, Any]:
+        """The compiled kernels and this bed as they take it; None where NumPy does it."""
+        from slopekit.preie.kernels import compiled  # not for a block whose base is whole
+
+        kernels = compiled(solvers=False)
+        if kernels is None:
+            return None, None
+        flats = self.flats
+        return kernels, kernels.polygons(
+            len(self.bed.load), SHEAR_TO_NORMAL, TINY, np.cumsum([0, *(len(flat.plane) for flat in flats)]),
+            np.stack([flat.rows for flat in flats]), np.concatenate([flat.plane for flat in flats]),
+            np.array([(flat.share, flat.cohesion, flat.tan_friction) for flat in flats]),
+            *self.templates[2], *self.templates[3],
+        )  # fmt: skip
 
     def unbalanced(
         self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool = False
@@ -157,9 +174,23 @@ class BedSprings:
         ----------
         running : every pressed point slips, however small the slip; sticks : none does
         """
-        bed, count = self.bed, len(opening)
-        out = bed.load.copy()
-        by_opening, by_slip, by_reduction = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+        count = len(opening)
+        out = self.bed.load.copy()
+        slopes = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+        if self._kernels is not None:
+            at = np.ascontiguousarray(opening), np.ascontiguousarray(slip)
+            self._kernels.pressed(self._polygons, *at, reduction, running, sticks, out, *slopes)
+        else:
+            self._add_pressed(opening, slip, reduction, running, sticks, out, *slopes)
+        if len(self.bed.bolt_capacity):
+            self._add_bolts(slip, reduction, running, sticks, out, *slopes[1:])
+        return Unbalanced(out, *slopes)
+
+    def _add_pressed(
+        self, opening: Floats, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats,
+        by_opening: Floats, by_slip: Floats, by_reduction: Floats,
+    ) -> None:  # fmt: skip
+        """What the contacts carry, and its slopes."""
         field = np.empty((3, 3))  # normal traction and slips, each by 1, ξ and η
         for k, flat in enumerate(self.flats):
             gap = flat.rows[:3] @ opening
@@ -214,22 +245,27 @@ class BedSprings:
                 by_ends = gained @ phi.T
                 by_ends[:, :, 1:] += weights[6:8] @ grown.points
                 by_opening -= (across.T @ by_ends.reshape(-1, 6).T) @ (grown.ends @ flat.rows[:3])
-        if len(bed.bolt_capacity):
-            drawn = -bed.bolt_rows @ slip
-            if running:
-                pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
-                out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
-                by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
-            else:
-                stiff = self.bolt_springs
-                full = drawn * stiff > reduction * bed.bolt_capacity
-                if sticks:
-                    full = np.zeros(len(drawn), dtype=bool)
-                spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
-                out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
-                by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
-            by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
-        return Unbalanced(out, by_opening, by_slip, by_reduction)
+
+    def _add_bolts(
+        self, slip: Floats, reduction: float, running: bool, sticks: bool, out: Floats, by_slip: Floats,
+        by_reduction: Floats,
+    ) -> None:  # fmt: skip
+        """What the passive bolts pull with, and its slopes."""
+        bed = self.bed
+        drawn = -bed.bolt_rows @ slip
+        if running:
+            pull, spring = np.where(drawn > NOT_DRAWN_ON_BED, 1.0, 0.0), np.zeros(len(drawn))
+            out += (reduction * bed.bolt_capacity * pull) @ bed.bolt_rows
+            by_reduction += (bed.bolt_capacity * pull) @ bed.bolt_rows
+        else:
+            stiff = self.bolt_springs
+            full = drawn * stiff > reduction * bed.bolt_capacity
+            if sticks:
+                full = np.zeros(len(drawn), dtype=bool)
+            spring = np.where((drawn > 0.0) & ~full, stiff, 0.0)
+            out += (np.where(full, reduction * bed.bolt_capacity, spring * drawn)) @ bed.bolt_rows
+            by_reduction += np.where(full, bed.bolt_capacity, 0.0) @ bed.bolt_rows
+        by_slip -= (bed.bolt_rows.T * spring) @ bed.bolt_rows
 
     @property
     def bolt_springs(self) -> Floats:
