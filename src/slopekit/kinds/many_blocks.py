@@ -440,6 +440,8 @@ def _notices(
                      "other loads after them, and F is the strength found at which they just all fit on")  # fmt: skip
     if limit.outcome is Outcome.NO_REST:
         yield _without_rest(limit)
+    if limit.spent:
+        yield _unsettled(limit)
     if first.fos and first.static_bound is None:
         yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
                      "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
@@ -454,6 +456,21 @@ def _notices(
                      f"lost their cohesion ({share * 100:.2g} % of the node pairs): the factor of safety jumps where "
                      f"that happens{before}")  # fmt: skip
     yield from own.notices(design, scene, ravelling.failures[0], closed)
+
+
+def _unsettled(limit: BlocksLimit) -> Notice:
+    """What is known of blocks whose limit takes more work than an analysis does."""
+    rests = "no rest of all blocks that would say anything was seen"
+    if limit.rested is not None:
+        rests = (
+            f"all blocks were last at rest with their strength divided by {limit.rested:.4g} (limits of random "
+            "sections lay up to 4 % below such a rest)"
+        )
+    above = ", and no static bound was found"
+    if limit.static_bound is not None:
+        above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
+    return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
+                  f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
 
 
 def _without_rest(limit: BlocksLimit) -> Notice:

@@ -1,6 +1,7 @@
 """The limit state of many blocks: how each moves, which interfaces govern, contact modes, loads as arrows."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -14,6 +15,7 @@ from slopekit.kinds.one_block_states import CLOSED, SLIPS, TURNS
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.loads import AssemblyLoads, line_of_action
 from slopekit.preie.blocks import Basis
+from slopekit.preie.effort import MOST, EffortSpentError, allowed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import Failure, Part, block_sizes, whole_model
 from slopekit.preie.settlement import settlement
@@ -270,7 +272,8 @@ def at_full_strength(design: AssemblyDesign, scene: AssemblyScene, loads: Assemb
     model = whole_model(assembly, loads, joint_strength(scene.strengths))
     if model is None:
         return None
-    with threadpool_limits(1):
+    settled = None
+    with threadpool_limits(1), suppress(EffortSpentError), allowed(MOST):
         settled = settlement(model, joint_stiffness(design))
     if settled is None:
         return None

@@ -28,10 +28,11 @@ from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.bounds import mechanism_range, static_bound
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.distance import StaticBound
+from slopekit.preie.effort import MOST, EffortSpentError, allowed, part
 from slopekit.preie.flow import relaxed
 from slopekit.preie.passes import Outcome
 from slopekit.preie.path import first_peak, follow
-from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state
+from slopekit.preie.path_limit import PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.proposal import proposed
 from slopekit.preie.tolerances import (
     BOUND_ACCURACY,
@@ -52,6 +53,7 @@ STRONGER = (1.05, 1.5, 2.5, 5.0, 10.0)  # times the strength of the static bound
 _SCANNED = 16  # strengths up to the last, at which they have to fit on too, or may
 _COMES_ON = (0.0, 0.25, 0.5, 0.75, 0.9, 1.0)  # parts of those loads, one after the other, at the strength that holds
 _PROPOSED = 600  # unknowns from which a limit is proposed before the path is followed, and not where it ends in a peak
+_OF_BOUND = 0.3  # of the work that is left, for a static bound
 _BITS = 40  # of a strength in parts of the largest: 12 digits
 _RANGED = 120  # moving blocks in space up to which the range is found: it takes a score of cone programs
 
@@ -86,6 +88,8 @@ class BlocksLimit:
     loads_last : whether those loads came on after weight and water
     steps : factorisations of the path; bound_steps : of the bound
     bonded : the factor with all bonds, where some are lost
+    spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
+        at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
 
@@ -107,6 +111,8 @@ class BlocksLimit:
     group: int = 0
     width: float = 0.0
     bonded: float | None = None
+    spent: bool = False
+    rested: float | None = None
 
 
 class Proposal(Protocol):
@@ -130,9 +136,15 @@ def limit_of_blocks(
     ratio : k_t / k_n of the elastic joints
     proposal : what is tried before the path
     """
+    with allowed(MOST):
+        return _limit_within(model, ranged, ratio, proposal)
+
+
+def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Proposal | None) -> BlocksLimit:
+    """The limit with the work that is allowed."""
     model, unit = _in_unit_strength(model)
     strong = unit > 0.0
-    bound = static_bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
+    bound = _bound(model if strong else replace(model, tan_friction=np.full(len(model.tan_friction), 10.0)))
     if bound.lifted:
         return _ended(model, Outcome.LIFTED, bound.velocity, bound)
     if not strong:
@@ -141,7 +153,17 @@ def limit_of_blocks(
     return replace(
         found, factor=_times(found.factor, unit), static_bound=_times(found.static_bound, unit),
         lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
+        rested=_times(found.rested, unit),
     )  # fmt: skip
+
+
+def _bound(model: AssemblyModel) -> StaticBound:
+    """The static bound; none where it takes too much of the work that is allowed."""
+    try:
+        with part(_OF_BOUND):
+            return static_bound(model)
+    except EffortSpentError:
+        return StaticBound(None, False, False, np.zeros(model.load.size), np.zeros(len(model.control_area)), 0)
 
 
 def _in_unit_strength(model: AssemblyModel) -> tuple[AssemblyModel, float]:
@@ -177,7 +199,12 @@ def _limit_of(
     def once(bond: Floats) -> PathLimit:
         nonlocal steps, loads_last, carried
         loads_last, carried = False, None
-        settled = None if proposal is None else proposal.limit(bond, unit * (bound.factor or math.inf))
+        settled = None
+        try:
+            if proposal is not None:
+                settled = proposal.limit(bond, unit * (bound.factor or math.inf))
+        except EffortSpentError as spent:
+            raise spent.times(1.0 / unit) from None
         if settled is not None and _off(model, settled) < LIMIT_BALANCED:
             steps += settled.factorisations
             return _weaker(settled, 1.0 / unit)
@@ -186,24 +213,41 @@ def _limit_of(
         steps += work
         return found
 
-    found, bond, whole = _with_bonds(model, once)
+    try:
+        found, bond, whole = _with_bonds(model, once)
+    except EffortSpentError as spent:
+        unsettled = _ended(model, Outcome.NOT_CONVERGED, np.zeros(model.load.size), bound, steps)
+        whole = model.lines is None and not model.cohesion.any()  # a rest says little where cohesion may yet be lost
+        return replace(unsettled, static_bound=bound.factor, spent=True, rested=spent.rested if whole else None)
     limit = _limit(model, found, bond, bound, steps, loads_last, carried)
     if whole and (bond == 0.0).any():
         limit = replace(limit, bonded=1.0 / whole)
     if limit.factor is None or not ranged or model.lines is not None:
         return limit  # where laws are curved other forces mean other tractions, and other lines
-    span: Span | None = None
-    if limit.group and proposal is not None:
-        span = proposal.span()
-        span = None if span is None else (_times(span[0], 1.0 / unit), _times(span[1], 1.0 / unit))
-    elif model.unknowns == 3 or len(model.load) <= _RANGED:
-        span = mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, (limit.normal_force, limit.friction))
+    try:
+        span = _span(model, limit, unit, bond, proposal)
+    except EffortSpentError:
+        span = None
     if span is None:
         return limit
     low, high = span
     top = limit.static_bound if high is None else min(high, limit.static_bound or high)
     reached = limit.highest or limit.factor
     return replace(limit, lowest=min(low or 0.0, limit.factor), highest=None if top is None else max(top, reached))
+
+
+def _span(
+    model: AssemblyModel, limit: BlocksLimit, unit: float, bond: Floats, proposal: Proposal | None
+) -> Span | None:
+    """The range of the mechanism of a limit; None where it takes too long."""
+    assert limit.factor is not None
+    if limit.group and proposal is not None:
+        span = proposal.span()
+        return None if span is None else (_times(span[0], 1.0 / unit), _times(span[1], 1.0 / unit))
+    if model.unknowns == 3 or len(model.load) <= _RANGED:
+        forces = limit.normal_force, limit.friction
+        return mechanism_range(model, limit.velocity.ravel(), limit.factor, bond, forces)
+    return None
 
 
 def _limit(
@@ -262,7 +306,10 @@ def _ended(model: AssemblyModel, outcome: Outcome, motion: Floats, bound: Static
 def _without_strength(model: AssemblyModel, bound: StaticBound) -> BlocksLimit:
     """No strength at all: the blocks rest on frictionless joints, or there is no factor."""
     bed = Bed(model, Drive(model.load.ravel()))
-    found = follow(bed, 1.0)
+    try:
+        found = follow(bed, 1.0)
+    except EffortSpentError:
+        return replace(_ended(model, Outcome.NOT_CONVERGED, np.zeros(bed.size), bound), spent=True)
     outcome = Outcome.NO_DRIVING_FORCE if found.outcome is PathOutcome.STANDS else Outcome.NO_STRENGTH
     return replace(_ended(model, outcome, found.motion, bound, found.factorisations), normal_force=frozen(found.normal))
 
@@ -315,7 +362,17 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     """
     own, grows = model.load.ravel(), ramp.ravel()
     first = _FIRST_LOAD * float(np.abs(own).max()) / float(np.abs(grows).max())
-    path_end, bond, _ = _with_bonds(model, lambda bond: follow(Bed(model, Drive(own, grows, reduction), bond), first))
+
+    def once(bond: Floats) -> PathLimit:
+        bed = Bed(model, Drive(own, grows, reduction), bond)
+        try:
+            return follow(bed, first)
+        except EffortSpentError:
+            none = np.zeros(bed.size)
+            return result_of(bed, PathOutcome.GAVE_UP, None, None, none, none, bed.forces(none, first))
+
+    with allowed(MOST):
+        path_end, bond, _ = _with_bonds(model, once)
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
@@ -466,8 +523,8 @@ def _loads_last(
     bed = Bed(model, Drive(whole), bond, ratio)
     at = Bed(model, Drive(whole - live, live, fits), bond, ratio)
     rested = at.elastic_displacement
-    for part in _COMES_ON:
-        flow = relaxed(at, rested, part, 0.0)
+    for share in _COMES_ON:
+        flow = relaxed(at, rested, share, 0.0)
         if flow.ended != "rest":
             break
         rested = flow.at

@@ -17,6 +17,7 @@ import numpy as np
 
 from slopekit.core.arrays import Floats
 from slopekit.core.records import dataclass
+from slopekit.preie.effort import PROGRAM, factorisation, spend
 from slopekit.preie.tolerances import (
     CLOSE,
     LEAST_REDUCTION,
@@ -145,6 +146,7 @@ class Distance:
         """The distance at one λ."""
         import clarabel
 
+        spend(factorisation(len(self.parts)), PROGRAM)
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance

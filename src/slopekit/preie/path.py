@@ -20,6 +20,7 @@ import numpy as np
 from slopekit.core.arrays import Floats
 from slopekit.core.onlooker import say
 from slopekit.preie.bed import Bed
+from slopekit.preie.effort import EffortSpentError
 from slopekit.preie.flow import EASES, THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import BORDERED, PathLimit, PathOutcome, limit_state, result_of
 from slopekit.preie.tolerances import FARTHEST, LEAST_STRENGTH, RUNS, STEADY, VISCOUS_LEFT, VISCOUS_LEFT_IN_SPACE
@@ -43,13 +44,28 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
     ----------
     start : strength (λ) at which gravity comes on, or the first load multiplier
     brief : gives up where gravity does not come to rest there, and after the first bracket that does not settle
+
+    Raises
+    ------
+    EffortSpentError
+        The work that is allowed is done.
     """
+    rested: list[float] = []
+    try:
+        return _followed(bed, start, brief, rested)
+    except EffortSpentError:
+        raise EffortSpentError(1.0 / rested[-1] if rested and bed.drive.ramp is None else None) from None
+
+
+def _followed(bed: Bed, start: float, brief: bool, rested: list[float]) -> PathLimit:
+    """The limit; `rested` gets the parameters at which the blocks are at rest on the way."""
     strength = bed.drive.ramp is None
     parameter, flow = _started(bed, start, 0 if brief else ROUGHER)
     if flow.ended != "rest":
         without = PathOutcome.GAVE_UP if flow.ended == "lost" else PathOutcome.NO_REST
         return result_of(bed, without, None, None, flow.at, flow.at - flow.before, flow.forces)
     at, begun, first = flow.at, parameter, flow.at
+    rested.append(parameter)
     runs: list[tuple[float, Flow]] = []  # parameters at which nothing was found at rest, the worst first
     ratio = _STRIDE
     nearest = iter((_BRACKET, *_NEARER[: 1 if brief else None if bed.tangents == 1 else 2]))
@@ -87,6 +103,7 @@ def follow(bed: Bed, start: float, brief: bool = False) -> PathLimit:
             runs.append((trial, tried))
             continue
         parameter, at = trial, tried.at
+        rested.append(parameter)
         if (parameter < LEAST_STRENGTH * start) if strength else (parameter > FARTHEST):
             return result_of(bed, PathOutcome.STANDS, None, None, at, at, tried.forces)
         if not runs:

@@ -18,6 +18,7 @@ from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.geometry.patches import BEDROCK, Assembly, Patches
 from slopekit.loads import AssemblyLoads, drained
+from slopekit.preie import effort
 from slopekit.preie.assembly import AssemblyModel, build_assembly
 from slopekit.preie.bed import Bed, Drive
 from slopekit.preie.blocks import Basis, BlocksLimit, Span, first_limit, limit_of_blocks, load_limit
@@ -31,6 +32,7 @@ from slopekit.preie.tolerances import BOUND_ACCURACY, FLOWS, MESH_CHANGE, MOVES,
 
 _LARGE = 24  # blocks in space: fewer are one path
 _MOST_GROUPS, _MOST_GROUP = 8, 0.5  # groups that are tried, and how much of all a group may be
+_OF_GROUP = 0.3  # of the work that is left, for the limit of a group
 _MOST_SPLIT, _MOST_PAIRS = 3, 6000  # of contacts that twist: splits, and node pairs
 
 
@@ -115,12 +117,14 @@ def ravel(
 def _ravel(scene: "_Scene", count: int) -> Ravelling:
     assembly, size = scene.assembly, block_sizes(scene.assembly)
     there = ~assembly.fixed
-    parts = list(_solved(scene, there, np.flatnonzero(there)))
+    with effort.allowed(effort.MOST):
+        parts = list(_solved(scene, there, np.flatnonzero(there)))
     first = parts
     failures: list[Failure] = []
     ended = "count"
     while len(failures) < count:
-        parts = _refined(scene, there, parts)
+        with effort.allowed(effort.MOST):
+            parts = _refined(scene, there, parts)
         rank = min((part.rank for part in parts), default=math.inf)
         if rank == math.inf:
             ended = "stands" if parts else "gone"
@@ -141,8 +145,9 @@ def _ravel(scene: "_Scene", count: int) -> Ravelling:
         scene = replace(scene, loads=drained(assembly, scene.loads, opened))
         if len(failures) == count:
             break
-        for part in together:
-            left += _solved(scene, there, part.blocks[there[part.blocks]])
+        with effort.allowed(effort.MOST):
+            for part in together:
+                left += _solved(scene, there, part.blocks[there[part.blocks]])
         parts = left
     return Ravelling(tuple(failures), tuple(first), there, ended)
 
@@ -280,7 +285,11 @@ class _Groups:
             small, own = model_patch
             opened = np.append(broken[own], np.zeros(len(small.bolts), dtype=bool))
             own_bond = np.where(opened[small.pair_contact], 0.0, 1.0)
-            limit = first_limit(small, own_bond)
+            try:
+                with effort.part(_OF_GROUP):
+                    limit = first_limit(small, own_bond)
+            except effort.EffortSpentError:
+                return None
             if limit is None or limit.parameter is None or not limit.found:  # a peak may be a snap of slivers
                 return None
             work += limit.factorisations

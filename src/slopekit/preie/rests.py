@@ -4,10 +4,12 @@ What was found another way than along the path, by a group or by rounded joints,
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from slopekit.preie.bed import Bed
+from slopekit.preie.effort import EffortSpentError, part
 from slopekit.preie.flow import THICK, Flow, relaxed, stepped
 from slopekit.preie.path_limit import PathLimit
 from slopekit.preie.tolerances import MOBILISED, RUNS, TINY
@@ -16,6 +18,7 @@ from slopekit.preie.undilated import rest_without_dilation
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
+_OF_LEFT = 0.7  # of the work that is left
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
 
 
@@ -29,12 +32,32 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
     Returns
     -------
     their rest just before it, or the flow that shows who moves; how near to the factor it is, in parts of it
+
+    Raises
+    ------
+    EffortSpentError
+        Most of the work that is left was done, and no rest is so near.
     """
+    known: tuple[Flow, float] | None = None
+    try:
+        with part(_OF_LEFT):
+            for known in _nearer_rests(bed, factor, near):  # noqa: B007
+                pass
+    except EffortSpentError:
+        if known is None or known[1] > near:
+            raise EffortSpentError(None if known is None else factor * (1.0 - known[1])) from None
+    assert known is not None
+    return known
+
+
+def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, float]]:
+    """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
     at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
+    yield flow, gap
     while flow.ended == "rest" and gap > JUST:
         trial = gap * stride
         parameter, ahead = 1.0 / (factor * (1.0 - trial)), flow.at + (gap - trial) / width * moved
@@ -47,10 +70,10 @@ def rests_before(bed: Bed, factor: float, near: float = JUST) -> tuple[Flow, flo
         else:
             ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
         if ahead_of_it.ended in ("slow", "lost") and gap < near:
-            return flow, gap
+            return
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
-    return flow, gap
+        yield flow, gap
 
 
 def at_their_limit(bed: Bed, flow: Flow, limit: PathLimit) -> bool:

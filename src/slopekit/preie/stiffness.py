@@ -33,6 +33,7 @@ from slopekit.core.arrays import Floats, Ints
 from slopekit.core.errors import Fault, SolverError
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.dissection import touching_blocks
+from slopekit.preie.effort import SECOND, factorisation, spend
 from slopekit.preie.fronts import FINER, Fronts, Solver
 from slopekit.preie.kernels import compiled
 from slopekit.preie.patterns import compiled_contacts
@@ -63,6 +64,7 @@ class SparseStiffness:
         self.contacts = compiled_contacts(model)
         self.plans = {True: self._planned(self._chosen(True))}
         self._dense_index: Ints | None = None
+        self._effort = factorisation(model.load.size)
 
     def factored(
         self, stiffness: Floats, shift: float, symmetric: bool = True, inertia: Floats | None = None
@@ -83,9 +85,12 @@ class SparseStiffness:
         ------
         SolverError
             E504 the factors do not fit into memory; E505 K is singular, or no shift makes it positive definite.
+        EffortSpentError
+            The work that is allowed is done (`preie.effort`).
         """
         if symmetric not in self.plans:
             self.plans[symmetric] = self._planned(self._chosen(symmetric))
+        spend(self._effort)
         plan = self.plans[symmetric]
         values = stiffness
         if self.contacts is None:
@@ -98,7 +103,10 @@ class SparseStiffness:
             solve = plan.factored(values, shift, inertia)
         if solve is None and not symmetric and self.way is None and isinstance(plan.way, Fronts):
             # pivots from one front do not do: the band's come from wherever they are
-            solve = self._planned(_fitting(Band(self.model, False))).factored(values, shift, inertia)
+            band = Band(self.model, False)
+            spend(SECOND, band.seconds)
+            _fitting(band)
+            solve = self._planned(band).factored(values, shift, inertia)
         if solve is not None:
             return solve
         what = "not positive definite" if symmetric else "singular"

@@ -1,0 +1,83 @@
+"""Work is counted and bounded: a status with what is known in place of a wait without end."""
+
+import math
+
+import pytest
+
+import slopekit as sk
+from benchmarks import populations
+from benchmarks.benches import bench
+from slopekit.preie.blocks import limit_of_blocks
+from slopekit.preie.effort import EffortSpentError, allowed, factorisation, part, spend
+from slopekit.preie.passes import Outcome
+from tests.preie.path_oracle import model_of
+
+FACTOR, BOUND = populations.goodman_bray_factor(16), 1.19089
+
+
+def test_a_factorisation_counts_by_its_size() -> None:
+    assert factorisation(10_000) - factorisation(0) == pytest.approx(1e6)
+
+
+def test_what_is_spent_within_counts_outside_and_a_part_is_of_what_is_left() -> None:
+    with allowed(10.0), allowed(100.0), pytest.raises(EffortSpentError):  # no more than is left outside
+        spend(11.0)
+    with allowed(10.0):
+        spend(6.0)
+        with part(0.5):
+            spend(1.5)
+            with pytest.raises(EffortSpentError):
+                spend(1.0)
+        spend(1.0)  # 9.5 of 10
+        with pytest.raises(EffortSpentError):
+            spend(1.0)
+    spend(math.inf)  # nothing is counted
+
+
+@pytest.mark.parametrize("units", [2e5, 1e6, 2e6])
+def test_without_enough_work_there_is_no_number_but_what_is_known(units: float) -> None:
+    model = model_of(populations.goodman_bray(16))
+    found = []
+    for _ in range(2):
+        with allowed(units):
+            found.append(limit_of_blocks(model))
+    one, again = found
+    assert one.outcome is Outcome.NOT_CONVERGED
+    assert one.spent
+    assert (one.factor, one.lowest, one.highest) == (None, None, None)
+    assert one.static_bound is None or one.static_bound == pytest.approx(BOUND, rel=1e-4)
+    assert (one.rested, one.static_bound) == (again.rested, again.static_bound)  # counted, not timed
+    if one.rested is not None:
+        assert FACTOR is not None
+        assert 0.4 < one.rested < BOUND
+
+
+def test_with_enough_work_nothing_changes() -> None:
+    model = model_of(populations.goodman_bray(16))
+    with allowed(1e9):
+        found = limit_of_blocks(model)
+    assert found.factor == pytest.approx(FACTOR, rel=1e-9)
+    assert not found.spent
+    assert found.rested is None
+
+
+def test_the_sheet_says_what_is_known() -> None:
+    with allowed(2e7):
+        result = sk.run(bench(1.9))
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert result.status == "not_converged"
+    assert result.fos.limit is None
+    assert "were last at rest with their strength divided by 0.64" in said["W360"]
+    assert "W309" not in said
+    assert "no static bound was found" in said["W360"]
+
+
+def test_nothing_is_said_of_a_rest_where_cohesion_may_yet_be_lost() -> None:
+    """This bench rests at 0.9, loses bonds, and slides at 0.7002."""
+    with allowed(4e7):
+        result = sk.run(bench(1.9, 5.0))
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert result.status == "not_converged"
+    assert "divided by" not in said["W360"]
+    assert result.fos.static_bound == pytest.approx(1.24858, rel=1e-4)
+    assert "beyond 1.249, the static bound" in said["W360"]
