@@ -62,6 +62,7 @@ def wedge(
     modulus: Annotated[Any, Option("Young's modulus of elastic rock [20 GPa].")] = None,
     poisson: Annotated[Any, Option("Its Poisson's ratio [0.25].")] = None,
     edge: Annotated[Any, Option("Longest edge of its finite elements [auto].")] = None,
+    bedrock: Annotated[Any, Option("rigid, or elastic as the wedge [rigid].")] = None,
     elastic: Annotated[bool, ELASTIC] = False,
     elastic_bracket: Annotated[bool, BRACKET] = False,
     desk: Desk = DESK,

@@ -513,6 +513,10 @@ class Design:
         role="setting", scatters=False, label="edge", left_out="auto", advice="The longest edge of a finite element.",
         doc="longest edge of an element at contacts, for --elastic; `auto`: an eighth of the longest of the block",
     )  # fmt: skip
+    elastic_bedrock: str | None = text(
+        "analysis.elastic.bedrock", default=None, words=("rigid", "elastic"), code="E291", left_out="rigid",
+        example="rigid", doc="`elastic`: a body of the same rock around one block, for --elastic",
+    )  # fmt: skip
     water_unit_weight_kn_m3: float = number(
         "water.unit_weight", "unit weight", default=9.81, least=5.0, most=15.0, code="E110", says=_RANGE,
         advice="Water weighs 9.81 kN/m³ (62.4 pcf).", label="unit weight of water",
@@ -659,7 +663,7 @@ def _changed(value: Any, change: Callable[[Strength], Strength]) -> Any:
 
 _IF_GIVEN = (
     "law", "laws", "made_of", "residual", "residuals", "table_depth_m", "table_points_m", "table_plane", "pond_m",
-    "surcharge_kpa", "surcharges_kpa", "partial", "modulus_kpa", "poisson", "elastic_edge_m",
+    "surcharge_kpa", "surcharges_kpa", "partial", "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
 )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ def read_common(reader: Reader, on_blocks: bool = False) -> dict[str, Any]:
     title = reader.at("title")
     found = reader.fields(Design, only=(
         "gravity_m_s2", "water_unit_weight_kn_m3", "criterion", "agree_within", "stop_when",
-        "modulus_kpa", "poisson", "elastic_edge_m",
+        "modulus_kpa", "poisson", "elastic_edge_m", "elastic_bedrock",
     ))  # fmt: skip
     found |= read_weight(reader, found["gravity_m_s2"])
     own = fields_of(reader.record)

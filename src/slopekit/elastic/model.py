@@ -88,6 +88,11 @@ def with_blocks(model: ElasticModel, blocks: "tuple[tuple[Flexibility, Ints, Int
     return replace(model, give=_summed(parts, (size, size)), give_load=_summed(loads, (size, unknowns)), seen=blocks)
 
 
+def on_bedrock(model: ElasticModel, by_force: Floats) -> ElasticModel:
+    """One elastic block on elastic bedrock, which gives by (3n, 3n) per force: D + D_r."""
+    return replace(model, give=frozen(np.asarray(model.give) + by_force))
+
+
 def _placed(values: Floats, rows: Ints, columns: Ints) -> tuple[Floats, Ints, Ints]:
     row, column = np.broadcast_arrays(rows[:, None], columns[None])
     return values.ravel(), row.ravel(), column.ravel()

@@ -18,6 +18,7 @@ from slopekit.core.errors import DesignError, Fault, Notice
 from slopekit.core.onlooker import say
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design
+from slopekit.elastic.bedrock import Bedrock, bedrock, box_around, graded
 from slopekit.elastic.flexibility import Elements, Flexibility, Rock, flexibility
 from slopekit.elastic.meshing import (
     cells_of,
@@ -29,8 +30,9 @@ from slopekit.elastic.meshing import (
     numbered,
     split_evenly,
 )
-from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
+from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
 from slopekit.elastic.rest import Rest, Search
+from slopekit.geometry import rockmass, section
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.one_block import Cut
 from slopekit.kinds.protocol import Kind
@@ -42,6 +44,7 @@ from slopekit.result import ElasticBlocks, ElasticPairs, OnElasticJoint, Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2
+RIGID, ELASTIC = "rigid", "elastic"  # bedrock
 _MOST_BLOCKS, _MOST_PAIRS, _MOST_IN_SPACE = 300, 1500, 400
 _MOST_CELLS, _AUTO_CELLS = 20_000, 1500  # of all blocks; of one with `edge: auto`
 _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of a block is halved, `edge: auto`
@@ -58,7 +61,7 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
     Raises
     ------
     DesignError
-        E140 without scikit-fem, E288 to E290 for what cannot be had.
+        E140 without scikit-fem, E288 to E291 for what cannot be had.
     """
     design, began = result.design, time.perf_counter()
     say("elastic", head=True)
@@ -149,7 +152,7 @@ class _Scene:
     redrawn : tan φ of the pairs at normal forces (n,) kN where laws are curved, None where none is
     limit_without : the rigid limit without the cohesion of pairs (n,)
     points, normals : (n, 3) in the user's axes; joint : (n,) names; axes : rows are the local axes
-    names : of the blocks, empty of one; motions : unknowns of each block
+    names : of the blocks, empty of one; unknowns : of each block; bedrock : None where it is rigid
     """
 
     model: ElasticModel
@@ -166,6 +169,7 @@ class _Scene:
     length: float
     edge: float
     blocks: Sequence[Flexibility]
+    bedrock: Bedrock | None = None
 
 
 def _at_rest(scene: _Scene, model: ElasticModel, factor: float) -> tuple[Search, Rest]:
@@ -216,6 +220,41 @@ def _refuse(why: str, advice: str = "Leave --elastic out.") -> DesignError:
     return DesignError([Fault("E288", f"no elastic blocks of this design: {why}", "--elastic", advice)])
 
 
+def _no_bedrock(why: str) -> DesignError:
+    message = f"no elastic bedrock of this design: {why}"
+    return DesignError([Fault("E291", message, "analysis.elastic.bedrock", "Leave it rigid.")])
+
+
+def _bedrock(made: Cut, rock: Rock, edge: float, points: Floats, axes: Floats, in_section: bool) -> Bedrock:
+    """The rock around a block, in axes along the slope: out of it, along it, up."""
+    if made.face is None:
+        raise _no_bedrock("nothing is known of the slope around its block")
+    ids = section if in_section else rockmass
+    faces = {key: np.asarray(face) for key, face in made.block.faces.items()}
+    out = _outward(faces[ids.FACE])
+    turn = np.array([[out[0], out[1], 0.0], [-out[1], out[0], 0.0], [0.0, 0.0, 1.0]])
+    turned = {key: face @ turn.T for key, face in faces.items()}
+    if in_section:  # its sides alone, each between its corners on one end
+        turned = {key: face[face[:, 1] > face[:, 1].mean()][:, [0, 2]] for key, face in turned.items()
+                  if np.ptp(face[:, 1]) > 0.0}  # fmt: skip
+    lowest = min(float(face[:, -1].min()) for face in turned.values())
+    box = box_around(turned, [key for key in (ids.FACE, ids.UPPER) if key in turned], min(lowest, 0.0))
+    own = points @ turn.T
+    mesh = graded(box.mesh, own[:, [0, 2]] if in_section else own, edge, _MOST_CELLS)
+    if mesh.t.shape[1] > _MOST_CELLS:
+        message = f"edges of {edge:.4g} m make more than {_MOST_CELLS} finite elements of the bedrock"
+        raise DesignError([Fault("E290", message, "analysis.elastic.edge", "Give a longer edge, or auto.")])
+    return bedrock(box, mesh, rock, own, axes @ turn.T)
+
+
+def _outward(face: Floats) -> Floats:
+    """The horizontal direction (2,) out of a face, its corners anticlockwise seen from outside."""
+    around = face - face.mean(axis=0)
+    normal = np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0)[:2]
+    found: Floats = normal / math.sqrt(float(normal @ normal))
+    return found
+
+
 def _one_block(design: Design, made: Cut) -> _Scene:
     """A convex block on flat joints."""
     (rock, _), block = _rock(design), made.block
@@ -249,6 +288,10 @@ def _one_block(design: Design, made: Cut) -> _Scene:
     settled = rigid.model or model
     plain = _of_model(settled)
     rows, own = np.arange(3 * len(scene.pairs)), np.arange(model.unknowns)
+    whole, around = with_blocks(plain, ((give, rows, own),)), None
+    if design.elastic_bedrock == ELASTIC:
+        around = _bedrock(made, rock, edge, scene.pairs.points, axes, in_section)
+        whole = on_bedrock(whole, around.by_force)
     turn = np.eye(3) if made.axes is None else made.axes
 
     def limit_without(parted: Bools) -> float | None:
@@ -262,11 +305,11 @@ def _one_block(design: Design, made: Cut) -> _Scene:
 
     called = {interface.key: interface.name for interface in made.interfaces}
     return _Scene(
-        with_blocks(plain, ((give, rows, own),)), _stiffness(design, False),
+        whole, _stiffness(design, False),
         None if settled.lines is None else redrawn, rigid.governing.factor or None, limit_without,
         scene.pairs.points @ turn + made.origin, scene.pairs.normals @ turn,
         [called[key] for key in scene.pairs.interface.tolist()], turn, (), model.unknowns, model.length_scale, edge,
-        (give,),
+        (give,), around,
     )  # fmt: skip
 
 
@@ -288,6 +331,8 @@ def _many_blocks(design: Design, scene: AssemblyScene, result: Result) -> _Scene
     from slopekit.preie.ravelling import ravel, whole_model
 
     assembly, (rock, _) = scene.assembly, _rock(design)
+    if design.elastic_bedrock == ELASTIC:
+        raise _no_bedrock("it is taken around one block, on many blocks it stays rigid")
     moving = int((~assembly.fixed).sum())
     if moving > _MOST_BLOCKS:
         message = f"{moving} blocks move, elastic ones are at most {_MOST_BLOCKS}"
@@ -456,13 +501,14 @@ def _answer(
     most = int(np.argmax((moved * moved).sum(axis=1)))
     opened, rigid_opened = (float(area[state.parted].sum() / area.sum()) for state in (found, rigid))
     rigid_moved = _displacements(scene, model.rigid(), rigid)
+    bodies: list[Flexibility | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
     return ElasticBlocks(
         limits[0], limits[1], bracket, at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
         frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, found.failed_pairs, len(area),
-        sum(one.degrees for one in scene.blocks) + 3 * len(area) + len(model.load),
-        sum(one.cells for one in scene.blocks), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
-        taken, found.residual, steps,
+        sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),
+        sum(one.cells for one in bodies), rock.modulus_kpa, rock.poisson, scene.edge, rock.order,
+        RIGID if scene.bedrock is None else ELASTIC, taken, found.residual, steps,
         ElasticPairs(
             frozen(scene.points), tuple(scene.joint), frozen(scene.normals), frozen(area), frozen(elastic),
             frozen(stiff), tuple(found.parted.tolist()),

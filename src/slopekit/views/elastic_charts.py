@@ -63,7 +63,8 @@ def draw_elastic_tractions(figure: Any, document: Mapping[str, Any]) -> None:
     else:
         _maps(figure, [face for face in faces if not face.is_line], area, tractions, opened)
         more = "" if len(every) <= _MOST else f"; the largest {_MOST} of {len(every)} planes"
-    said = f"normal tractions at F = {elastic['factor']:.4g}, rigid beside elastic"
+    bed = " on elastic bedrock" if elastic.get("bedrock") == "elastic" else ""
+    said = f"normal tractions at F = {elastic['factor']:.4g}, rigid beside elastic{bed}"
     figure.suptitle(
         f"{said}; {100.0 * elastic['opened_share']:.2g} % of the contact area pulled open{more}", fontsize=10.5
     )

@@ -39,7 +39,8 @@ def _bracket(found: ElasticBlocks) -> list[str]:
 
 def _rock(found: ElasticBlocks) -> str:
     taken = f" ({' and '.join(found.taken)} taken, not given)" if found.taken else ""
-    return f"modulus {found.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {found.poisson:.3g}{taken}; rigid bedrock"
+    rock = f"modulus {found.modulus_kpa * 1e-6:.4g} GPa, Poisson's ratio {found.poisson:.3g}{taken}"
+    return f"{rock}; {found.bedrock} bedrock"
 
 
 def _joints(found: ElasticBlocks) -> Table[tuple[str, OnElasticJoint]]:
