@@ -236,8 +236,8 @@ def _refuse_without(found: Format, where: str) -> None:
     try:
         __import__(module)
     except ImportError:
-        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install '.[{extra}]'"
-        raise DesignError([Fault("E140", message, where, f"In slopekit's folder: {advice}")]) from None
+        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install 'slopekit[{extra}]'"
+        raise DesignError([Fault("E140", message, where, advice)]) from None
 
 
 def _refuse_unwritable(folder: Path) -> None:
