@@ -23,10 +23,11 @@ author = "The slopekit founders"
 copyright = author
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 source_suffix = {".md": "markdown"}
 root_doc = "index"
 html_theme = "furo"
+html_math_renderer = "mathml"  # made here by docutils: browsers draw it, nothing is fetched
 html_title = f"slopekit {release}"
 html_show_sourcelink = False
 default_role = "code"  # docstrings write `name`
@@ -98,8 +99,19 @@ def _signature(
     return str(own.replace(parameters=kept, return_annotation=inspect.Signature.empty)), None
 
 
+def _formula(writer: Any, node: Any) -> None:
+    from docutils.nodes import SkipNode
+    from docutils.utils.math.latex2mathml import tex2mathml
+
+    is_block = node.tagname == "math_block"
+    formula = tex2mathml(node.astext().strip(), as_block=is_block)
+    writer.body.append(f'<div class="math">{formula}</div>\n' if is_block else formula)
+    raise SkipNode
+
+
 def setup(app: "Sphinx") -> dict[str, bool]:
     """Sphinx asks for it."""
+    app.add_html_math_renderer("mathml", (_formula, None), (_formula, None))
     app.connect("source-read", _as_pages)
     app.connect("autodoc-process-docstring", _described, priority=400)  # before napoleon's
     app.connect("autodoc-process-signature", _signature)

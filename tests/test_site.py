@@ -140,6 +140,6 @@ def test_every_picture_of_the_docs_is_shown() -> None:
 def test_what_the_site_is_built_with_is_an_extra() -> None:
     extras: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     given = {re.split(r"[<>=]", one)[0] for one in extras["optional-dependencies"]["docs"]}
-    assert given == {"sphinx", "myst-parser", "furo"}
+    assert given == {"sphinx", "docutils", "myst-parser", "furo"}
     assert CONF["html_theme"] in given
     assert {one.partition(".")[0] for one in CONF["extensions"]} <= {"sphinx", "myst_parser"}
