@@ -185,6 +185,8 @@ class Page:
 
     def run(self) -> None:
         for block in blocks_of(self.path.read_text(encoding="utf-8")):
+            if block.kind.startswith("{"):  # a directive of the site
+                continue
             fault = getattr(self, f"_{block.kind}", self._unknown)(block)
             self.faults += [f"{self.path.name}:{block.line}: {one}" for one in fault]
 

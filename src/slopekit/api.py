@@ -70,18 +70,49 @@ def wedge(
 ) -> "Result":
     """One wedge of two joints. What is left out takes the paper's wedge (Sheng et al. 2023, §4.1): the sheet says so.
 
+    Returns
+    -------
+    Result
+        `status` in a word, `fos.limit` (PRE-IE, the answer), `fos.closed_form` (Hoek & Bray), `fos.static_bound`,
+        `agree`, `findings` (notices by their codes), `to_dict()` (the JSON), `sheet` (the text).
+
     Raises
     ------
     DesignError
-        With every fault of the input. GeometryError where the planes cut no wedge.
+        With every fault of the input.
+    GeometryError
+        Where the planes cut no wedge.
 
     Notes
     -----
+    The limit is the largest F at which node-pair forces balance all loads, moments too, with the strength
+    (c + σ tan φ) / F and slip that does not dilate the joints. Where the wedge slides along the line of intersection,
+    of plunge ψ, without turning, it is that of the closed form::
+
+        F = (c₁ A₁ + c₂ A₂ + N₁ tan φ₁ + N₂ tan φ₂) / (W sin ψ)
+
+    with A in m², c in kPa, and in kN the weight W and the effective normal forces N₁ and N₂, which balance W square to
+    the line; other loads join W. Frame: east, north, up; m, kN, kPa, kN/m³, degrees.
+
     Values are written as on the command line, "45/115" or "5 kPa", or as Python has them: planes (45, 115), numbers,
     (J1, J2) where the joints differ, forces (east, north, up) in kN or {"force": ..., "at": (x, y, z)}, bolts
     {"force", "toward", "acts", "head", "length"}, a crack {"plane": ..., "distance": ...}, a basal joint {"plane": ...,
     "height": ...}, the origin (E, N, Z). `limits` are those of design files: {"bench_width": 6,
     "trace_length": (10, 12), "by": "filter"}. Of a crack {"water": "3 m"} says how deep the water stands in it.
+
+    References
+    ----------
+    Sheng, Li, Liu & Qi (2023), Applied Sciences 13, 7301. Hoek & Bray (1981), Rock Slope Engineering, ch. 8.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> dry = sk.wedge(dips=("45/115", "45/245"))
+    >>> dry.status, round(dry.fos.limit, 4), round(dry.fos.closed_form, 4), dry.agree
+    ('slides_on_both', 1.5574, 1.5574, True)
+    >>> wet = sk.wedge(dips=("45/115", "45/245"), water="full", accept=1.2)
+    >>> round(wet.fos.limit, 4), wet.accepted
+    (1.039, False)
     """
     given = {key: value for key, value in locals().items() if key not in _NO_INPUTS} | unknown
     for name, asked in (("elastic", elastic), ("elastic_bracket", elastic_bracket)):
@@ -103,13 +134,27 @@ def load(
 
     Parameters
     ----------
+    source : the path of a YAML file, or a mapping with its keys
     set : dotted paths and values that replace those of the file: {"strength.weak.phi": 25}
     case : one of its load cases by name; a design with cases goes through `analyse` and every study case by case
+
+    Returns
+    -------
+    Design
+        Of its `kind`, every value in m, kN, kPa, kN/m³ and degrees; `analyse` and the studies take it.
 
     Raises
     ------
     DesignError
-        With every fault found.
+        With every fault found, each with line and column.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> design = sk.load(wedge, set={"rock.density": "2.7 t/m3"})
+    >>> design.kind, round(design.unit_weight_kn_m3, 3)
+    ('wedge', 26.487)
     """
     from slopekit.design.files import load as load_design
 
@@ -121,9 +166,27 @@ def analyse(design: "Design", elastic: bool = False, elastic_bracket: bool = Fal
 
     Parameters
     ----------
-    elastic : elastic blocks beside the rigid ones; elastic_bracket : and where they no longer come to rest
+    design : what `load` returns
+    elastic : elastic blocks beside the rigid ones (extra: elastic)
+    elastic_bracket : and the bracket where they no longer come to rest
 
-    Raises GeometryError where no block can be formed.
+    Raises
+    ------
+    GeometryError
+        Where no block can be formed.
+    DesignError
+        E140 without the extra, E288 to E290 what elastic blocks do not take.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> result = sk.analyse(sk.load(wedge))
+    >>> result.status, round(result.fos.static_bound, 4)
+    ('slides_on_both', 1.5868)
+    >>> cases = sk.load(wedge | {"cases": {"dry": {"set": {"water": "dry"}}, "rain": {"set": {"water": "full"}}}})
+    >>> {name: round(one.fos.limit, 3) for name, one in sk.analyse(cases).cases.items()}
+    {'dry': 1.557, 'rain': 1.039}
     """
     from slopekit.design.common import Design
     from slopekit.kinds import analyse as analyse_design
@@ -185,7 +248,9 @@ def run(
     Raises
     ------
     DesignError
-        With every fault of the input. GeometryError where no block can be formed.
+        With every fault of the input.
+    GeometryError
+        Where no block can be formed.
 
     Notes
     -----
@@ -193,6 +258,15 @@ def run(
     names one of its load cases. What comes back is a `Result`, of a design with cases `Cases`: `.cases[NAME]`; a
     script with types says which: ``assert isinstance(r, sk.Result)``, or gives `case`.
 
+    One block gets the limit of rigid blocks, as `wedge` does. Of many blocks it is the limit of the elastic path:
+    joints without tension, k_t/k_n 0.4, whose strength goes down until the blocks no longer come to rest.
+
+    References
+    ----------
+    Sheng, Li, Liu & Qi (2023), Applied Sciences 13, 7301; the closed form of each kind names its own.
+
+    Examples
+    --------
     >>> import slopekit as sk
     >>> design = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> round(sk.run(design, set={"water": "full"}).fos.limit, 3)
@@ -264,7 +338,7 @@ def plot(
     magnify: float | None = None,
     step: int = 1,
 ) -> "Drawing | dict[str, str] | None":
-    """Draw a picture of a result or a study (extra: plot).
+    """Draw a picture of a result or a study (extra: plot). Without `what` it lists the pictures that this one can give.
 
     Parameters
     ----------
@@ -279,13 +353,23 @@ def plot(
 
     Returns
     -------
-    The path written, which shows itself in a notebook, None where a window was shown; without `what` the pictures by
-    their word, and what they show.
+    Drawing, dict or None
+        The path written, which shows itself in a notebook, None where a window was shown; without `what` the pictures
+        by their word, and what they show.
 
     Raises
     ------
     DesignError
         E106, E340 to E347 for what cannot be drawn, E140 without the extra.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> wedge = sk.wedge(dips=("45/115", "45/245"))
+    >>> sorted(sk.plot(wedge))
+    ['displacement', 'exploded', 'forces', 'mechanism', 'scene', 'stereonet', 'tractions']
+
+    ``sk.plot(wedge, "exploded", "wedge.png")`` then draws one.
     """
     from slopekit.views import plots
     from slopekit.views.notebook import Drawing
@@ -328,13 +412,23 @@ def report(
 
     Returns
     -------
-    the path written
+    Path
+        The path written.
 
     Raises
     ------
     DesignError
         E140 without the extra, E147 to E149, E340, E341, E371 and E372 for what is no result, E376 for the project,
         E129 where the page cannot be written.
+
+    Examples
+    --------
+    >>> import slopekit as sk, tempfile, pathlib
+    >>> wedge = sk.wedge(dips=("45/115", "45/245"))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = sk.report(wedge, pathlib.Path(folder) / "wedge.html", pictures=False)
+    ...     "<title>" in page.read_text(encoding="utf-8")
+    True
     """
     from slopekit.views.report import write_report
 

@@ -2,16 +2,24 @@
 
 import os
 import sys
-from typing import Annotated, Any, cast
+from typing import Annotated, Any, NoReturn, cast
 
-import typer
-from typer.core import TyperGroup
+try:
+    import typer
+    from typer.core import TyperGroup
 
-from slopekit._version import __version__
-from slopekit.cli import designs, outputs, tools
-from slopekit.cli.common import print_faults
-from slopekit.core.errors import DesignError, Fault, SlopekitError
-from slopekit.studies.protocol import STUDIES
+    from slopekit._version import __version__
+    from slopekit.cli import designs, outputs, tools
+    from slopekit.cli.common import print_faults
+    from slopekit.core.errors import DesignError, Fault, SlopekitError
+    from slopekit.studies.protocol import STUDIES
+except ModuleNotFoundError as error:
+    from slopekit._needs import said_of
+
+    if not (said := said_of(error)):
+        raise
+    print(said, file=sys.stderr)
+    sys.exit(2)
 
 #: In the order of the help, studies after them and before the others; those of results and studies are made of their
 #: functions, when they are asked for.
@@ -104,15 +112,24 @@ def main() -> None:
         wrong = DesignError([Fault("E100", _said(error), "", "Try --help for the options.")])
         print_faults(wrong)
         sys.exit(wrong.exit_code)
+    except ModuleNotFoundError as error:
+        from slopekit._needs import said_of
+
+        if not (said := said_of(error)):
+            _say_bug(error)
+        typer.echo(said, err=True)
+        sys.exit(2)
     except Exception as error:
-        typer.echo(f"E599 a bug of ours: {type(error).__name__}: {error}", err=True)
-        typer.echo(
-            "     Please send us the command with this text. SLOPEKIT_DEBUG=1 prints where it happened.", err=True
-        )
-        if os.environ.get("SLOPEKIT_DEBUG"):
-            raise
-        sys.exit(5)
+        _say_bug(error)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _say_bug(error: Exception) -> NoReturn:
+    typer.echo(f"E599 a bug of ours: {type(error).__name__}: {error}", err=True)
+    typer.echo("     Please send us the command with this text. SLOPEKIT_DEBUG=1 prints where it happened.", err=True)
+    if os.environ.get("SLOPEKIT_DEBUG"):
+        raise error
+    sys.exit(5)
 
 
 def _said(error: typer.TyperException) -> str:

@@ -16,7 +16,23 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One thing that is wrong: a stable code, what and why, where it stands, and what to do instead."""
+    """One thing that is wrong: a stable code, what and why, where it stands, and what to do instead.
+
+    Attributes
+    ----------
+    code : E100 to E599, what `slopekit explain` takes; its meaning never changes
+    message : what is wrong, the value, the range
+    where : file, line and column, or the option or key; empty where there is none
+    advice : what to type instead, where that can be said
+
+    Examples
+    --------
+    >>> from slopekit import Fault
+    >>> print(Fault("E101", "dip of J1 is 95, a dip lies between 0 and 90", "--dips 95/115", "Write 85/295."))
+    E101 dip of J1 is 95, a dip lies between 0 and 90
+         --dips 95/115
+         Write 85/295.
+    """
 
     code: str
     message: str
@@ -36,9 +52,17 @@ class Fault:
 class SlopekitError(Exception):
     """Base of slopekit's own exceptions: one or more faults, all that were found.
 
+    Attributes
+    ----------
+    faults : in the order in which they were found
+    codes : of each
+    exit_code : what a command ends with: 2 bad input, 3 no block, 5 a bug of ours
+
+    Examples
+    --------
     >>> error = DesignError([Fault("E101", "dip of J1 is 95, a dip lies between 0 and 90")])
-    >>> error.codes
-    ('E101',)
+    >>> error.codes, error.exit_code
+    (('E101',), 2)
     """
 
     exit_code = 5
@@ -54,19 +78,48 @@ class SlopekitError(Exception):
 
 
 class DesignError(SlopekitError):
-    """The input is wrong: every fault found in it."""
+    """The input is wrong: every fault found in it, not the first alone. Exit code 2.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> try:
+    ...     sk.wedge(dips=("115/45", "45/245"), phi=0.35)
+    ... except sk.DesignError as error:
+    ...     error.codes
+    ('E103', 'E113')
+    """
 
     exit_code = 2
 
 
 class GeometryError(SlopekitError):
-    """The input is sound, but these planes cut no such block."""
+    """The input is sound, but these planes cut no such block. Exit code 3.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> try:
+    ...     sk.wedge(dips=("80/150", "80/210"))
+    ... except sk.GeometryError as error:
+    ...     print(error.faults[0].message)
+    the line plunges 78.5°, steeper than the face (60°): it does not daylight
+    """
 
     exit_code = 3
 
 
 class SolverError(SlopekitError):
-    """The model cannot be handed to the solver (a bug of ours or a model beyond its reach)."""
+    """The model cannot be handed to the solver (a bug of ours or a model beyond its reach). Exit code 5.
+
+    A search that finds no factor is no error: the status of the result is `not_converged`, the exit code 4.
+
+    Examples
+    --------
+    >>> from slopekit import Fault, SolverError
+    >>> SolverError([Fault("E599", "the model has no node pairs")]).exit_code
+    5
+    """
 
     exit_code = 5
 

@@ -5,6 +5,7 @@ docstring lists them as they say themselves.
 """
 
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import field
@@ -105,7 +106,7 @@ def documented(function: Function) -> Function:
         if how is not None:
             said = how.help or ", ".join(f"{value}: {text}" for value, text in getattr(how, "choices", {}).values())
             rows.append(f"{name} : {said}")
-    head, raises, rest = inspect.cleandoc(function.__doc__ or "").partition("\nRaises\n")
+    head, *behind = re.split(r"\n(?=(?:Returns|Raises)\n)", inspect.cleandoc(function.__doc__ or ""), maxsplit=1)
     listed = "\n".join(["Parameters", "----------", *rows])
-    function.__doc__ = f"{head.rstrip()}\n\n{listed}\n" + (f"\n{raises.lstrip()}{rest}" if raises else "")
+    function.__doc__ = "\n".join([f"{head.rstrip()}\n", f"{listed}\n", *behind])
     return function

@@ -130,6 +130,13 @@ def export(
     DesignError
         E360 to E366, E129, E140, of `case` E475 and E476: see `slopekit explain`.
 
+    Notes
+    -----
+    Coordinates are m, east, north, up, those of the design with its `origin`. The volume of what was written is counted
+    again, m³, and stands in `written[i].volume_m3` to be held against `result.geometry.volume_m3`.
+
+    Examples
+    --------
     >>> import slopekit as sk, tempfile, pathlib
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     done = sk.export(sk.wedge(dips=("45/115", "45/245")), pathlib.Path(folder) / "wedge.stl")
@@ -229,8 +236,8 @@ def _refuse_without(found: Format, where: str) -> None:
     try:
         __import__(module)
     except ImportError:
-        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install '.[{extra}]'"
-        raise DesignError([Fault("E140", message, where, f"In slopekit's folder: {advice}")]) from None
+        message, advice = f"{found.name} files need the extra {extra} ({module})", f"pip install 'slopekit[{extra}]'"
+        raise DesignError([Fault("E140", message, where, advice)]) from None
 
 
 def _refuse_unwritable(folder: Path) -> None:

@@ -95,7 +95,7 @@ def _of_dxf(path: Path) -> list[MeshBody]:
         import ezdxf
         from ezdxf.render import MeshBuilder, MeshVertexMerger
     except ImportError:
-        advice = "In slopekit's folder: pip install '.[cad]'"
+        advice = "pip install 'slopekit[cad]'"
         raise DesignError([Fault("E140", "DXF files need the extra cad (ezdxf)", str(path), advice)]) from None
     from ezdxf.units import conversion_factor
 

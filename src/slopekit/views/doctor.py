@@ -6,10 +6,9 @@ import platform
 import time
 from importlib import metadata
 
+from slopekit._needs import NEEDED, fits, wanted
 from slopekit._version import __version__
-from slopekit.preie.kernels import chosen
 
-_NEEDED = ("numpy", "scipy", "manifold3d", "trimesh", "clarabel", "ruamel.yaml", "typer")
 _PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
 _EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask",
            "openpyxl": "survey", "anywidget": "notebook", "scikit-fem": "elastic", "starlette": "app", "uvicorn": "app",
@@ -20,17 +19,19 @@ def examination() -> tuple[list[str], bool]:
     """The lines to print, and whether everything that slopekit needs works."""
     lines = [f"slopekit {__version__}, Python {platform.python_version()}, {platform.platform(terse=True)}, "
              f"{os.cpu_count()} cores"]  # fmt: skip
-    sound = True
-    for name in _NEEDED:
-        version = _version(name)
-        works = version is not None and _imports(name)
-        sound = sound and works
-        lines.append(f"{'ok' if works else 'MISSING':8}{name} {version or ''}".rstrip())
-    for name, extra in _EXTRAS.items():
-        version = _version(name)
-        lines.append(f"{'ok':8}{name} {version}" if version else f"{'-':8}{name} not installed (extra: {extra})")
-    kernels, missing = chosen()
-    lines.append(f"{'ok':8}compiled kernels" if kernels else f"{'-':8}no compiled kernels, NumPy does it: {missing}")
+    sound, bounds = True, wanted()
+    for name in (*NEEDED, *_EXTRAS):
+        version, extra = _version(name), _EXTRAS.get(name)
+        if extra and version is None:
+            lines.append(f"{'-':8}{name} not installed (extra: {extra})")
+            continue
+        works = version is not None and (extra is not None or _imports(name))
+        asked = bounds.get(name, "")
+        told = "MISSING" if not works else "ok" if fits(version or "", asked) else "WRONG"
+        wish = f", slopekit wants {asked}" if told == "WRONG" else ""
+        sound = sound and told == "ok"
+        lines.append(f"{told:8}{name} {version or ''}".rstrip() + wish)
+    lines.append(_kernels())
     for name, test in (
         ("templates", _templates), ("the paper's wedge, both methods", _wedge),
         ("a plane failure", lambda: _both("plane", 1e-8)), ("the sphere with φ = 0", lambda: _both("sphere", 1e-4)),
@@ -44,8 +45,18 @@ def examination() -> tuple[list[str], bool]:
         sound = sound and passed
         took = (time.perf_counter() - began) * 1e3
         lines.append(f"{'ok' if passed else 'FAILS':8}{name}: {said} ({took:.0f} ms)")
-    lines.append("all is well" if sound else "something is wrong: see the lines marked MISSING or FAILS")
+    lines.append("all is well" if sound else "something is wrong: see the lines marked MISSING, WRONG or FAILS")
     return lines, sound
+
+
+def _kernels() -> str:
+    try:
+        from slopekit.preie.kernels import chosen
+
+        kernels, missing = chosen()
+    except ImportError as error:  # of what is marked as missing above
+        kernels, missing = None, str(error)
+    return f"{'ok':8}compiled kernels" if kernels else f"{'-':8}no compiled kernels, NumPy does it: {missing}"
 
 
 def _version(name: str) -> str | None:

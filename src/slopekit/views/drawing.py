@@ -21,7 +21,7 @@ _DPI = 130
 def require_matplotlib(path: Path | str) -> None:
     """Raise E140 where no picture can be drawn, before the work is done."""
     if find_spec("matplotlib") is None:
-        advice = "In slopekit's folder: pip install '.[plot]'"
+        advice = "pip install 'slopekit[plot]'"
         raise DesignError([Fault("E140", "drawing needs the extra plot (matplotlib)", str(path), advice)])
 
 

@@ -26,7 +26,7 @@ _LINE, _LETTERS = 16, 165  # pixels from note to note, letters in one line
 _SHARP = 2  # pixels of the scene for each of the picture: edges without steps
 _EDGE_DEG = 12.0  # edges between flatter faces are not drawn
 _Box = tuple[float, float, float, float]  # left, lower, right, upper: pixels from the lower left
-_ADVICE = "In slopekit's folder: pip install '.[plot]'"
+_ADVICE = "pip install 'slopekit[plot]'"
 
 
 def save(picture: Picture, path: Path) -> None:

@@ -71,7 +71,7 @@ class Report:
 def require_jinja(where: Path | str) -> None:
     """Raise E140 where no page can be made."""
     if find_spec("jinja2") is None:
-        advice = "In slopekit's folder: pip install '.[report]'"
+        advice = "pip install 'slopekit[report]'"
         raise DesignError([Fault("E140", "reports need the extra report (jinja2)", str(where), advice)])
 
 

@@ -182,6 +182,23 @@ def bench_design(
     -----
     Columns `trace` and `spacing` of the list count before --trace and --spacing. In Python `joints` are what
     `slopekit.combos` takes, or {"sets": {...}}: joints are drawn from sets then (E418 to E421).
+
+    With bench height H, face angle β and berm b the inter-ramp angle α has cot α = cot β + b / H. What fails breaks
+    back behind the crest by x; a berm keeps its catch width w where b - x >= w. The reliability is the part of the
+    length where it does.
+
+    References
+    ----------
+    The modified Ritchie width 0.2 H + 4.5 m as given by Warren et al. (2025), SSIM 2025, doi 10.36487/ACG_repo/2535_04;
+    the failures: Hoek & Bray (1981), Wyllie & Mah (2004).
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> found = sk.bench_design(["45/115", "45/245", "80/350"], height=15, face=70, dip_direction=180, c=2, phi=32,
+    ...                         n=200, confirm=2, near=0)
+    >>> found.best.catch_width_m, found.best.berm_needed_m, round(found.best.inter_ramp_deg, 2)
+    (7.5, 7.5, 49.17)
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)

@@ -286,6 +286,21 @@ def combos(
     -----
     In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
     direction, or {name: plane}; what the slope takes is written as for `slopekit.wedge`.
+
+    n joints have n (n - 1) / 2 pairs; the closed form of the wedge judges all at once. A pair is removable where its
+    line of intersection daylights: steeper than the upper slope and flatter than the face along its own trend. Where it
+    is, joints are taken to meet in the slope.
+
+    References
+    ----------
+    Hoek & Bray (1981), Rock Slope Engineering, ch. 8; Goodman & Shi (1985), Block Theory, for removability.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> found = sk.combos(["45/115", "45/245", "80/030"], face="60/180", c=50, phi=20, top=1)
+    >>> found.counts["slides_on_both"], found.counts["too_steep"], found.worst[0].names, found.worst[0].agree
+    (1, 1, ('J1', 'J2'), True)
     """
     given, began = dict(locals()), time.perf_counter()
     crew = checked_crew(jobs, scheduler)

@@ -223,6 +223,17 @@ def kinematic(
     In Python `joints` are the path of a CSV file, planes ("45/115", (45, 115)), an (n, 2) array of dip and dip
     direction, or {name: plane}; `faces` may be a list.
 
+    With face dip ψ_f, plane or line ψ and friction φ: planar and wedge sliding where φ < ψ < the apparent dip of the
+    face that way, planes within `lateral` of the dip direction of the face; flexural toppling where
+    (90° - ψ) + φ <= ψ_f and the plane strikes within its lateral limit; direct toppling by the lines that two joints
+    form into the slope and the planes they stand on. Cohesion, water and size have no say: see `combos`.
+
+    References
+    ----------
+    Goodman (1980), Introduction to Rock Mechanics; Wyllie & Mah (2004), Rock Slope Engineering, ch. 2 and 9.
+
+    Examples
+    --------
     >>> import slopekit as sk
     >>> sk.kinematic(["40/175", "75/010"], face="65/180", phi=30).joint_names("planar")
     ('J1',)

@@ -324,7 +324,26 @@ def prob(
         E302 nothing scatters, E307 a number out of range, E308 a word that is none of those known, E424 a worst
         crack of many samples that is looked for in each by itself, and those of `run_all`.
 
-    In Python `executor` takes any of `concurrent.futures` in place of jobs.
+    Notes
+    -----
+    Of n samples m fail (F below the target, or no equilibrium): p = m / n. Monte Carlo has limits by Clopper & Pearson,
+    the other methods by replicates; the standard error of plain sampling is √(p (1 - p) / n). Correlations are those of
+    ranks, by a Gaussian copula. In Python `executor` takes any of `concurrent.futures` in place of jobs.
+
+    References
+    ----------
+    Clopper & Pearson (1934), Biometrika 26, 404-413 (from memory).
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> design = sk.load({
+    ...     "slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+    ...     "strength": {"weak": {"c": 50, "phi": {"dist": "normal", "mean": 20, "sd": 4}}}})
+    >>> found = sk.prob(design, n=1000, fos=1.2, confirm=2, near=0)
+    >>> share = found.all_samples
+    >>> share.count, share.of, round(share.low, 3), round(share.high, 3)
+    (75, 1000, 0.059, 0.093)
     """
     crew = checked_crew(jobs, scheduler, executor)
     if design.partial is not None:

@@ -288,7 +288,26 @@ def quake(
         together, E522 a design that --six has no answer for, E523 a design without a seismic coefficient or a direction
         of it, E280 a design without a file.
 
+    Notes
+    -----
     In Python `records` may be one or several of: a path, the name of a pulse, a `Record`.
+
+    k_y is the seismic coefficient at which F = 1. While the block slides its acceleration against the ground is
+    κ (a - k_y g), in m/s²; κ is the derivative of the net driving force by k in parts of the weight, on a plane
+    cos(β - φ) / cos φ. Plain Newmark has κ = 1. A record is linear between samples: velocity (a quadratic) and
+    displacement (a cubic) are integrated exactly.
+
+    References
+    ----------
+    Newmark (1965), Effects of earthquakes on dams and embankments, Géotechnique 15, 139-160.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> found = sk.quake(sk.load(wedge), ["sine:0.5g,1Hz"])
+    >>> round(found.coefficient, 4), round(found.factor, 4), round(found.shaken[0].as_recorded_m, 4)
+    (0.1962, 1.1057, 0.2649)
     """
     began = time.perf_counter()
     if scale_pga is not None and not _PGA[0] <= scale_pga <= _PGA[1]:

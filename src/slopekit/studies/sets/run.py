@@ -246,6 +246,15 @@ def sets(
     In Python `joints` are the path of a CSV file, a frame, planes ("45/115", (45, 115)), an (n, 2) array of dip and
     dip direction, or {name: plane}.
 
+    The mean of a set is the first eigenvector of Σ w n nᵀ over its unit poles n (3,); Fisher's K = (N - 1) / (N - R)
+    with R the length of their sum. Along a scanline a joint has the weight w = 1 / sin of the angle between them.
+
+    References
+    ----------
+    Hammah & Curran (1998), Int. J. Rock Mech. Min. Sci. 35, 889-905; Fisher (1953) and Terzaghi (1965) from memory.
+
+    Examples
+    --------
     >>> import slopekit as sk
     >>> found = sk.sets(["40/175", "42/178", "38/170", "41/181", "75/010", "78/012", "74/008", "76/005"], n=2)
     >>> [str(one.rounded) for one in found.sets], found.without_set

@@ -75,8 +75,13 @@ def solve(
         E280 a design without a file, E310 and E311 for the key, E312 for the range, E313 for what does not go
         together, E314 for the target. Where no value gives the target, `answer` is None and `reason` says why.
 
-    In Python `within` may be the range, (low, high) or "lo:hi".
+    Notes
+    -----
+    In Python `within` may be the range, (low, high) or "lo:hi". The roots of F(value) - target are found by bracketing,
+    all that the range has; `rounded` is the first in four digits, on the safe side.
 
+    Examples
+    --------
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> round(sk.solve(sk.load(wedge), "water.fill", fos=1.2).answer.value, 4)

@@ -96,9 +96,23 @@ def support(
     Raises
     ------
     DesignError
-        E320 for other kinds, E321 for what is not understood, E387 to E389 for columns. GeometryError where no block
-        can be formed.
+        E320 for other kinds, E321 for what is not understood, E387 to E389 for columns.
+    GeometryError
+        Where no block can be formed.
 
+    Notes
+    -----
+    The force T (kN; kN/m of a plane) is the smallest of a bolt in a direction with F(T) = the target. An active bolt is
+    a load on the driving side; a passive one is strength, at most T / F. On one plane of dip ψ, dry, an active bolt at
+    the angle θ to the normal of the plane, upward along it, gives
+    F = (c A + (W cos ψ + T cos θ) tan φ) / (W sin ψ - T sin θ).
+
+    References
+    ----------
+    Hoek & Bray (1981), Rock Slope Engineering, ch. 7 and 8; Wyllie & Mah (2004), ch. 6, 7 and 12.
+
+    Examples
+    --------
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> bolts = sk.support(sk.load(wedge), 1.7, acts="active").cases[0]

@@ -292,6 +292,13 @@ def sweep(
         E280 a design without a file, E310 and E311 for a key, E312 for its values, E313 for what does not go together,
         E314 for the target, and those of `run_all`.
 
+    Notes
+    -----
+    `points` are in the order of the values, of two keys those of the first within each of the second: reshaped to
+    `shape` they are the grid. Every point is a design of its own, cut and solved anew.
+
+    Examples
+    --------
     >>> import slopekit as sk
     >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
     >>> swept = sk.sweep(sk.load(wedge), {"water.fill": [0, 1]})

@@ -162,6 +162,19 @@ def tornado(
     ------
     DesignError
         E280, E310 and E311 for a key, E312 for its range, E313 for what does not go together.
+
+    Notes
+    -----
+    The swing of a number is how far F(high) and F(low) lie apart with all others as they are: one at a time, which sees
+    no interaction. What moves the factor up and down again between its ends has a small swing all the same: `sweep` it.
+
+    Examples
+    --------
+    >>> import slopekit as sk
+    >>> wedge = {"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}}}
+    >>> first = sk.tornado(sk.load(wedge)).bars[0]
+    >>> first.key.path, first.how, round(first.swings["pre_ie"], 4)
+    ('strength.joints.phi', '±2°', 0.2438)
     """
     began = time.perf_counter()
     crew = checked_crew(jobs, scheduler)
