@@ -1,6 +1,6 @@
 """Saving: what changed is put into the text of the file, line by line, shown first, and written as it was shown.
 
-ruamel says where each value stands in the text; only there is it touched, so comments, quotes, order and line ends stay.
+ruamel says where each value stands in the text; only there it is touched: comments, quotes, order and line ends stay.
 What was written is read again before it counts: it has to be the same design.
 
 >>> from slopekit.app.session import opened_text
