@@ -119,6 +119,7 @@ class Session:
     def open(self, opened: Opened) -> None:
         """Take another design; there is nothing to undo then."""
         self.rev += 1
+        self.opened_rev = self.rev
         self.opened = opened
         self.now = Moment(self.rev, opened.document, opened.design)
         self.done: list[Document] = []
@@ -207,6 +208,11 @@ class Session:
         self._become(document)
         if final:
             self.settle()
+
+    def put(self, path: str, value: Any) -> None:
+        """Put any value at a path, as one step. Raises DesignError where it fits nowhere."""
+        self._become(with_overrides(self.now.document, [(path, value)]))
+        self.settle()
 
     def settle(self) -> None:
         """Make what was changed since the last time one step to undo."""
