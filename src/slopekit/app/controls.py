@@ -11,6 +11,7 @@
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -150,16 +151,24 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
 
 
 def is_changed(key: Key, old: Key | None) -> bool:
-    """Whether a number is another than when the design was opened."""
-    return old is None or key.value != old.value or key.with_unit != old.with_unit
+    """Whether a number is another than when the design was opened; not one that follows from others."""
+    if old is None:
+        return key.given
+    return (key.given or old.given) and (key.value != old.value or key.with_unit != old.with_unit)
 
 
 def ends(key: Key) -> tuple[float, float]:
+    """Round ends of a slider, within what the design takes and about what is there: as `reach`."""
+    low, high = (float(f"{end:.6g}") for end in reach(key))
+    return max(low, key.low), min(high, key.high)
+
+
+def reach(key: Key) -> tuple[float, float]:
     """Between what a slider goes: what slopes have about the present value, within what the design takes.
 
-    >>> ends(Key("slope.height", "length", 20.0, 0.001, 1e5))
+    >>> reach(Key("slope.height", "length", 20.0, 0.001, 1e5))
     (5.0, 60.0)
-    >>> ends(Key("strength.weak.c", "pressure", 0.0, 0.0, 1e5))
+    >>> reach(Key("strength.weak.c", "pressure", 0.0, 0.0, 1e5))
     (0.0, 200.0)
     """
     value, usual = key.value, _USUAL[key.kind]
@@ -178,13 +187,13 @@ def ends(key: Key) -> tuple[float, float]:
     low = max(key.low, _LEAST_USUAL.get(key.kind, 0.0))
     if key.kind == "length" and value and key.low > 0.0:
         low = max(key.low, value / 4.0)
-    reach = max(usual, _TIMES * (value or 0.0)) if key.kind != "length" or not value else _TIMES * value
+    far = max(usual, _TIMES * (value or 0.0)) if key.kind != "length" or not value else _TIMES * value
     if key.kind == "angle":
-        reach = 90.0 if key.high == 90.0 or (value or 0.0) > usual else usual
+        far = 90.0 if key.high == 90.0 or (value or 0.0) > usual else usual
     elif key.kind in _LEAST_USUAL:
-        reach = max(usual, 1.2 * (value or 0.0))
-    reach = max(_FARTHEST.get(key.path, reach), value or 0.0)
-    return min(low, key.high if value is None else value), min(key.high, reach)
+        far = max(usual, 1.2 * (value or 0.0))
+    far = max(_FARTHEST.get(key.path, far), value or 0.0)
+    return min(low, key.high if value is None else value), min(key.high, far)
 
 
 def is_logarithmic(key: Key) -> bool:
@@ -225,16 +234,16 @@ def _doc(field: Field | None) -> str:
     return "; ".join(part for part in parts if part)
 
 
-def written(design: Design, path: str, value: float) -> str:
+def written(design: Design, key: Key | None, path: str, value: float) -> str:
     """A number as the file shall have it: in the unit that stands there, no slip of radians, whole where it counts.
 
     >>> from slopekit.design.files import load
     >>> wedge = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
     ...               "water": "50 %", "slope": {"height": "20 m"}})
-    >>> written(wedge, "water.fill", 0.25), written(wedge, "slope.height", 12.5)
-    ('25 %', '12.5 m')
+    >>> keys = values_of(wedge)
+    >>> [written(wedge, keys[path], path, new) for path, new in (("water.fill", 0.25), ("slope.height", 12.5))]
+    ['25 %', '12.5 m']
     """
-    key = values_of(design).get(path)
     assert design.source is not None
     if key is None:
         return _plain(value)
@@ -243,7 +252,7 @@ def written(design: Design, path: str, value: float) -> str:
     value = key.reduced(value)
     if key.with_unit:
         return f"{_plain(value)} {key.with_unit}"
-    unit = unit_of(text_at(design.source, path) or "")
+    unit = _unit_as_written(text_at(design.source, path) or "")
     if unit:
         try:
             text = f"{value / quantity(f'1 {unit}', key.kind, path):.12g} {unit}"
@@ -254,6 +263,10 @@ def written(design: Design, path: str, value: float) -> str:
     field = field_at(type(design), path) or field_at(type(design), path.removesuffix(".mean"))
     slip = field is not None and field.check is in_degrees and in_degrees(value, path, "", str) is not None
     return f"{_plain(value)} deg" if slip else _plain(value)
+
+
+def _unit_as_written(text: str) -> str:
+    return re.sub(r"^\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*", "", text).strip() if unit_of(text) else ""
 
 
 def _plain(value: float) -> str:

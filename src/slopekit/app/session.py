@@ -26,7 +26,8 @@ from slopekit.design.common import Design
 from slopekit.design.document import read_text
 from slopekit.design.files import design_of, load_document_design
 from slopekit.design.nodes import Document, Node
-from slopekit.design.overrides import with_overrides
+from slopekit.design.overrides import ALTERNATIVES, with_overrides
+from slopekit.studies.keys import Key
 
 #: What is answered while a slider is dragged, when it is let go, and when a button is pressed.
 LIVE: Mapping[str, str] = {
@@ -118,12 +119,14 @@ class Session:
     def open(self, opened: Opened) -> None:
         """Take another design; there is nothing to undo then."""
         self.rev += 1
+        self.opened_rev = self.rev
         self.opened = opened
         self.now = Moment(self.rev, opened.document, opened.design)
         self.done: list[Document] = []
         self.undone: list[Document] = []
         self.settled = opened.document
         self.before = controls.values_of(opened.design)
+        self._of, self._shown, self._numbers = opened.document, opened.design, self.before
 
     # -- what it is ---------------------------------------------------------------------------------------------------
 
@@ -149,14 +152,38 @@ class Session:
         return bool(self.undone)
 
     @property
+    def shown(self) -> Design:
+        """The design whose numbers stand on the page: what is written, where that can be read, else the last sound."""
+        self._look()
+        return self._shown
+
+    @property
+    def numbers(self) -> Mapping[str, Key]:
+        """The numbers by path, as `controls.values_of`."""
+        self._look()
+        return self._numbers
+
+    def _look(self) -> None:
+        if self._of is not self.now.document:
+            self._of, self._shown = self.now.document, replace(self.design, source=self.now.document)
+            try:
+                self._numbers = controls.values_of(self._shown)
+            except DesignError:  # a distribution that is none
+                self._shown = self.design
+                self._numbers = controls.values_of(self.design)
+
+    @property
     def changed(self) -> list[str]:
         """The paths of what is another than when the design was opened: numbers by value, words as written."""
         if self.now.document is self.opened.document:
             return []
-        now = controls.values_of(replace(self.design, source=self.now.document))
+        now = self.numbers
         found = [path for path, key in now.items() if controls.is_changed(key, self.before.get(path))]
         words = (path for path in different(self.opened.document.root, self.now.document.root) if path not in now)
-        return [*found, *(path for path in words if not any(one.startswith(f"{path}.") for one in found))]
+        return [
+            *found,
+            *(path for path in words if not any(f"{one}.".startswith(f"{path}.") for one in (*found, *now))),
+        ]
 
     @property
     def is_saved(self) -> bool:
@@ -177,10 +204,15 @@ class Session:
         """
         document = self.now.document
         for path, value in values.items():
-            document = self._with(document, path, value)
+            document = self._with(document, path, value, self.shown)
         self._become(document)
         if final:
             self.settle()
+
+    def put(self, path: str, value: Any) -> None:
+        """Put any value at a path, as one step. Raises DesignError where it fits nowhere."""
+        self._become(with_overrides(self.now.document, [(path, value)]))
+        self.settle()
 
     def settle(self) -> None:
         """Make what was changed since the last time one step to undo."""
@@ -209,31 +241,57 @@ class Session:
         """Put back at a path what the design was opened with."""
         text = controls.text_at(self.opened.document, path)
         old = self.before.get(path)
-        if text is not None:
-            self.set({path: text}, final=True)
-        elif old is not None and old.written_out and old.value is not None and self._others_as_opened(path):
-            self.set({old.written_out[0][0]: None}, final=True)  # the orientation that was written out for it
-        elif old is not None and old.written_out and old.value is not None:
-            self.set({path: old.written(old.value)}, final=True)
-        else:
-            self.set({path: None}, final=True)
+        values: list[tuple[str, object]] = [(path, text)]
+        if text is None and old is not None and old.written_out and old.value is not None:
+            above = old.written_out[0][0]  # the orientation that was written out for it
+            values = [(above, None)] if self._others_as_opened(path) else [(path, old.written(old.value))]
+        elif text is None:
+            values = self._family(path)
+        document = self.now.document
+        for one in values:
+            document = with_overrides(document, [one])
+        self._become(replace(document, root=_without_empty(document.root, self.opened.document.root)))
+        self.settle()
+
+    def _family(self, path: str) -> list[tuple[str, object]]:
+        """What to put back where a path had nothing: with it the keys that exclude it."""
+        top, _, rest = path.partition(".")
+        keys, before = ALTERNATIVES.get(top, ()), self.opened.document.root.get(top)
+        if rest.partition(".")[0] not in keys:
+            return [(path, None)]
+        if before is not None and not before.is_mapping:
+            return [(top, before)]
+        given = [(f"{top}.{key}", before.get(key)) for key in keys] if before is not None else []
+        return [*((f"{top}.{key}", None) for key in keys), *((key, node) for key, node in given if node is not None)]
+
+    def restore(self, document: Document) -> None:
+        """Put another tree in place of the design's: what was not saved in an earlier session."""
+        self._become(document)
+        self.settle()
+
+    def saved(self, opened: Opened) -> None:
+        """What it is now stands in a file: changes are held against that, and can still be undone."""
+        self.settle()
+        self.opened, self.before = opened, controls.values_of(opened.design)
+        self.settled = opened.document
+        self.now = Moment(self.rev, opened.document, self.design)
 
     def _others_as_opened(self, path: str) -> bool:
         above = path.rpartition(".")[0]
-        now = controls.values_of(replace(self.design, source=self.now.document))
+        now = self.numbers
         return all(
             not controls.is_changed(key, self.before.get(other))
             for other, key in now.items() if other != path and other.rpartition(".")[0] == above
         )  # fmt: skip
 
-    def _with(self, document: Document, path: str, value: Any) -> Document:
-        """The tree with one value put in."""
-        key = controls.values_of(replace(self.design, source=document)).get(path) if "." in path else None
+    def _with(self, document: Document, path: str, value: Any, design: Design) -> Document:
+        """The tree with one value put in; numbers as the design has them."""
+        key = self.numbers.get(path)
         given: list[tuple[str, object]] = []
         if key is not None and key.written_out and value is not None:
             given += key.written_out
         if isinstance(value, int | float) and not isinstance(value, bool):
-            value = controls.written(replace(self.design, source=document), path, float(value))
+            value = controls.written(design, key, path, float(value))
         if isinstance(value, str) and len(value) > _LONGEST:
             raise DesignError([Fault("E541", f"{path} has {len(value)} letters, {_LONGEST} are the most", path)])
         if path == "title" and isinstance(value, str):
@@ -285,6 +343,18 @@ def different(one: Node | None, other: Node | None) -> list[str]:
     if isinstance(one.value, list) and isinstance(other.value, list) and len(one.value) == len(other.value):
         return [path for a, b in zip(one.value, other.value, strict=True) for path in different(a, b)]
     return [] if one.plain() == other.plain() else [other.path or one.path]
+
+
+def _without_empty(node: Node, before: Node | None) -> Node:
+    """A tree without mappings that hold nothing and were not there before."""
+    if not node.is_mapping:
+        return node
+    made = {key: _without_empty(below, None if before is None else before.get(key)) for key, below in node.items()}
+    kept = {
+        key: below for key, below in made.items()
+        if below.value != {} or (before is not None and before.get(key) is not None)
+    }  # fmt: skip
+    return node if all(kept.get(key) is below for key, below in node.items()) else replace(node, value=kept)
 
 
 def at(root: Node, path: str) -> Node | None:
