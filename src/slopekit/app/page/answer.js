@@ -1,6 +1,6 @@
 /* Where the answer stands: the factor with its status, the check, what governs; or the faults in words. */
 import { byId, el, factor, fill } from "./dom.js";
-import { ask, on } from "./link.js";
+import { on, tell } from "./link.js";
 import { goTo } from "./controls.js";
 import { runJob } from "./jobs.js";
 
@@ -40,12 +40,18 @@ function governs(answer) {
     el("li", {}, one.path ? el("button", { type: "button", class: "link", title: one.label, onclick: () => goTo(one.path) }, one.text) : one.text))));
 }
 
+const job = el("div", { class: "job" });  // stays while answers come and go
+
+async function run() {
+  const found = await runJob("analyse", {}, job);
+  if (found) { tell("answer", { ...found, final: true }); }
+}
+
 function stale(answer) {
   if (!answer.stale) { return null; }
-  const job = el("div", { class: "job" });
   return el("div", { class: "stale" },
     el("p", {}, answer.lead === null ? "Not analysed yet." : "The numbers are those of an earlier design."),
-    design?.live === "button" ? el("button", { type: "button", class: "main", onclick: () => runJob("analyse", {}, job) }, "Analyse") : null, job);
+    design?.live === "button" ? el("button", { type: "button", class: "main", onclick: run }, "Analyse") : null, job);
 }
 
 export function show(answer) {
@@ -81,5 +87,3 @@ export function start() {
   on("answer", show);
   on("refused", (message) => { if (shown) { show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], notices: [] }); } });
 }
-
-export { ask };

@@ -3,7 +3,7 @@
 import { el, figure, fill, svg, three, toward } from "./dom.js";
 
 const R = 100, RAD = Math.PI / 180;
-export const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d00", "#7a4fbf"];
+export const COLOURS = ["#4272b0", "#92549c", "#489854", "#2aa3a3", "#bf5b5b", "#e4912f", "#7a6a00"];  // as the scene has its joints
 
 /** Where a line of given trend and plunge lies on the paper. */
 export function place(trend, plunge) {

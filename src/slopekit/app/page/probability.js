@@ -58,6 +58,18 @@ function draw() {
   fill(parts.pick, el("option", { value: "" }, "add a value that scatters …"), free.map((one) => el("option", { value: one.path }, one.label)));
 }
 
+/** Rank correlations with the factor as bars to the left and right. */
+function sensitivity(list) {
+  const known = list.filter((one) => one.rank_correlation !== null);
+  if (!known.length) { return null; }
+  return el("div", {}, el("h3", {}, "What the scatter of the factor follows (rank correlation)"), el("table", { class: "ranks" }, el("tbody", {},
+    known.map((one) => {
+      const bar = el("i", { class: one.rank_correlation < 0 ? "less" : "more" });
+      bar.style.width = `${50 * Math.abs(one.rank_correlation)}%`;
+      return el("tr", {}, el("th", { scope: "row" }, one.label), el("td", { class: "num" }, one.rank_correlation.toFixed(2)), el("td", { class: "bar" }, bar));
+    }))));
+}
+
 async function run() {
   await quiet();
   const scatter = {};
@@ -73,7 +85,7 @@ async function run() {
 const percent = (p) => (p === null || p === undefined ? "–" : p === 0 ? "0 %" : `${figure(100 * p, 3)} %`);
 
 function show(found) {
-  const { edges } = found.histogram, counts = found.histogram.limit || found.histogram.closed_form || [];
+  const edges = found.histogram?.edges || [], counts = found.histogram?.limit || found.histogram?.closed_form || [];
   const most = Math.max(...counts, 1);
   const sheet = edges.length > 1 ? paper({ x: [Math.min(edges[0], 0.95), Math.max(edges[edges.length - 1], 1.05)], y: [0, most * 1.08], xLabel: "factor of safety",
     yLabel: "samples", label: "Histogram of the factor of safety" }) : null;
@@ -85,9 +97,9 @@ function show(found) {
     svg("text", { x: sheet.x(1) + 5, y: sheet.top + 10, class: "tick" }, "F = 1"));
   }
   fill(parts.found, el("div", { class: "figures" }, el("div", {}, el("span", { class: "soft" }, "probability of failure"),
-    el("strong", { id: "pf" }, percent(found.pf)), el("span", { class: "soft" }, `${percent(found.low)} to ${percent(found.high)}, 95 %`)),
+    el("strong", { id: "pf" }, percent(found.pf)), el("span", { class: "soft" }, found.low === null || found.low === undefined ? "" : `${percent(found.low)} to ${percent(found.high)} (${percent(found.confidence ?? 0.95)} confidence)`)),
   el("div", {}, el("span", { class: "soft" }, "samples"), el("strong", {}, found.samples), el("span", { class: "soft" }, found.pf_of ? `by ${found.pf_of}` : ""))),
-  sheet ? sheet.sheet : null, (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)));
+  sheet ? sheet.sheet : null, sensitivity(found.sensitivity || []), (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)));
 }
 
 function build() {

@@ -6,13 +6,19 @@ import { COLOURS, frame, place } from "./net.js";
 
 let parts = null, file = null;
 
+function own(name) {  // a strength of the survey's own; empty: that of the design
+  const text = parts[name].value.trim();
+  return text === "" ? {} : { [name]: Number(text) };
+}
+
 async function read() {
   if (!file) { return; }
   fill(parts.job, el("p", { class: "soft" }, "reading …"));
-  const found = await ask("survey", { name: file.name, text: file.text, c: parts.c.value, phi: parts.phi.value });
-  if (found.faults) { faults(parts.job, found.faults); return; }
+  const found = await ask("survey", { name: file.name, text: file.text, ...own("c"), ...own("phi") });
+  if (!found.planes) { faults(parts.job, found.faults); return; }
   fill(parts.job);
   show(found);
+  if (found.planes && found.faults?.length) { faults(parts.job, found.faults); }
 }
 
 async function taken(given) {
@@ -62,10 +68,10 @@ export function start() {
   for (const name of ["dragenter", "dragover"]) { drop.addEventListener(name, (event) => { event.preventDefault(); drop.classList.add("over"); }); }
   drop.addEventListener("dragleave", () => drop.classList.remove("over"));
   drop.addEventListener("drop", (event) => { event.preventDefault(); drop.classList.remove("over"); taken(event.dataTransfer.files[0]); });
-  const c = el("input", { type: "text", class: "box", value: "0 kPa" }), phi = el("input", { type: "text", class: "box", value: "30" });
+  const c = el("input", { type: "number", class: "box", min: 0, placeholder: "design's" }), phi = el("input", { type: "number", class: "box", min: 0, max: 89, placeholder: "design's" });
   const job = el("div", { class: "job" }), found = el("div");
   fill(byId("screen-survey"), el("h2", {}, "Joint survey"), el("p", { class: "soft" }, "Every pair is set against the face and upper slope of the present design."), drop,
-    el("div", { class: "form" }, el("label", {}, "cohesion ", c), el("label", {}, "friction angle ", phi),
+    el("div", { class: "form" }, el("label", {}, "cohesion, kPa ", c), el("label", {}, "friction angle, ° ", phi),
       el("button", { type: "button", onclick: read }, "Again")), job, found);
   parts = { c, phi, job, found };
 }
