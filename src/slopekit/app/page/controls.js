@@ -3,6 +3,7 @@ import { byId, el, figure, fill } from "./dom.js";
 import { ask, on } from "./link.js";
 import { change } from "./live.js";
 
+const MOST = 80;  // controls of a group that are drawn before it is opened
 const STEPS = 400;  // of a slider that goes by the logarithm
 const rows = new Map();  // by path: what is drawn of a control
 let groups = [];
@@ -117,7 +118,7 @@ function refresh(row) {
       if (own.value > own.high) { own.high = own.value; row.slider.max = own.value; }
       if (own.value < own.low) { own.low = own.value; row.slider.min = own.value; }
     }
-    if (document.activeElement !== row.slider || !row.held) { row.slider.value = sliderOf(own, has ? own.value : middle); }
+    row.slider.value = sliderOf(own, has ? own.value : middle);
     const ends = Number(row.slider.max) - Number(row.slider.min);
     row.slider.style.setProperty("--part", `${100 * (Number(row.slider.value) - Number(row.slider.min)) / (ends || 1)}%`);
     row.slider.setAttribute("aria-valuetext", has ? own.text || shown(own, own.value) : "not given");
@@ -141,10 +142,14 @@ function build(design) {
   groups = design.groups;
   if (!folded) { folded = new Set(["analysis", "title"]); }
   fill(byId("controls"), groups.map((group) => {
-    const body = el("div", { class: "group-body" }, group.controls.map(rowOf));
-    return el("details", { class: "group", "data-group": group.name, open: !folded.has(group.name),
-      ontoggle: (event) => { if (!filtering()) { folded[event.target.open ? "delete" : "add"](group.name); } } },
-    el("summary", {}, el("span", {}, group.label), el("span", { class: "count" })), body);
+    const large = group.controls.length > MOST, body = el("div", { class: "group-body" }, large ? null : group.controls.map(rowOf));
+    if (large) { folded.add(group.name); }
+    return el("details", { class: large ? "group large" : "group", "data-group": group.name, open: !folded.has(group.name),
+      ontoggle: (event) => {
+        if (event.target.open && !body.firstChild) { fill(body, group.controls.map(rowOf)); }
+        if (!filtering()) { folded[event.target.open ? "delete" : "add"](group.name); }
+      } }, el("summary", {}, el("span", {}, group.label), el("span", { class: "count" }),
+      large ? el("span", { class: "soft small" }, `${group.controls.length} values`) : null), body);
   }));
   counted(design.changed);
   sift();
@@ -163,9 +168,9 @@ function sift() {
       element.hidden = !words.every((word) => text.includes(word)) || (changed && !own.changed);
       if (!element.hidden) { shownHere += 1; }
     }
-    group.hidden = !shownHere;
+    group.hidden = !shownHere && (filtering() || !group.classList.contains("large"));
     any = any || shownHere > 0;
-    if (filtering()) { group.open = true; } else { group.open = !folded.has(group.dataset.group); }
+    if (filtering()) { group.open = shownHere > 0; } else { group.open = !folded.has(group.dataset.group); }
   }
   byId("controls").classList.toggle("empty", !any);
 }

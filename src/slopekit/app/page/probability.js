@@ -28,14 +28,14 @@ function add(path, given) {
 }
 
 function slider(own, of, name, low, high) {
-  const text = el("output", {}, `${figure(of[name], 4)} ${own.unit}`);
+  const unitful = (value) => `${figure(value, 4)}${own.unit === "°" ? "" : " "}${own.unit || ""}`;
+  const text = el("output", {}, unitful(of[name]));
   const input = el("input", { type: "range", min: low, max: high, step: (high - low) / 200, value: of[name],
     "aria-label": `${own.label}: ${name === "sd" ? "standard deviation" : name}`,
-    oninput: () => { of[name] = Number(Number(input.value).toPrecision(4)); text.textContent = `${figure(of[name], 4)} ${own.unit}`; shape(); } });
-  const picture = el("span");
+    oninput: () => { of[name] = Number(Number(input.value).toPrecision(4)); text.textContent = unitful(of[name]); shape(); } });
   function shape() { input.style.setProperty("--part", `${100 * (of[name] - low) / (high - low || 1)}%`); }
   shape();
-  return el("label", { class: "slot3" }, el("span", { class: "soft" }, name === "sd" ? "sd" : name), input, text, picture);
+  return el("label", { class: "slot3" }, el("span", { class: "soft" }, name === "sd" ? "sd" : name), input, text);
 }
 
 function draw() {

@@ -43,7 +43,7 @@ export async function save() {
   file.addEventListener("change", look);
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
-  file.value = design?.file || "";
+  file.value = design?.file || design?.name || "";
   dialog.showModal();
   await look();
   (go.disabled ? file : go).focus();
