@@ -280,7 +280,9 @@ def test_a_curve_with_its_dot_and_a_probability(page) -> None:
     bars = page.script(
         "return [...document.querySelectorAll('#screen-probability .bar title')].map(t => t.textContent)"
     )
-    assert sum(int(bar.rpartition(":")[2]) for bar in bars) == 64
+    beyond = page.script("return document.querySelector('#screen-probability .chart-box').innerText")
+    out = [int(one) for one in re.findall(r"(\d+) samples lie below what is drawn, (\d+) above", beyond)[0]]
+    assert sum(int(bar.rpartition(":")[2]) for bar in bars) + sum(out) == 64
 
 
 def test_a_pair_of_a_survey_becomes_the_design(page, tmp_path) -> None:

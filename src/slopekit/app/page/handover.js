@@ -21,8 +21,7 @@ async function make(what, box) {
     } }, "Copy"), said);
     return;
   }
-  fill(box, el("p", {}, el("a", { href: back.address, download: what === "page" ? null : back.name, target: what === "page" ? "_blank" : null, rel: "noopener" },
-    what === "page" ? `Open ${back.name}` : `Download ${back.name}`)));
+  fill(box, el("p", {}, el("a", { href: back.address, download: back.name }, `Download ${back.name}`)));
 }
 
 export function start() {

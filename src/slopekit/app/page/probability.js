@@ -58,6 +58,15 @@ function draw() {
   fill(parts.pick, el("option", { value: "" }, "add a value that scatters …"), free.map((one) => el("option", { value: one.path }, one.label)));
 }
 
+/** What the bars do not show, counted: samples beyond them, and what became of all. */
+function beyond(found) {
+  const { below, above } = found.histogram || {}, parts = [];
+  if (below || above) { parts.push(`${below || 0} samples lie below what is drawn, ${above || 0} above.`); }
+  const outcomes = Object.entries(found.outcomes || {}).filter(([, count]) => count);
+  if (outcomes.length) { parts.push(`Outcomes: ${outcomes.map(([name, count]) => `${name.replaceAll("_", " ")} ${count}`).join(", ")}.`); }
+  return parts.length ? el("p", { class: "soft" }, parts.join(" ")) : null;
+}
+
 /** Rank correlations with the factor as bars to the left and right. */
 function sensitivity(list) {
   const known = list.filter((one) => one.rank_correlation !== null);
@@ -99,7 +108,7 @@ function show(found) {
   fill(parts.found, el("div", { class: "figures" }, el("div", {}, el("span", { class: "soft" }, "probability of failure"),
     el("strong", { id: "pf" }, percent(found.pf)), el("span", { class: "soft" }, found.low === null || found.low === undefined ? "" : `${percent(found.low)} to ${percent(found.high)} (${percent(found.confidence ?? 0.95)} confidence)`)),
   el("div", {}, el("span", { class: "soft" }, "samples"), el("strong", {}, found.samples), el("span", { class: "soft" }, found.pf_of ? `by ${found.pf_of}` : ""))),
-  sheet ? sheet.sheet : null, sensitivity(found.sensitivity || []), (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)));
+  sheet ? sheet.sheet : null, beyond(found), sensitivity(found.sensitivity || []), (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)));
 }
 
 function build() {
