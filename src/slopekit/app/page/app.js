@@ -43,6 +43,7 @@ on("answer", (given) => {
   document.documentElement.dataset.painted = String(performance.now() - began);
 });
 on("design", (design) => {
+  document.documentElement.dataset.live = design.live;
   byId("title").textContent = design.title || design.name || design.kind;
   byId("file").textContent = design.file || `${design.kind}, not in a file yet`;
   byId("file").title = design.file || "";
