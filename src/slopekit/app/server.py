@@ -185,7 +185,7 @@ class Wanted:
     message: Message
     moment: Moment
     final: bool
-    also: bool
+    more: Mapping[str, Any]
 
 
 class Desk:
@@ -245,16 +245,16 @@ class Desk:
 
     # -- analysis -----------------------------------------------------------------------------------------------------
 
-    def ask(self, link: "Link", message: Message, final: bool = True) -> None:
+    def ask(self, link: "Link", message: Message, final: bool = True, more: Mapping[str, Any] | None = None) -> None:
         """Answer for the present design: at once where it is not analysed now, else when the thread is free."""
         moment, live = self.session.now, self.session.live
         if moment.faults or live == "button" or (live == "release" and not final):
             last = None if self.last is None or self.last["rev"] < self.opened_rev else self.last
-            link.answer(message, self.also(answers.waiting(moment, final, last)))
+            link.answer(message, {**self.also(answers.waiting(moment, final, last)), **(more or {})})
             return
         if self.next is not None and self.next.link is not None:
             self.next.link.answer(self.next.message, {"superseded": True})
-        self.next = Wanted(link, message, moment, final, True)
+        self.next = Wanted(link, message, moment, final, more or {})
         if not self.working:
             self.working = True
             self.start(self._work())
@@ -344,7 +344,7 @@ class Desk:
                     self.last, self.result, self.last_moment = answer, result, wanted.moment
                     self.document = None
                 if wanted.link is not None:
-                    wanted.link.answer(wanted.message, self.also(answer))
+                    wanted.link.answer(wanted.message, {**self.also(answer), **wanted.more})
         finally:
             self.working = False
 
@@ -452,13 +452,14 @@ def _word(value: Any) -> str:
 
 def _set(link: Link, message: Message) -> None:
     desk, final = link.desk, message.get("final", True) is not False
-    desk.session.set(_values(message), final)
+    values = _values(message)
+    desk.session.set(values, final)
     if final:
         desk.changed()
     if not desk.session.now.faults and (shape := desk.structure()) != desk.shape:
         desk.shape = shape
         link.send(desk.design())
-    desk.ask(link, message, final)
+    desk.ask(link, message, final, {"values": desk.session.values_at(values)})
 
 
 def _changed(link: Link, message: Message) -> None:
@@ -746,6 +747,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     config = uvicorn.Config(
         application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
         ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="off",
+        ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
     )  # fmt: skip
     server = uvicorn.Server(config)

@@ -13,7 +13,7 @@ before is kept for undo. Nothing here is analysed.
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -191,6 +191,16 @@ class Session:
         return self.now.document is self.opened.document or not different(
             self.opened.document.root, self.now.document.root
         )
+
+    def values_at(self, paths: Iterable[str]) -> dict[str, dict[str, Any]]:
+        """Numbers as they stand now, by path; of paths that are numbers."""
+        numbers, document = self.numbers, self.now.document
+        return {
+            path: {
+                "value": key.value, "text": controls.shown(key, controls.text_at(document, path)), "given": key.given,
+                "is_default": not key.given, "changed": controls.is_changed(key, self.before.get(path)),
+            } for path in paths if (key := numbers.get(path)) is not None
+        }  # fmt: skip
 
     # -- changes ------------------------------------------------------------------------------------------------------
 
