@@ -58,9 +58,8 @@ def session(page: Page, folder: Path, work: Path) -> None:
         page.mouse("mouseMoved", x - 3 * step, y - 3 * step)
         page.quiet()
     keep(page, folder, "app-2-pole.png")
-    for step in range(1, 9):
-        page.mouse("mouseMoved", x - 15 - 13 * step, y - 15 + 13 * step)
-        page.quiet()
+    page.mouse("mouseMoved", x - 110, y + 85)
+    page.quiet()
     page.until(lambda: "no answer" in page.fos())
     keep(page, folder, "app-3-fault.png")
     page.mouse("mouseReleased", x - 120, y + 90)
@@ -79,7 +78,8 @@ def session(page: Page, folder: Path, work: Path) -> None:
     time.sleep(3)
     keep(page, folder, "app-5-curve.png")
     page.tab("support")
-    page.script("document.getElementById('support-fos').value = 1.5; document.getElementById('support-capacity').value = 150;"
+    page.script("document.getElementById('support-fos').value = 1.5;"
+                " document.getElementById('support-capacity').value = 150;"
                 " document.getElementById('support-run').click()")  # fmt: skip
     page.until(lambda: page.script("return !!document.getElementById('add-bolts')"), 60)
     page.script("document.getElementById('add-bolts').click()")
@@ -99,7 +99,6 @@ def session(page: Page, folder: Path, work: Path) -> None:
     page.until(lambda: list(work.glob("*.html")), 30)
     time.sleep(0.5)
     page.browser.get(next(work.glob("*.html")).as_uri())
-    page.script("document.querySelector('.slope').scrollIntoView()")
     picture = Path("app-8-page.png")
     time.sleep(1.0)
     shown = Image.open(io.BytesIO(page.browser.get_screenshot_as_png())).convert("RGB")

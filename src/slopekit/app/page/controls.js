@@ -21,11 +21,11 @@ function valueOf(own, at) {
   return own.log ? Number((own.low * Math.pow(own.high / own.low, at / STEPS)).toPrecision(3)) : Number(Number(at).toPrecision(10));
 }
 
-function shown(own, value) {
+function shown(own, value, digits = 8) {
   if (value === null || value === undefined) { return ""; }
   if (typeof value !== "number") { return String(value); }
   const unit = own.unit === "°" ? "°" : own.unit ? ` ${own.unit}` : "";
-  return figure(value, 8) + unit;
+  return figure(value, digits) + unit;
 }
 
 function numberRow(own) {
@@ -109,7 +109,7 @@ function refresh(row) {
   if (document.activeElement !== row.box || row.box.type !== "text" || row.box.value === "") {
     if (row.box.type === "checkbox") { row.box.checked = own.value === true || own.value === "true"; }
     else if (own.type === "words") { row.box.value = own.value ?? ""; }
-    else { row.box.value = own.text || shown(own, own.value); }
+    else { row.box.value = own.is_default && typeof own.value === "number" ? shown(own, own.value, 6) : own.text || shown(own, own.value); }
   }
   if (row.slider) {
     const has = typeof own.value === "number";

@@ -59,9 +59,10 @@ function draw() {
     xLabel: curve.label + unit, yLabel: "factor of safety", label: `Factor of safety over ${curve.label}` });
   const cut = (values) => values.map((v) => (v !== null && v <= top ? v : null));
   dot = svg("g", { class: "dot" }, svg("line", { y1: sheet.top, y2: sheet.bottom }), svg("circle", { r: 6 }), svg("text", { class: "name" }));
+  const checked = curve.closed_form ? broken(sheet, curve.x, cut(curve.closed_form), "closed") : null;
   fill(sheet.inner, sheet.y(1) < sheet.bottom ? [svg("line", { x1: sheet.left, x2: sheet.right, y1: sheet.y(1), y2: sheet.y(1), class: "one" }),
     svg("text", { x: sheet.right - 4, y: sheet.y(1) - 5, class: "tick end" }, "F = 1")] : null,
-  curve.closed_form ? broken(sheet, curve.x, cut(curve.closed_form), "closed") : null, broken(sheet, curve.x, cut(curve.limit), "limit"), gaps(), dot);
+  broken(sheet, curve.x, cut(curve.limit), "limit"), checked, gaps(), dot);
   sheet.sheet.addEventListener("click", (event) => {
     const value = Number(sheet.valueAt(event).toPrecision(4));
     take(curve.path, { value, text: `${figure(value)}${own?.unit ? (own.unit === "°" ? "°" : ` ${own.unit}`) : ""}` });
@@ -102,6 +103,7 @@ export function start() {
   build();
   on("design", (design) => { live = design.live; curve = null; dot = null; fill(parts.chart); list(); others = true; if (visible()) { run(); } });
   on("touched", (values) => { others = others || Object.keys(values).some((one) => one !== curve?.path); });
+  on("values", () => { if (curve) { move(); } });
   on("answer", (given) => {
     answer = given;
     if (curve) { move(); }
