@@ -141,11 +141,11 @@ def _numbers(design: Design, opened: Design, before: Mapping[str, Key]) -> Itera
         yield {
             "path": path, "label": words_of(type(design), path), "doc": _doc(field),
             "example": "" if field is None else field.example, "type": "count" if key.whole else "number",
-            "unit": key.with_unit or key.unit, "value": value, "text": _shown(key, written),
+            "unit": key.with_unit or key.unit, "value": value, "text": shown(key, written),
             "low": low, "high": high, "step": 1.0 if key.whole else _step(low, high, key.kind),
             "log": logarithmic, "words": [], "given": key.given, "is_default": not key.given,
             "changed": is_changed(key, old),
-            "opened": None if old is None else _shown(old, text_at(opened.source, path)),
+            "opened": None if old is None else shown(old, text_at(opened.source, path)),
             "scatter": _scatter(scatter.get(path) or scatter.get(path.removesuffix(".mean"))), "period": key.period,
         }  # fmt: skip
 
@@ -210,7 +210,7 @@ def _step(low: float, high: float, kind: str) -> float:
     return float(next(f"{step * power:.6g}" for step in (1, 2, 5, 10) if step * power >= 0.99 * raw))
 
 
-def _shown(key: Key, written: str | None) -> str:
+def shown(key: Key, written: str | None) -> str:
     """As it is written, with its unit."""
     if key.value is None:
         return ""

@@ -1,6 +1,6 @@
 """Saving: what changed is put into the text of the file, line by line, shown first, and written as it was shown.
 
-ruamel says where each value stands in the text; only there is it touched, so comments, quotes, order and line ends stay.
+ruamel says where each value stands in the text; only there it is touched: comments, quotes, order and line ends stay.
 What was written is read again before it counts: it has to be the same design.
 
 >>> from slopekit.app.session import opened_text
@@ -107,7 +107,7 @@ def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]
     elif before.text is not None and after.text is not None:
         yield item.start_mark.index, item.end_mark.index, _scalar(after.text, getattr(item, "style", None))
     else:
-        yield item.start_mark.index, _end(item), _flow(after)
+        yield item.start_mark.index, _end(item), in_brackets(after)
 
 
 def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
@@ -173,15 +173,15 @@ def _end(item: Any) -> int:
 def _entry(key: str, holder: Node) -> str:
     below = holder.get(key)
     assert below is not None
-    return f"{_scalar(key)}: {_flow(below)}"
+    return f"{_scalar(key)}: {in_brackets(below)}"
 
 
-def _flow(node: Node) -> str:
+def in_brackets(node: Node) -> str:
     """A value in one line, as brackets hold it."""
     if node.is_mapping:
         return f"{{{', '.join(_entry(key, node) for key, _ in node.items())}}}"
     if isinstance(node.value, list):
-        return f"[{', '.join(_flow(below) for below in node.elements)}]"
+        return f"[{', '.join(in_brackets(below) for below in node.elements)}]"
     return "null" if node.text is None else _scalar(node.text)
 
 

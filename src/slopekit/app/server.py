@@ -11,6 +11,7 @@ from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -20,7 +21,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from slopekit._version import __version__
-from slopekit.app import answers, controls
+from slopekit.app import answers, controls, handover, jobs, saving, surveys
 from slopekit.app.session import Moment, Opened, Session, opened_template, opened_text
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.core.records import dataclass
@@ -35,6 +36,9 @@ LARGEST, LARGEST_SURVEY = 1_000_000, 8_000_000  # letters of a message
 _DEEPEST = 12
 _MOST_VALUES = 200  # that one message sets
 _MOST_LINKS = 8
+_MOST_FILES = 8  # that can be downloaded
+_MOST_SLOW = 4  # surveys and files to hand over that wait
+_KEPT_AFTER_S = 1.0  # of rest, what is not saved is kept
 _HERE = Path(__file__).parent
 _PAGE = _HERE / "page"
 _VIEWER = _HERE.parent / "views" / "templates" / "viewer.js"
@@ -181,14 +185,24 @@ class Wanted:
     message: Message
     moment: Moment
     final: bool
-    also: bool
+    more: Mapping[str, Any]
 
 
 class Desk:
     """All that the links share: the session, the thread that analyses, what was answered last."""
 
-    def __init__(self, opened: Opened, token: str) -> None:
+    def __init__(self, opened: Opened, token: str, folder: Path | None = None, warm: bool = False) -> None:
         self.session = Session(opened)
+        self.autosave = saving.Autosave(folder)
+        self.jobs = jobs.Jobs()
+        self.warm = warm
+        self.slow = ThreadPoolExecutor(1, "slow")
+        self.waiting = 0
+        self.files: dict[str, handover.File] = {}
+        self.survey: surveys.Dropped | None = None
+        self.bolts: list[dict[str, Any]] | None = None
+        self.document: Mapping[str, Any] | None = None
+        self.keeping: asyncio.TimerHandle | None = None
         self.token = token
         self.port = 0
         self.links: list[Link] = []
@@ -218,7 +232,7 @@ class Desk:
     def hello(self) -> Message:
         """The first message."""
         return {
-            "of": "hello", "version": __version__, "unsaved": None,
+            "of": "hello", "version": __version__, "unsaved": self.autosave.offered(),
             "templates": [
                 {"name": name, "kind": _kind_of_template(name), "title": templates.summary(name)}
                 for name in templates.names()
@@ -231,21 +245,88 @@ class Desk:
 
     # -- analysis -----------------------------------------------------------------------------------------------------
 
-    def ask(self, link: "Link", message: Message, final: bool = True) -> None:
+    def ask(self, link: "Link", message: Message, final: bool = True, more: Mapping[str, Any] | None = None) -> None:
         """Answer for the present design: at once where it is not analysed now, else when the thread is free."""
         moment, live = self.session.now, self.session.live
         if moment.faults or live == "button" or (live == "release" and not final):
             last = None if self.last is None or self.last["rev"] < self.opened_rev else self.last
-            link.answer(message, self._also(answers.waiting(moment, final, last), moment))
+            link.answer(message, {**self.also(answers.waiting(moment, final, last)), **(more or {})})
             return
         if self.next is not None and self.next.link is not None:
             self.next.link.answer(self.next.message, {"superseded": True})
-        self.next = Wanted(link, message, moment, final, True)
+        self.next = Wanted(link, message, moment, final, more or {})
         if not self.working:
             self.working = True
             self.start(self._work())
 
     opened_rev = 0
+
+    def warm_up(self) -> None:
+        """Have a process ready for jobs, so that the first does not wait for it."""
+        if self.warm:
+            self.slow.submit(self.jobs.warm, self.session.design.kind)
+
+    def also_send(self, but: "Link", message: Message) -> None:
+        """Tell the other pages that are open."""
+        for link in self.links:
+            if link is not but:
+                link.send(message)
+
+    def changed(self) -> None:
+        """Keep what is not saved, when nothing has changed for a moment."""
+        if self.keeping is not None:
+            self.keeping.cancel()
+        self.keeping = asyncio.get_running_loop().call_later(_KEPT_AFTER_S, self.autosave.keep, self.session)
+
+    def close(self) -> None:
+        """Keep what is not saved, end what runs."""
+        if self.keeping is not None:
+            self.keeping.cancel()
+        self.autosave.keep(self.session)
+        self.jobs.close()
+        for pool in (self.thread, self.slow):
+            pool.shutdown(wait=False, cancel_futures=True)
+
+    async def aside(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
+        """Do something that takes a while beside the messages, and answer with what it returns."""
+        try:
+            found = await asyncio.get_running_loop().run_in_executor(self.slow, work)
+            link.answer(message, found)
+        except SlopekitError as error:
+            link.refuse(message, error.faults)
+        except Exception as error:  # a bug of ours: the page goes on
+            link.refuse(message, (bug(error),))
+        finally:
+            self.waiting -= 1
+
+    def later(self, link: "Link", message: Message, work: Callable[[], Message]) -> None:
+        """The same, where not too much waits. Raises DesignError E544."""
+        if self.waiting >= _MOST_SLOW:
+            raise _wrong("too much waits already", "Wait for it.", "E544")
+        self.waiting += 1
+        self.start(self.aside(link, message, work))
+
+    def result_document(self) -> Mapping[str, Any]:
+        """The JSON of the result of the present design: in a thread.
+
+        Raises
+        ------
+        DesignError
+            E548 where a kind that is analysed on a button was not since it changed.
+        """
+        session = self.session
+        if session.now.faults:
+            raise DesignError(session.now.faults)
+        if self.last_moment is not None and self.last_moment.document is session.now.document:
+            if self.result is not None:
+                return self.result.to_dict()
+            if self.document is not None:
+                return self.document
+        if session.live == "button":
+            raise _wrong("the design was not analysed since it changed", "Analyse it first.", "E548")
+        from slopekit.kinds import analyse
+
+        return analyse(session.design).to_dict()
 
     def start(self, work: Coroutine[Any, Any, None]) -> None:
         """Begin a piece of work beside the messages."""
@@ -261,12 +342,14 @@ class Desk:
                 answer, result = await loop.run_in_executor(self.thread, _analysed, wanted.moment, wanted.final)
                 if result is not None:
                     self.last, self.result, self.last_moment = answer, result, wanted.moment
+                    self.document = None
                 if wanted.link is not None:
-                    wanted.link.answer(wanted.message, self._also(answer, wanted.moment))
+                    wanted.link.answer(wanted.message, {**self.also(answer), **wanted.more})
         finally:
             self.working = False
 
-    def _also(self, answer: answers.Answer, moment: Moment) -> answers.Answer:
+    def also(self, answer: answers.Answer) -> answers.Answer:
+        """An answer with what the page needs to know of undo."""
         session = self.session
         return answer | {"can_undo": session.can_undo, "can_redo": session.can_redo, "changed": session.changed}
 
@@ -330,6 +413,7 @@ class Link:
             self.send(self.desk.design())
             self.desk.shape = self.desk.structure()
             self.desk.ask(self, {})
+            self.desk.warm_up()
             while True:
                 got = await self.socket.receive()
                 if got["type"] == "websocket.disconnect":
@@ -368,18 +452,23 @@ def _word(value: Any) -> str:
 
 def _set(link: Link, message: Message) -> None:
     desk, final = link.desk, message.get("final", True) is not False
-    desk.session.set(_values(message), final)
+    values = _values(message)
+    desk.session.set(values, final)
+    if final:
+        desk.changed()
     if not desk.session.now.faults and (shape := desk.structure()) != desk.shape:
         desk.shape = shape
         link.send(desk.design())
-    desk.ask(link, message, final)
+    desk.ask(link, message, final, {"values": desk.session.values_at(values)})
 
 
 def _changed(link: Link, message: Message) -> None:
     """Send the controls, and ask for an answer."""
     desk = link.desk
     desk.shape = desk.structure()
+    desk.changed()
     link.send(desk.design())
+    desk.also_send(link, desk.design())
     desk.ask(link, message)
 
 
@@ -404,6 +493,18 @@ def _open(link: Link, message: Message) -> None:
         opened = opened_template(text_of(message, "template"))
     elif "yaml" in message:
         opened = opened_text(text_of(message, "yaml"), _name(text_of(message, "name", "design.yaml")))
+    elif "pair" in message:
+        if desk.survey is None:
+            raise _wrong("no survey was dropped", "Drop a joint list first.", "E548")
+        number = message["pair"]
+        if not isinstance(number, int) or isinstance(number, bool):
+            raise _wrong("pair needs the number of a pair")
+        opened = opened_text(desk.survey.design_of_pair(number), "pair.yaml")
+    elif "unsaved" in message:
+        desk.autosave.taken(text_of(message, "unsaved"), desk.session)
+        _forget(desk)
+        _changed(link, message)
+        return
     else:
         raise _wrong("open needs a template, a yaml, a pair or what was not saved")
     take(desk, opened)
@@ -413,8 +514,13 @@ def _open(link: Link, message: Message) -> None:
 def take(desk: Desk, opened: Opened) -> None:
     """Work on another design."""
     desk.session.open(opened)
-    desk.last = desk.result = None
-    desk.opened_rev = desk.session.rev
+    _forget(desk)
+
+
+def _forget(desk: Desk) -> None:
+    """Forget what was said of another design."""
+    desk.last = desk.result = desk.document = desk.last_moment = desk.bolts = None
+    desk.opened_rev = desk.session.opened_rev
 
 
 def _name(name: str) -> str:
@@ -423,9 +529,124 @@ def _name(name: str) -> str:
     return cut(printable(last)) or "design.yaml"
 
 
+def _start(link: Link, message: Message) -> None:
+    desk, what = link.desk, text_of(message, "job")
+    moment = desk.session.now
+    if moment.faults:
+        raise DesignError(moment.faults)
+    loop = asyncio.get_running_loop()
+
+    def heard(event: Message) -> None:
+        loop.call_soon_threadsafe(_of_job, link, what, moment, event)
+
+    options = {key: value for key, value in message.items() if key not in ("id", "do", "job")}
+    link.answer(message, {"job": desk.jobs.start(what, moment, options, heard)})
+
+
+def _analyse(link: Link, message: Message) -> None:
+    _start(link, {**message, "job": "analyse"})
+
+
+def _of_job(link: Link, what: str, moment: Moment, event: Message) -> None:
+    """Pass on what a job says; an analysis is the answer from now on."""
+    desk = link.desk
+    if what == "analyse" and (found := event.get("result")) is not None:
+        answer = found.pop("answer")
+        if found["document"] is not None and answer["rev"] >= desk.opened_rev:
+            desk.last, desk.result, desk.document, desk.last_moment = answer, None, found["document"], moment
+        answer["stale"] = desk.session.now.document is not moment.document
+        event = event | {"result": desk.also(answer)}
+    if what == "support" and (found := event.get("result")) is not None:
+        desk.bolts = found["bolts"]
+    link.send(event)
+    if event["of"] == "done" and event.get("cancelled"):
+        desk.warm_up()
+
+
+def _cancel(link: Link, message: Message) -> None:
+    number = message.get("job")
+    if not isinstance(number, int) or isinstance(number, bool):
+        raise _wrong("cancel needs the number of a job")
+    desk = link.desk
+    if number != desk.jobs.running:
+        raise _wrong("this job does not run", "", "E544")
+    desk.start(_ended(link, message, number))
+
+
+async def _ended(link: Link, message: Message, number: int) -> None:
+    try:
+        await asyncio.get_running_loop().run_in_executor(None, link.desk.jobs.cancel, number)
+        link.answer(message, {})
+    except DesignError as error:  # it ended by itself meanwhile
+        link.refuse(message, error.faults)
+
+
+def _survey(link: Link, message: Message) -> None:
+    desk, design = link.desk, link.desk.session.design
+    name, text = _name(text_of(message, "name", "survey.csv")), text_of(message, "text")
+    c, phi = (jobs.number_in(message, key, None) for key in ("c", "phi"))
+
+    def work() -> Message:
+        desk.survey = surveys.dropped(design, name, text, c, phi)
+        return desk.survey.said
+
+    desk.later(link, message, work)
+
+
+def _add_bolts(link: Link, message: Message) -> None:
+    desk = link.desk
+    if not desk.bolts:
+        raise _wrong("there are no bolts to add: none were looked for, or none give the factor", "", "E548")
+    desk.session.put("support.bolts", desk.bolts)
+    _changed(link, message)
+
+
+def _file_of(message: Message) -> str | None:
+    return text_of(message, "file").strip() or None if message.get("file") is not None else None
+
+
+def _diff(link: Link, message: Message) -> None:
+    change = saving.change_of(link.desk.session, _file_of(message))
+    link.answer(message, {
+        "diff": change.diff, "file": None if change.target is None else str(change.target),
+        "changed_on_disk": change.changed_on_disk, "lines": change.lines,
+    })  # fmt: skip
+
+
+def _save(link: Link, message: Message) -> None:
+    desk = link.desk
+    target = saving.save(desk.session, _file_of(message), text_of(message, "seen"))
+    if desk.last_moment is not None and desk.last_moment.rev == desk.session.rev:
+        desk.last_moment = desk.session.now
+    desk.shape = desk.structure()
+    desk.changed()
+    link.answer(message, {"file": str(target)})
+    link.send(desk.design())
+    desk.also_send(link, desk.design())
+
+
+def _handover(link: Link, message: Message) -> None:
+    desk, what = link.desk, text_of(message, "what")
+    if what == "command":
+        link.answer(message, {"text": handover.command_of(desk.session)})
+        return
+
+    def work() -> Message:
+        found = handover.handed(what, desk.session, None if what == "yaml" else desk.result_document())
+        number = secrets.token_urlsafe(9)
+        desk.files[number] = found
+        for old in list(desk.files)[:-_MOST_FILES]:
+            del desk.files[old]
+        return {"address": f"/{desk.token}/get/{number}", "name": found.name}
+
+    desk.later(link, message, work)
+
+
 #: What each word does.
 VERBS: dict[str, Callable[[Link, Message], None]] = {
-    "set": _set, "undo": _undo, "redo": _redo, "reset": _reset, "open": _open,
+    "set": _set, "undo": _undo, "redo": _redo, "reset": _reset, "open": _open, "start": _start, "analyse": _analyse,
+    "cancel": _cancel, "survey": _survey, "add_bolts": _add_bolts, "diff": _diff, "save": _save,
+    "handover": _handover,
 }  # fmt: skip
 
 
@@ -444,6 +665,13 @@ def application(desk: Desk) -> Guard:
             return PlainTextResponse("there is no such file", 404, HEADERS)
         return Response(found.read_bytes(), media_type=_TYPES[found.suffix], headers=HEADERS)
 
+    async def get(request: Request) -> Response:
+        found = desk.files.get(request.path_params["number"])
+        if found is None:
+            return PlainTextResponse("it is there no more", 404, HEADERS)
+        named = {"Content-Disposition": f"attachment; filename*=UTF-8''{quote(found.name, safe='')}"}
+        return Response(found.content, media_type=found.kind, headers=HEADERS | named)
+
     async def socket(websocket: WebSocket) -> None:
         if len(desk.links) >= _MOST_LINKS:
             await websocket.close(4429, "too many pages are open")
@@ -459,7 +687,8 @@ def application(desk: Desk) -> Guard:
             desk.links.remove(link)
 
     routes = [
-        Route("/{token}/", page), Route("/{token}/static/{name}", asset), WebSocketRoute("/{token}/link", socket),
+        Route("/{token}/", page), Route("/{token}/static/{name}", asset), Route("/{token}/get/{number}", get),
+        WebSocketRoute("/{token}/link", socket),
     ]  # fmt: skip
     return Guard(Starlette(routes=routes), desk.token, lambda: desk.port)
 
@@ -504,7 +733,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
 
     import uvicorn
 
-    desk = Desk(opened, new_token())
+    desk = Desk(opened, new_token(), warm=True)
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     if sys.platform != "win32":
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -518,6 +747,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     config = uvicorn.Config(
         application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
         ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="off",
+        ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
     )  # fmt: skip
     server = uvicorn.Server(config)
@@ -536,7 +766,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     except KeyboardInterrupt:
         pass
     finally:
-        desk.thread.shutdown(wait=False, cancel_futures=True)
+        desk.close()
 
 
 def _has_sansio() -> bool:

@@ -13,7 +13,7 @@ before is kept for undo. Nothing here is analysed.
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -119,6 +119,7 @@ class Session:
     def open(self, opened: Opened) -> None:
         """Take another design; there is nothing to undo then."""
         self.rev += 1
+        self.opened_rev = self.rev
         self.opened = opened
         self.now = Moment(self.rev, opened.document, opened.design)
         self.done: list[Document] = []
@@ -191,6 +192,16 @@ class Session:
             self.opened.document.root, self.now.document.root
         )
 
+    def values_at(self, paths: Iterable[str]) -> dict[str, dict[str, Any]]:
+        """Numbers as they stand now, by path; of paths that are numbers."""
+        numbers, document = self.numbers, self.now.document
+        return {
+            path: {
+                "value": key.value, "text": controls.shown(key, controls.text_at(document, path)), "given": key.given,
+                "is_default": not key.given, "changed": controls.is_changed(key, self.before.get(path)),
+            } for path in paths if (key := numbers.get(path)) is not None
+        }  # fmt: skip
+
     # -- changes ------------------------------------------------------------------------------------------------------
 
     def set(self, values: Mapping[str, Any], final: bool) -> None:
@@ -207,6 +218,11 @@ class Session:
         self._become(document)
         if final:
             self.settle()
+
+    def put(self, path: str, value: Any) -> None:
+        """Put any value at a path, as one step. Raises DesignError where it fits nowhere."""
+        self._become(with_overrides(self.now.document, [(path, value)]))
+        self.settle()
 
     def settle(self) -> None:
         """Make what was changed since the last time one step to undo."""

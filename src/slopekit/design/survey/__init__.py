@@ -4,6 +4,6 @@
 above the header, `reading` makes joints of the rows.
 """
 
-from slopekit.design.survey.reading import Joint, Survey, read_frame, read_joints
+from slopekit.design.survey.reading import Joint, Survey, read_frame, read_joints, read_joints_text
 
-__all__ = ["Joint", "Survey", "read_frame", "read_joints"]
+__all__ = ["Joint", "Survey", "read_frame", "read_joints", "read_joints_text"]

@@ -703,7 +703,7 @@ function slopekitView(box, say) {
     if (!again) { reset(); } else if (eye.bearing === was.bearing && eye.above === was.above) {
       eye.bearing = start.bearing; eye.above = start.above;  // not turned by hand: the way that this scene is looked at
     }
-    colours(); draw();
+    colours(); ask();
     return true;
   }
   return {

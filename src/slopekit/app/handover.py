@@ -1,0 +1,112 @@
+"""What is handed over: the page, DXF, JSON, the design, and the command line that gives the same numbers.
+
+>>> from slopekit.app.session import Session
+>>> session = Session.of_template("wedge")
+>>> session.set({"strength.weak.phi": 25, "water.fill": 0.5}, final=True)
+>>> command_of(session).split(" --set ", 1)[1]
+'strength.weak.phi=25 --set water.mode=null --set water.fill=0.5'
+"""
+
+import json
+import shlex
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from slopekit.app.saving import edited, in_brackets
+from slopekit.app.session import Session, at, different
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
+from slopekit.design import templates
+from slopekit.design.nodes import Node
+
+WHAT = ("page", "dxf", "json", "command", "yaml")
+_BRACKETS = ("[", "{", "'", '"')
+
+
+@dataclass(frozen=True, slots=True)
+class File:
+    """A file to be downloaded; nothing of it is on the disk."""
+
+    name: str
+    kind: str
+    content: bytes
+
+
+def handed(what: str, session: Session, document: Mapping[str, Any] | None) -> File:
+    """A file of a design and its result.
+
+    Parameters
+    ----------
+    document : the JSON of its result; of yaml it is not needed
+
+    Raises
+    ------
+    DesignError
+        E541 for what is none, E548 without a result, E140 without the extra.
+    """
+    stem = Path(session.opened.name).stem or "design"
+    if what == "yaml":
+        return File(f"{stem}.yaml", "application/yaml", edited(session.opened, session.now.document).encode())
+    if what not in WHAT:
+        raise DesignError([Fault("E541", f"{what!r} is nothing to hand over: {', '.join(WHAT)}")])
+    if document is None:
+        raise DesignError([Fault("E548", "there is no result of this design yet", "", "Analyse it first.")])
+    if what == "json":
+        text = json.dumps(document, ensure_ascii=False, indent=1, allow_nan=False)
+        return File(f"{stem}.json", "application/json", text.encode())
+    if what == "dxf":
+        return File(f"{stem}.dxf", "application/dxf", _dxf(document, stem))
+    from slopekit.views.report import report_of
+
+    return File(f"{stem}.html", "text/html", report_of(document, with_pictures=False).html.encode())
+
+
+def _dxf(document: Mapping[str, Any], stem: str) -> bytes:
+    """The writer of DXF needs a file: it stands in a folder of its own that is gone afterwards."""
+    from slopekit.exchange.export import export
+
+    with tempfile.TemporaryDirectory(prefix="slopekit-") as folder:
+        path = Path(folder) / f"{stem}.dxf"
+        export(document, path)
+        return path.read_bytes()
+
+
+def command_of(session: Session) -> str:
+    """The command line that gives the numbers on the page; of a design without a file that of its YAML once saved.
+
+    It is written for a shell of POSIX.
+    """
+    words = ["slopekit", "run", str(_file(session))]
+    if session.opened.path is not None or _template(session) is not None:
+        words += [word for one in settings(session) for word in ("--set", one)]
+    return shlex.join(words)
+
+
+def _file(session: Session) -> Path:
+    opened = session.opened
+    return opened.path or _template(session) or Path(opened.name)
+
+
+def _template(session: Session) -> Path | None:
+    """The shipped file of a design that began as one."""
+    name = session.opened.name.removesuffix(".yaml")
+    if session.opened.path is not None or name not in templates.names():
+        return None
+    path = templates.path_of(name)
+    return path if path.read_text(encoding="utf-8") == session.opened.text else None
+
+
+def settings(session: Session) -> list[str]:
+    """What `--set` is given so that the file becomes the design."""
+    before, now = session.opened.document.root, session.now.document.root
+    return [f"{path}={_value(at(now, path))}" for path in different(before, now)]
+
+
+def _value(node: Node | None) -> str:
+    if node is None or node.value is None:
+        return "null"
+    if node.text is None:
+        return in_brackets(node)
+    return json.dumps(node.text, ensure_ascii=False) if node.text.lstrip()[:1] in _BRACKETS else node.text

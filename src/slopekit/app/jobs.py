@@ -1,0 +1,393 @@
+"""What takes longer than a moment: a bench, a curve, a probability, bolts; in a process of its own, which cancel ends.
+
+The process is started anew (spawn: on every system the same) and waits for the next job, so that a job does not pay for
+loading. One job runs at a time. What comes of it is text, JSON, made over there.
+"""
+
+import contextlib
+import json
+import math
+import multiprocessing
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import field
+from multiprocessing.connection import Connection
+from typing import Any
+
+from slopekit.app import answers
+from slopekit.app.session import Moment
+from slopekit.core.errors import DesignError, Fault, SlopekitError
+from slopekit.core.onlooker import onlooker
+from slopekit.core.options import Advance, Desk
+from slopekit.core.records import dataclass
+from slopekit.design.fields import words_of
+from slopekit.design.files import with_values
+from slopekit.kinds import kind_named
+from slopekit.studies.keys import key_of, values_of
+
+Result = dict[str, Any]
+#: Told of how much is done, of how much (None: nobody knows), and what is being done.
+Tell = Callable[[int, int | None, str], None]
+WHAT = ("analyse", "curve", "probability", "support")
+MOST_POINTS, MOST_SAMPLES = 400, 200_000
+_EVERY_S = 0.1  # how often progress is told
+_DISTRIBUTION_KEYS = ("dist", "mean", "sd", "min", "max", "mode", "k")
+
+
+# -- over there -------------------------------------------------------------------------------------------------------
+
+
+def run_job(what: str, moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+    """Do a job.
+
+    Parameters
+    ----------
+    what : one of `WHAT`; options : as the page gives them; tell : of its progress
+
+    Raises
+    ------
+    DesignError
+        E541 for options that are none, and what studies raise. GeometryError where no block can be formed.
+    """
+    if what not in WHAT:
+        raise _wrong(f"{what!r} is no job: {', '.join(WHAT)}")
+    return {"analyse": _analyse, "curve": _curve, "probability": _probability, "support": _support}[what](
+        moment, options, tell
+    )
+
+
+def _wrong(message: str) -> DesignError:
+    return DesignError([Fault("E541", message)])
+
+
+def _analyse(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+    told = 0
+
+    def heard(stage: str, value: float | None, head: bool) -> None:
+        nonlocal told
+        told += 1
+        tell(told, None, stage if value is None else f"{stage} {value:.4g}")
+
+    with onlooker(heard):
+        answer, result = answers.analysed(moment)
+    document = None if result is None else result.to_dict()
+    return {"answer": answer, "document": document}
+
+
+def _desk(tell: Tell) -> Desk:
+    """Where a study shows its progress."""
+
+    @contextlib.contextmanager
+    def bar(label: str, total: int) -> Iterator[Advance]:
+        done = 0
+
+        def advance(by: int) -> None:
+            nonlocal done
+            done += by
+            tell(done, total, label)
+
+        tell(0, total, label)
+        yield advance
+
+    return Desk(bar=bar)
+
+
+def number_in(options: Mapping[str, Any], name: str, default: float | None) -> float | None:
+    """A finite number of the options of a job; `default` where it is not given. Raises DesignError E541."""
+    value = options.get(name, default)
+    if value is None:
+        return default
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise _wrong(f"{name} is no number")
+    return float(value)
+
+
+def _whole(options: Mapping[str, Any], name: str, default: int, least: int, most: int) -> int:
+    value = number_in(options, name, default)
+    if value is None or value != int(value) or not least <= value <= most:
+        raise _wrong(f"{name} is a whole number from {least} to {most}")
+    return int(value)
+
+
+def _curve(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+    from slopekit.app.controls import reach
+    from slopekit.studies.sweep import Sweep, sweep
+
+    path = options.get("path")
+    if not isinstance(path, str):
+        raise _wrong("curve needs a path")
+    key = key_of(moment.design, path)
+    least, most = reach(key)
+    low, high = number_in(options, "low", least), number_in(options, "high", most)
+    count = _whole(options, "points", 31, 2, MOST_POINTS)
+    assert low is not None
+    assert high is not None
+    if not low < high:
+        raise _wrong("the curve ends before it begins")
+    steps = [low + (high - low) * k / (count - 1) for k in range(count)]
+    values = [float(f"{step:.10g}") for step in steps]
+    if key.whole:
+        values = sorted({float(round(value)) for value in values})
+    found = sweep(moment.design, {path: values}, desk=_desk(tell))
+    assert isinstance(found, Sweep)
+    factors = [point.factors for point in found.points]
+    return {
+        "path": path, "label": words_of(type(moment.design), path), "unit": key.unit, "x": list(found.values[0]),
+        "limit": [None if one is None else one.limit for one in factors],
+        "closed_form": [None if one is None else one.closed_form for one in factors],
+        "status": [point.code if one is None else one.status for one, point in zip(factors, found.points, strict=True)],
+        "now": key.value, "notices": [answers.notice_of(one) for one in found.warnings], "line": found.line,
+    }  # fmt: skip
+
+
+def _scattered(moment: Moment, options: Mapping[str, Any]) -> dict[str, object]:
+    """What is put into the design so that its numbers scatter as the page says."""
+    given = options.get("scatter") or {}
+    if not isinstance(given, Mapping):
+        raise _wrong("scatter is {path: {dist: normal, sd: 2}}")
+    found: dict[str, object] = {}
+    for called, how in given.items():
+        path = str(called).removesuffix(".mean")
+        if how is None:
+            key = key_of(moment.design, path)
+            found |= values_of(moment.design, [key], [key.value or 0.0])
+            continue
+        if not isinstance(how, Mapping) or not set(how) <= set(_DISTRIBUTION_KEYS):
+            raise _wrong(f"the scatter of {path} has other keys than {', '.join(_DISTRIBUTION_KEYS)}")
+        key = key_of(moment.design, path)
+        made = {name: value for name, value in how.items() if value is not None}
+        if made.get("dist") in ("normal", "lognormal") and "mean" not in made and key.value is not None:
+            made["mean"] = key.value
+        found |= dict(key.written_out)
+        found[path] = made
+    return found
+
+
+def _probability(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+    from slopekit.studies.prob import Probability, prob
+
+    count = _whole(options, "samples", 20_000, 10, MOST_SAMPLES)
+    seed = _whole(options, "seed", 1, 0, 2**31)
+    scatter = _scattered(moment, options)
+    design = with_values(moment.design, scatter) if scatter else moment.design
+    has_form = kind_named(design.kind).closed_form is not None
+    confirm = _whole(options, "confirm", 200, 0, 10_000)
+    target = number_in(options, "fos", 1.0)
+    assert target is not None
+    given: dict[str, Any] = {"confirm": min(confirm, count)} if has_form else {}
+    tell(0, None, "samples")
+    found = prob(design, count, seed=seed, fos=target, desk=_desk(tell), **given)
+    assert isinstance(found, Probability)
+    leading, by = found.leading, found.asked.by
+    histogram = found.to_dict()["histogram"]
+    if histogram is not None:
+        histogram[{"pre-ie": "limit"}.get(by, "closed_form")] = histogram["counts"]
+    return {
+        "samples": count, "pf": leading.probability, "low": leading.low, "high": leading.high, "pf_of": leading.by,
+        "confidence": found.asked.confidence, "target": target, "histogram": histogram, "outcomes": found.counts,
+        "sensitivity": [{"label": name, "rank_correlation": value} for name, value in found.sensitivities],
+        "notices": [answers.notice_of(one) for one in found.warnings], "line": found.line,
+    }  # fmt: skip
+
+
+def _support(moment: Moment, options: Mapping[str, Any], tell: Tell) -> Result:
+    from slopekit.core.sheet import Verbatim
+    from slopekit.studies.support import support
+
+    target = number_in(options, "fos", 1.5)
+    acts = options.get("acts", "active")
+    given = {
+        name: options[name] for name in ("bolt_capacity", "spacing", "bond", "length", "toward", "plunge")
+        if isinstance(options.get(name), int | float | str)
+    }  # fmt: skip
+    tell(0, None, "force and direction")
+    found: Any = support(moment.design, target, acts=acts, desk=_desk(tell), **given)
+    words = [
+        entry for section in found.sheet.sections if section.label not in ("PASTE", "TIME")
+        for entry in section.entries if isinstance(entry, str) and not isinstance(entry, Verbatim)
+    ]  # fmt: skip
+    built = next((case for case in getattr(found, "built", ()) if case.bolts), None)
+    if built is None:
+        built = next(iter(getattr(found, "built", ())), None)
+    pattern = getattr(built, "pattern", None)
+    toward = getattr(built, "toward", None)
+    return {
+        "words": words, "line": found.line, "reached": bool(getattr(found, "reached", False)),
+        "stands": bool(getattr(found, "stands", False)), "target": target,
+        "force": getattr(built, "force", None), "unit": getattr(found, "unit", "kN"),
+        "direction": None if toward is None else {"trend": toward.trend_deg, "plunge": toward.plunge_deg},
+        "pattern": None if pattern is None else pattern.to_dict(),
+        "bolts": None if built is None or built.support is None else built.support["bolts"],
+        "notices": [answers.notice_of(one) for one in getattr(found, "warnings", ())],
+    }  # fmt: skip
+
+
+def _serve(pipe: Connection) -> None:
+    """The process: wait for a job, do it, say what came of it; end where nobody listens any more."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the server, which ends this
+    import slopekit.views.viewer_data  # noqa: F401
+
+    try:
+        while (task := pipe.recv()) is not None:
+            what, moment, options = task
+            if what == "warm":
+                kind_named(options["kind"])
+                continue
+            pipe.send_bytes(_done(what, moment, options, pipe))
+    except (EOFError, OSError):
+        return
+
+
+def _done(what: str, moment: Moment, options: Mapping[str, Any], pipe: Connection) -> bytes:
+    last = 0.0
+
+    def tell(done: int, total: int | None, words: str) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last > _EVERY_S or done == total:
+            last = now
+            pipe.send_bytes(json.dumps({"done": done, "total": total, "words": words}).encode())
+
+    try:
+        found: dict[str, Any] = {"result": run_job(what, moment, options, tell)}
+    except SlopekitError as error:
+        found = {"faults": [answers.fault_of(fault, moment.document.root) for fault in error.faults]}
+    except Exception as error:  # a bug of ours: the page says so
+        message = f"a bug of ours: {type(error).__name__}: {error}"
+        found = {"faults": [answers.fault_of(Fault("E599", message))]}
+    return json.dumps({"end": found}, default=_of_numpy, allow_nan=False).encode()
+
+
+def _of_numpy(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else str(value)
+
+
+# -- here -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Helper:
+    """A process that does jobs, and the way to it."""
+
+    process: Any
+    pipe: Connection
+    lock: Any = field(default_factory=threading.Lock)
+
+    @classmethod
+    def started(cls) -> "Helper":
+        """A new one."""
+        spawn = multiprocessing.get_context("spawn")
+        here, there = spawn.Pipe()
+        process = spawn.Process(target=_serve, args=(there,), name="slopekit job", daemon=True)
+        process.start()
+        there.close()
+        return cls(process, here)
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self.process.kill()
+        self.process.join(5.0)
+        with contextlib.suppress(OSError):
+            self.pipe.close()
+
+
+#: Told of every event of a job: progress, then its end once.
+Heard = Callable[[dict[str, Any]], None]
+
+
+class Jobs:
+    """The jobs of a server: one at a time, in a helper that waits for the next.
+
+    `running` is the number of the job that runs, 0 for none.
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.helper: Helper | None = None
+        self.number = 0
+        self.running = 0
+        self.cancelled: set[int] = set()
+        self.closed = False
+
+    def warm(self, kind: str) -> None:
+        """Have a helper ready that has loaded what a kind of design needs."""
+        with self.lock:
+            if self.running or self.closed:
+                return
+            helper = self._ready()
+            helper.pipe.send(("warm", None, {"kind": kind}))
+
+    def start(self, what: str, moment: Moment, options: Mapping[str, Any], heard: Heard) -> int:
+        """Begin a job; its number.
+
+        Parameters
+        ----------
+        heard : told of its events, in a thread of its own
+
+        Raises
+        ------
+        DesignError
+            E544 while another runs, E541 for what is no job.
+        """
+        if what not in WHAT:
+            raise _wrong(f"{what!r} is no job: {', '.join(WHAT)}")
+        with self.lock:
+            if self.running:
+                advice = "Wait for it, or cancel it."
+                raise DesignError([Fault("E544", "another job runs already", "", advice)])
+            self.number += 1
+            self.running = number = self.number
+            helper = self._ready()
+            helper.pipe.send((what, moment, dict(options)))
+        threading.Thread(target=self._listen, args=(helper, number, heard), daemon=True, name="job").start()
+        return number
+
+    def _ready(self) -> Helper:
+        if self.helper is None or not self.helper.process.is_alive():
+            self.helper = Helper.started()
+        return self.helper
+
+    def cancel(self, number: int) -> None:
+        """End a job: its process is ended, whatever it does.
+
+        Raises
+        ------
+        DesignError
+            E544 for a job that does not run.
+        """
+        with self.lock:
+            if not number or number != self.running:
+                raise DesignError([Fault("E544", "this job does not run")])
+            self.cancelled.add(number)
+            helper, self.helper = self.helper, None
+        if helper is not None:
+            helper.end()
+
+    def close(self) -> None:
+        """End everything."""
+        with self.lock:
+            self.closed = True
+            self.cancelled.add(self.running)
+            helper, self.helper = self.helper, None
+        if helper is not None:
+            helper.end()
+
+    def _listen(self, helper: Helper, number: int, heard: Heard) -> None:
+        end: dict[str, Any] | None = None
+        try:
+            while end is None:
+                found = json.loads(helper.pipe.recv_bytes())
+                end = found.get("end")
+                if end is None:
+                    heard({"of": "progress", "job": number, **found})
+        except (EOFError, OSError):
+            message = "the process that did the job ended before it was done"
+            end = {"faults": [answers.fault_of(Fault("E544", message, "", "Start it again; has memory run out?"))]}
+        with self.lock:
+            self.running = 0
+            if number in self.cancelled:
+                self.cancelled.discard(number)
+                end = {"cancelled": True}
+        heard({"of": "done", "job": number, **end})

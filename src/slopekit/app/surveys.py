@@ -1,0 +1,179 @@
+"""A survey that was dropped on the page: its planes, its sets, every pair as a wedge in the design's own slope.
+
+>>> from slopekit.app.session import Session
+>>> text = "name,dip,dip_direction\\nA,45,115\\nB,45,245\\nC,80,350\\n"
+>>> found = dropped(Session.of_template("wedge").design, "joints.csv", text)
+>>> [(pair["names"], round(pair["fos"], 4)) for pair in found.said["pairs"]]
+[(['A', 'B'], 1.5574)]
+>>> print(found.design_of_pair(found.said["pairs"][0]["n"]).partition("joints:")[2].partition("rock")[0], end="")
+<BLANKLINE>
+  A: {plane: 45.0/115.0, strength: joints}
+  B: {plane: 45.0/245.0, strength: joints}
+strength:
+  joints: {c: 50.0, phi: 20.0}
+"""
+
+import json
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from slopekit.app import answers
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.orientation import Plane, normals
+from slopekit.core.records import dataclass
+from slopekit.design.common import Design
+from slopekit.design.joint_lists import JointList
+from slopekit.design.nodes import as_text
+from slopekit.design.survey import Joint, read_joints_text
+from slopekit.kinds import kind_of, status_text
+from slopekit.studies.combos import Combos, combos
+from slopekit.studies.combos.pairs import PAIR_OUTCOMES
+
+_MOST_PAIRS = 200  # that the page is sent
+_TOP = 10  # of these, that PRE-IE looks at
+_NAME = re.compile(r"[^\W_][\w-]{0,39}")
+
+
+@dataclass(frozen=True, slots=True)
+class Dropped:
+    """A survey and its pairs; `said` is what the page is told."""
+
+    joints: JointList
+    found: Combos | None
+    said: dict[str, Any]
+
+    def design_of_pair(self, number: int) -> str:
+        """The text of a design file of a pair.
+
+        Raises
+        ------
+        DesignError
+            E548 for a number that is no pair.
+        """
+        known = {pair["n"] for pair in self.said["pairs"]}
+        if self.found is None or number not in known:
+            raise DesignError([Fault("E548", f"there is no pair {number} of the survey")])
+        given, shapes = self.found.given, self.found.pairs.shapes
+        both = [int(shapes.first[number]), int(shapes.second[number])]
+        joints = [self.joints.joints[k] for k in both]
+        laws = [(float(given.cohesion_kpa[k]), float(given.friction_deg[k])) for k in both]
+        names = _names(joints)
+        of = ["joints", "joints"] if laws[0] == laws[1] else names
+        slope = given.slope
+        strengths = dict(zip(of, laws, strict=True))
+        title = f"{joints[0].name} and {joints[1].name} of {self.joints.name}"
+        lines = [
+            "slopekit: 1", "kind: wedge", f"title: {json.dumps(title, ensure_ascii=False)}",
+            f"slope: {{face: {as_text(slope.face)}, upper: {as_text(slope.upper)}, "
+            f"height: {float(shapes.height_m[number])!r} m}}",
+            "joints:",
+            *(f"  {name}: {{plane: {as_text(joint.plane)}, strength: {law}}}"
+              for name, joint, law in zip(names, joints, of, strict=True)),
+            "strength:", *(f"  {name}: {{c: {c!r}, phi: {phi!r}}}" for name, (c, phi) in strengths.items()),
+            f"rock: {{unit_weight: {slope.unit_weight_kn_m3!r} kN/m3}}",
+        ]  # fmt: skip
+        return "\n".join(lines) + "\n"
+
+
+def _names(joints: Sequence[Joint]) -> list[str]:
+    """Names that a design file takes: the survey's own where they are such."""
+    own = [joint.name for joint in joints]
+    sound = all(_NAME.fullmatch(name) for name in own) and len({name.casefold() for name in own}) == len(own)
+    return own if sound and "joints" not in own else ["J1", "J2"]
+
+
+def dropped(
+    design: Design, name: str, text: str, c: float | None = None, phi: float | None = None
+) -> Dropped:  # fmt: skip
+    """Read a survey, and cut every pair of it in the slope of a design.
+
+    Parameters
+    ----------
+    name, text : of the file that was dropped
+    c, phi : strength of joints without their own, kPa and degrees [that of the design]
+
+    Raises
+    ------
+    DesignError
+        Every fault of the list, and of what its pairs need.
+    """
+    survey = read_joints_text(name, text, skip_bad=True)
+    joints = JointList(name, survey.joints, survey.left_out, survey.read_as)
+    notices = [{"code": "W481", "text": f"not used of {name}: {one}", "path": None} for one in survey.left_out]
+    notices += [{"code": "W373", "text": f"read of {name}: {one}", "path": None} for one in survey.read_as]
+    said: dict[str, Any] = {
+        "name": name,
+        "planes": [
+            {
+                "name": joint.name, "dip": joint.plane.dip_deg, "dip_direction": joint.plane.dip_direction_deg,
+                "set": joint.set_name or None,
+            } for joint in joints.joints
+        ],
+        "sets": _sets(joints), "pairs": [], "left_out": list(survey.left_out), "notices": notices, "faults": [],
+    }  # fmt: skip
+    face = getattr(design, "face", None)
+    if not isinstance(face, Plane) or len(joints) < 2:
+        why = "two joints make a pair" if isinstance(face, Plane) else f"a {design.kind} design has no face for pairs"
+        said["faults"] = [answers.fault_of(Fault("E548", f"there are no pairs: {why}"))]
+        return Dropped(joints, None, said)
+    own = _strength(design)
+    upper, height = getattr(design, "upper", None), getattr(design, "height_m", None)
+    try:
+        found = combos(
+            list(joints.joints), face=face, upper=upper if isinstance(upper, Plane) else None, height=height,
+            c=own[0] if c is None else c, phi=own[1] if phi is None else phi,
+            unit_weight=design.unit_weight_kn_m3 or None, top=_TOP,
+        )  # fmt: skip
+    except DesignError as error:
+        said["faults"] = [answers.fault_of(fault) for fault in error.faults]
+        return Dropped(joints, None, said)
+    said["pairs"] = _pairs(found)
+    said["counts"] = found.counts
+    said["notices"] += [answers.notice_of(one) for one in found.warnings]
+    return Dropped(joints, found, said)
+
+
+def _strength(design: Design) -> tuple[float, float]:
+    """Cohesion and friction of the design: those of its first strength, where that is a straight one."""
+    for one in kind_of(design).strengths(design):
+        c, phi = getattr(one, "cohesion_kpa", None), getattr(one, "friction_angle_deg", None)
+        if isinstance(c, int | float) and isinstance(phi, int | float):
+            return float(c), float(phi)
+    return 0.0, 30.0
+
+
+def _sets(joints: JointList) -> list[dict[str, Any]]:
+    """The sets that the survey names, each by the mean of its normals."""
+    found = []
+    for name in joints.sets():
+        own = [joint.plane for joint in joints.joints if joint.set_name == name]
+        poles = normals(np.array([one.dip_deg for one in own]), np.array([one.dip_direction_deg for one in own]))
+        poles = np.where((poles @ poles[0] < 0.0)[:, None], -poles, poles)
+        mean = poles.sum(axis=0)
+        east, north, up = (mean if mean[2] >= 0.0 else -mean).tolist()
+        dip, way = math.degrees(math.atan2(math.hypot(east, north), up)), math.degrees(math.atan2(east, north))
+        found.append({"name": name, "dip": dip, "dip_direction": way % 360.0, "count": len(own)})
+    return found
+
+
+def _pairs(found: Combos) -> list[dict[str, Any]]:
+    """The pairs that form a wedge, the worst first; those that PRE-IE has looked at by its factor."""
+    looked = {pair.index: pair for pair in found.worst}
+    pairs, joints = found.pairs, found.joints.joints
+    said = []
+    for number in pairs.ranked()[:_MOST_PAIRS].tolist():
+        one, two = (joints[int(of[number])] for of in (pairs.shapes.first, pairs.shapes.second))
+        status, factor = PAIR_OUTCOMES[int(pairs.outcome[number])], float(pairs.factor[number])
+        by, fos = "closed form", factor if np.isfinite(factor) else None
+        if number in looked:
+            by, fos, status = "PRE-IE", looked[number].limit, looked[number].status
+        said.append({
+            "n": number, "names": [one.name, two.name], "planes": [str(one.plane), str(two.plane)], "fos": fos,
+            "status": status, "words": status_text("wedge", status), "by": by,
+            "agree": looked[number].agree if number in looked else None, "volume_m3": float(pairs.volume_m3[number]),
+        })  # fmt: skip
+    return said
