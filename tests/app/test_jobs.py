@@ -65,7 +65,7 @@ def test_a_probability_is_that_of_the_study_with_the_scatter_put_in():
 
 def test_a_scatter_of_the_design_can_be_taken_out():
     moment = Session.of_template("wedge-scatter").now
-    given = {key: None for key in ("strength.clay.phi.mean", "strength.clay.c")}
+    given = dict.fromkeys(("strength.clay.phi.mean", "strength.clay.c"))
     found = run_job("probability", moment, {"samples": 200, "scatter": given, "confirm": 0}, silent)
     names = [one["label"] for one in found["sensitivity"]]
     assert not any("clay" in name for name in names)

@@ -1,7 +1,7 @@
 """The server of the app: one user, this machine alone, a token in the address.
 
 What comes over the socket changes the design at once; a thread analyses it, and while it does only the newest request
-waits. The contract of messages stands in docs/app.md.
+waits. docs/howto/app.md lists the messages.
 """
 
 import asyncio
