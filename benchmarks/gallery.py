@@ -133,9 +133,9 @@ def page() -> str:
     """The page as Markdown."""
     lines = [
         "# Gallery: every picture", "",
-        "What `slopekit plot` can give, each by the commands that made it (`python -m benchmarks.gallery`). The pictures",
-        "are smaller here than the commands write them. `slopekit plot FILE` lists those that a file of yours can give;",
-        "options and formats: [plot](howto/plot.md). `-o DIR` of a run or a study draws its usual ones unasked.", "",
+        "What `slopekit plot` can give, each by the commands that made it (`python -m benchmarks.gallery`). The",
+        "pictures are smaller here than the commands write them. `slopekit plot FILE` lists those that a file of yours",
+        "can give; options and formats: [plot](howto/plot.md). `-o DIR` draws the usual ones unasked.", "",
     ]  # fmt: skip
     for head, pictures in PARTS:
         lines += [f"## {head}", ""]
