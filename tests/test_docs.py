@@ -38,7 +38,7 @@ from slopekit.design.templates import names, path_of
 from tests.support import forget_kinds, study_of_the_page
 
 ROOT = Path(__file__).parents[1]
-GENERATED = ("verification.md", "hard-cases.md", "speed.md", "mutations.md", "studies.md", "messages.md")
+GENERATED = ("verification.md", "hard-cases.md", "speed.md", "mutations.md", "studies.md", "messages.md", "gallery.md")
 WRITTEN = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PAGES = [path for path in WRITTEN if path.name not in GENERATED]
 #: Lines of sh blocks that are not run: what installs, fetches, tests and measures.
@@ -290,7 +290,7 @@ def test_links_lead_somewhere() -> None:
     assert not wrong, "\n".join(wrong)
 
 
-def _commands() -> dict[str, Any]:
+def commands_by_name() -> dict[str, Any]:
     import typer
 
     group: Any = typer.main.get_command(app)
@@ -299,13 +299,13 @@ def _commands() -> dict[str, Any]:
 
 def test_every_command_has_its_page_and_every_page_its_command() -> None:
     pages = {path.stem for path in (ROOT / "docs/howto").glob("*.md")}
-    assert pages == set(_commands())
+    assert pages == set(commands_by_name())
 
 
 def test_every_option_is_named_on_its_page() -> None:
     """--help, which every command has, is left out."""
     missing = []
-    for name, command in _commands().items():
+    for name, command in commands_by_name().items():
         page = (ROOT / f"docs/howto/{name}.md").read_text(encoding="utf-8")
         every = [command, *getattr(command, "commands", {}).values()]
         for parameter in (parameter for one in every for parameter in one.params):

@@ -44,7 +44,8 @@ def quick(monkeypatch):
         raise metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(doctor.metadata, "version", version)
-    monkeypatch.setattr(doctor, "wanted", lambda: {"typer": ">=0.26,<0.29", "pyvista": ">=0.44"})
+    asked = {"typer": ">=0.26,<0.29", "pyvista": ">=0.44", "ruamel-yaml": ">=0.18"}
+    monkeypatch.setattr(doctor, "wanted", lambda: asked)
     return have
 
 
@@ -54,8 +55,9 @@ def test_doctor_is_content_with_what_is_asked_for(quick) -> None:
 
 
 def test_doctor_names_a_version_that_is_not_asked_for(quick) -> None:
-    quick["typer"] = "0.29.1"
+    quick |= {"typer": "0.29.1", "ruamel.yaml": "0.17"}
     lines, sound = doctor.examination()
+    assert "WRONG   ruamel.yaml 0.17, slopekit wants >=0.18" in lines
     assert "WRONG   typer 0.29.1, slopekit wants >=0.26,<0.29" in lines
     assert not sound
 
@@ -76,7 +78,9 @@ def test_the_versions_that_are_asked_for_are_those_of_the_package(monkeypatch) -
         *PROJECT["dependencies"], "pyvista>=0.44; extra == 'plot'", "bare", "pyvista>=0.1; extra == 'other'",
     ])  # fmt: skip
     found = _needs.wanted()
-    assert [f"{name}{bounds}" for name, bounds in found.items()][:-2] == PROJECT["dependencies"]
+    assert [f"{name}{bounds}" for name, bounds in found.items()][:-2] == [
+        one.replace("ruamel.yaml", "ruamel-yaml") for one in PROJECT["dependencies"]
+    ]
     assert (found["pyvista"], found["bare"]) == (">=0.44", "")
 
     def unknown(name):

@@ -6,6 +6,7 @@
 import inspect
 import re
 import runpy
+import shlex
 import tomllib
 from itertools import pairwise
 from pathlib import Path
@@ -14,6 +15,9 @@ from typing import Any
 import pytest
 
 import slopekit as sk
+from benchmarks import gallery
+from slopekit.views.plots import EVERY
+from tests.test_docs import commands_by_name
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -135,6 +139,24 @@ def test_every_picture_of_the_docs_is_shown() -> None:
     shown |= set(_links((ROOT / "README.md").read_text(encoding="utf-8")))
     names = {Path(link).name for link in shown}
     assert sorted(path.name for path in (DOCS / "images").rglob("*.png") if path.name not in names) == []
+
+
+def test_the_gallery_has_every_picture_as_its_commands_make_it() -> None:
+    """`python -m benchmarks.gallery` draws them and writes the page."""
+    assert (DOCS / "gallery.md").read_text(encoding="utf-8") == gallery.page()
+    pictures = [one for _, part in gallery.PARTS for one in part]
+    assert {one.what for one in pictures} == set(EVERY)
+    assert sorted(one.name for one in pictures) == sorted(path.stem for path in gallery.IMAGES.glob("*.png"))
+    assert max(path.stat().st_size for path in gallery.IMAGES.glob("*.png")) < 130_000
+
+
+def test_the_commands_of_the_gallery_have_the_options_that_they_use() -> None:
+    commands = commands_by_name()
+    for command in {command for _, part in gallery.PARTS for one in part for command in one.commands}:
+        _, name, *words = shlex.split(command)
+        known = {option for one in commands[name].params for option in one.opts}
+        given = {word for word in words if re.match(r"--?[a-z]", word)}
+        assert given - known == set(), command
 
 
 def test_what_the_site_is_built_with_is_an_extra() -> None:

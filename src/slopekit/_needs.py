@@ -22,7 +22,7 @@ def said_of(error: ModuleNotFoundError) -> str:
 
 
 def wanted() -> dict[str, str]:
-    """The versions that this slopekit asks for, by library; none where it is not installed but lies on the path."""
+    """The versions that this slopekit asks for, by `plain` names; none where it is not installed but lies on the path."""
     try:
         lines = metadata.requires("slopekit") or []
     except metadata.PackageNotFoundError:
@@ -30,8 +30,17 @@ def wanted() -> dict[str, str]:
     found: dict[str, str] = {}
     for line in lines:
         name, bounds = re.split(r"(?=[<>=!~])|$", line.partition(";")[0].strip(), maxsplit=1)
-        found.setdefault(name.strip(), bounds.strip())
+        found.setdefault(plain(name), bounds.strip())
     return found
+
+
+def plain(name: str) -> str:
+    """A library's name as all spellings of it have it.
+
+    >>> plain("ruamel.yaml"), plain("Scikit_FEM ")
+    ('ruamel-yaml', 'scikit-fem')
+    """
+    return re.sub(r"[-_.]+", "-", name.strip()).lower()
 
 
 def fits(version: str, bounds: str) -> bool:

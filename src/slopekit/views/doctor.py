@@ -6,7 +6,7 @@ import platform
 import time
 from importlib import metadata
 
-from slopekit._needs import NEEDED, fits, wanted
+from slopekit._needs import NEEDED, fits, plain, wanted
 from slopekit._version import __version__
 
 _PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
@@ -26,7 +26,7 @@ def examination() -> tuple[list[str], bool]:
             lines.append(f"{'-':8}{name} not installed (extra: {extra})")
             continue
         works = version is not None and (extra is not None or _imports(name))
-        asked = bounds.get(name, "")
+        asked = bounds.get(plain(name), "")
         told = "MISSING" if not works else "ok" if fits(version or "", asked) else "WRONG"
         wish = f", slopekit wants {asked}" if told == "WRONG" else ""
         sound = sound and told == "ok"
