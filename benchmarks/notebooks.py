@@ -21,8 +21,12 @@ def notebooks() -> list[Path]:
     return sorted(EXAMPLES.glob("*.ipynb"))
 
 
-def run(path: Path) -> Any:
+def run(path: Path, kernel: Any = None) -> Any:
     """A notebook with what its cells give, run in a folder of its own beside the data of the examples.
+
+    Parameters
+    ----------
+    kernel : of `one_kernel`, which starts without a name of an earlier notebook; None: a kernel of its own
 
     Raises
     ------
@@ -36,8 +40,30 @@ def run(path: Path) -> Any:
         for data in EXAMPLES.glob("*.csv"):
             shutil.copy(data, folder)
         notebook = nbformat.read(path, as_version=4)
-        client = NotebookClient(notebook, timeout=_SECONDS, resources={"metadata": {"path": folder}})
-        return client.execute()
+        client = NotebookClient(notebook, timeout=_SECONDS, km=kernel, resources={"metadata": {"path": folder}})
+        if kernel is None:
+            return client.execute()
+        notebook.cells.insert(0, nbformat.v4.new_code_cell(f"__import__('os').chdir({folder!r})\n%reset -f"))
+        try:
+            made = client.execute()
+        finally:
+            client.kc.stop_channels()
+        del made.cells[0]
+        return made
+
+
+@contextmanager
+def one_kernel() -> Iterator[Any]:
+    """A kernel for several notebooks: what it has imported it need not import again."""
+    from jupyter_client.manager import KernelManager
+
+    with TemporaryDirectory() as folder, _found_here():
+        kernel = KernelManager(kernel_name="python3")
+        kernel.start_kernel(cwd=folder)
+        try:
+            yield kernel
+        finally:
+            kernel.shutdown_kernel(now=True)
 
 
 @contextmanager

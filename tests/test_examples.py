@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.notebooks import notebooks, run
+from benchmarks.notebooks import notebooks, one_kernel, run
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 
@@ -23,12 +23,19 @@ def kinds_shown(cell) -> list[list[str]]:
     return [sorted(one["data"]) for one in cell["outputs"] if one["output_type"] == "execute_result"]
 
 
-@pytest.mark.parametrize("path", notebooks(), ids=lambda path: path.name)
-def test_notebook(path) -> None:
-    """Run with a kernel: no cell fails, and each shows what is stored of its kind."""
+@pytest.fixture(scope="module")
+def kernel():
+    """One for all notebooks: it is imported once."""
     for extra in ("ipykernel", "nbclient", "pandas", "jinja2", "ezdxf"):
         pytest.importorskip(extra)
-    made, stored = run(path), json.loads(path.read_text(encoding="utf-8"))
+    with one_kernel() as started:
+        yield started
+
+
+@pytest.mark.parametrize("path", notebooks(), ids=lambda path: path.name)
+def test_notebook(path, kernel) -> None:
+    """Run with a kernel: no cell fails, and each shows what is stored of its kind."""
+    made, stored = run(path, kernel), json.loads(path.read_text(encoding="utf-8"))
     assert made.cells[-1].source.startswith("assert ")
     assert [cell["cell_type"] for cell in stored["cells"]] == [cell.cell_type for cell in made.cells]
     for cell, again in zip(stored["cells"], made.cells, strict=True):

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from slopekit.core.errors import GeometryError
 from slopekit.core.orientation import Plane
+from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.interfaces import node_pairs
+from slopekit.geometry.rockmass import RockMass, wedge_rock_mass
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -67,3 +70,38 @@ def test_normals_point_into_the_block() -> None:
     assert (pairs.normals @ outward < 0.0).all()
     assert (pairs.plus == 0).all()
     assert (pairs.minus == -1).all()
+
+
+def test_pairs_that_are_remembered_are_those_of_their_corners() -> None:
+    """Moved by the last digit they are others, with other ids too; what several hold cannot be written on."""
+    polygon, _, _ = lifted(PENTAGON, Plane(60, 100))
+    pairs = node_pairs({3: polygon}, 1)
+    moved = np.nextafter(polygon, np.inf)
+    for others in (node_pairs({3: moved}, 1), node_pairs({3: polygon}), node_pairs({4: polygon}, 1)):
+        same = others.points.shape == pairs.points.shape and (others.points == pairs.points).all()
+        assert not same or (others.interface != pairs.interface).all()
+    polygon += 1.0  # the caller's own array
+    again = node_pairs({3: polygon - 1.0}, 1)
+    assert np.abs(again.points - pairs.points).max() < 1e-15
+    assert node_pairs({3: polygon}, 1).points - pairs.points == pytest.approx(1.0, abs=1e-14)
+    for values in (pairs.points, pairs.normals, pairs.control_areas, pairs.interface, pairs.plus, pairs.minus):
+        assert not values.flags.writeable
+
+
+def rock_mass(height: float, dip: float = 45.0):
+    joints = np.array([Plane(dip, 105).normal(), Plane(70, 235).normal()])
+    return wedge_rock_mass(joints, Plane(65, 185).normal(), Plane(12, 195).normal(), height)
+
+
+def test_a_wedge_that_is_remembered_is_that_of_its_planes() -> None:
+    """Half as high it has an eighth of the volume, again and again; a wedge that is none fails every time."""
+    for _ in range(2):
+        whole, half, other = (cut_wedge(rock) for rock in (rock_mass(30.0), rock_mass(15.0), rock_mass(30.0, 45.5)))
+        assert whole.volume == pytest.approx(8.0 * half.volume, rel=1e-12)
+        assert abs(other.volume / whole.volume - 1.0) > 1e-3
+        assert not whole.centroid.flags.writeable
+        assert not any(face.flags.writeable for face in whole.faces.values())
+        rock = rock_mass(30.0)
+        shut = RockMass(rock.normals, rock.offsets - [0.0, 0.0, 0.0, 99.0], *rock.corners)
+        with pytest.raises(GeometryError, match="E208"):
+            cut_wedge(shut)

@@ -319,6 +319,10 @@ _OPENS = 1e-3  # of the fastest opening or slip
 _SETTLED = 1e-6  # change of λ while the work of the loads grows tenfold
 
 
+#: The tangent -dR/du (n, n) and dR/dλ (n,), where they are asked for.
+Slopes = Callable[[], tuple[np.ndarray, np.ndarray]]
+
+
 @dataclass(frozen=True)
 class History:
     """Where a history ends: F, the peak (the last F at rest), the opening and slip rates, and how it ended in words."""
@@ -353,8 +357,8 @@ class _Bed:
         self.work = float(given.load @ np.linalg.solve(self.elastic, given.load))
         self.steps = 0
 
-    def law(self, u: np.ndarray, old: _State, strength: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Unbalanced forces (n,), friction (g, t), the tangent -dR/du and dR/dλ."""
+    def law(self, u: np.ndarray, old: _State, strength: float) -> tuple[np.ndarray, np.ndarray, Slopes]:
+        """Unbalanced forces (n,), friction (g, t), and what gives the tangent -dR/du and dR/dλ."""
         given, t = self.given, self.given.directions
         opening = given.normal @ u
         pressed = given.area * (opening < 0.0)
@@ -367,16 +371,21 @@ class _Bed:
         e = trial / np.maximum(size, 1e-300)[:, None]
         friction = np.where(slips[:, None], most[:, None] * e, trial)
         left = given.normal.T @ normal + given.slip.T @ friction.ravel() + given.load
-        closing = pressed[:, None] * given.normal
-        part = np.where(slips, most / np.maximum(size, 1e-300), 1.0)
-        turn = part[:, None, None] * (np.eye(t) - np.where(slips, 1.0, 0.0)[:, None, None] * e[:, :, None] * e[:, None])
-        rows = (self.along[:, None] * given.slip).reshape(len(limit), t, -1)
-        tangent = given.normal.T @ closing + given.slip.T @ np.matmul(turn, rows).reshape(len(given.slip), -1)
-        sums = np.zeros((len(limit), len(u)))
-        np.add.at(sums, given.group, closing)
-        pull = (e * (slips * strength * given.friction)[:, None])[:, :, None] * sums[:, None, :]
-        tangent += given.slip.T @ pull.reshape(len(given.slip), -1)
-        return left, friction, tangent, given.slip.T @ (e * (slips * limit)[:, None]).ravel()
+
+        def slopes() -> tuple[np.ndarray, np.ndarray]:
+            closing = pressed[:, None] * given.normal
+            part = np.where(slips, most / np.maximum(size, 1e-300), 1.0)
+            away = np.where(slips, 1.0, 0.0)[:, None, None] * e[:, :, None] * e[:, None]
+            turn = part[:, None, None] * (np.eye(t) - away)
+            rows = (self.along[:, None] * given.slip).reshape(len(limit), t, -1)
+            tangent = given.normal.T @ closing + given.slip.T @ np.matmul(turn, rows).reshape(len(given.slip), -1)
+            sums = np.zeros((len(limit), len(u)))
+            np.add.at(sums, given.group, closing)
+            pull = (e * (slips * strength * given.friction)[:, None])[:, :, None] * sums[:, None, :]
+            tangent += given.slip.T @ pull.reshape(len(given.slip), -1)
+            return tangent, given.slip.T @ (e * (slips * limit)[:, None]).ravel()
+
+        return left, friction, slopes
 
     def _reached(self, old: _State) -> np.ndarray:
         return (self.along * old.slipped).reshape(old.friction.shape)
@@ -389,10 +398,10 @@ class _Bed:
         Returns the state, λ and what the viscous forces are at most; None where Newton's method does not get there.
         """
         load, u, drag = self.given.load, old.u if guess is None else guess, viscosity * self.elastic
-        best = math.inf
+        best, there = math.inf, self.law(u, old, strength)
         for _ in range(25):
             self.steps += 1
-            left, friction, tangent, rate = self.law(u, old, strength)
+            left, friction, slopes = there
             viscous = drag @ (u - old.u)
             off = left - viscous
             miss = 0.0 if work is None else work - float(load @ u)
@@ -402,6 +411,7 @@ class _Bed:
             if size > 1e6 * best:
                 return None
             best = min(best, size)
+            tangent, rate = slopes()
             try:
                 both = np.linalg.solve(tangent + drag + 1e-13 * self.elastic, np.stack([off, rate], axis=1))
             except np.linalg.LinAlgError:
@@ -413,15 +423,16 @@ class _Bed:
                 if not abs(more) < 0.5 * strength:
                     return None
                 change = both[:, 0] + more * both[:, 1]
-            whole, least = 1.0, (math.inf, u, strength)
+            whole, least = 1.0, (math.inf, u, strength, there)
             while whole > 0.05:  # the longest of the halved steps that lowers what is left, or the best of them
-                there, to = u + whole * change, strength + whole * more
-                after = self.law(there, old, to)[0] - drag @ (there - old.u)
-                least = min(least, (float(np.abs(after).max()), there, to), key=lambda found: found[0])
+                beyond, to = u + whole * change, strength + whole * more
+                found = self.law(beyond, old, to)
+                after = float(np.abs(found[0] - drag @ (beyond - old.u)).max())
+                least = min(least, (after, beyond, to, found), key=lambda one: one[0])
                 if least[0] < (1.0 - 0.1 * whole) * max(size, 1e-8 * self.scale):
                     break
                 whole *= 0.5
-            _, u, strength = least
+            _, u, strength, there = least
         return None
 
     def rest(self, old: _State, strength: float) -> tuple[_State, str, float, _State]:

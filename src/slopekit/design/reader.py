@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import cache
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 from slopekit.core.errors import DesignError, Fault
@@ -306,12 +307,18 @@ class Reader:
         joints = self.at("joints") or self.at("sets")
         for joint, _ in joints.items() if joints is not None else ():
             name = strength_of(self.root, joint)
-            for field in every_field(Strength):
-                if (own := f"strength.{name}.{field.path}") in self.variables:
-                    names[f"{joint}.{field.path}"] = own
+            for path in _strength_paths():
+                if (own := f"strength.{name}.{path}") in self.variables:
+                    names[f"{joint}.{path}"] = own
         for group in ("joints.", "strength.", "sets."):
             names |= {path.removeprefix(group): own for path, own in names.items() if path.startswith(group)}
         return names
+
+
+@cache
+def _strength_paths() -> tuple[str, ...]:
+    """Of all fields of a strength: a study reads its design thousands of times."""
+    return tuple(field.path for field in every_field(Strength))
 
 
 def strength_of(root: Node, joint: str) -> str | None:

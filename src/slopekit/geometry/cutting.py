@@ -8,6 +8,7 @@ the input, whatever the kernel's tolerance was.
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 from manifold3d import Error, Manifold, Mesh64
@@ -18,6 +19,8 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, UPPER, RockMass
 
 _FAR = 1000  # ids of the six outer faces of the body, 1000 to 1005: the rock goes on behind them
+_REMEMBERED = 64  # wedges
+_SHAPES = ((-1, 3), (-1,), (-1, 3))  # of normals, offsets and corners
 _CUTTER_BACK = 2000  # id of the faces of a cutter that lie outside the body and cut nothing
 #: The triangles of a box whose corners are numbered around the first face, then around the opposite one.
 BOX_TRIANGLES = np.array(
@@ -63,19 +66,25 @@ def cut_wedge(rock: RockMass) -> Block:
     GeometryError
         E208 no piece of the body is removable.
     """
-    corners = rock.corners
+    return _wedge_of(rock.normals.tobytes(), rock.offsets.tobytes(), rock.corners.tobytes())
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _wedge_of(*rock: bytes) -> Block:
+    """The wedge of a rock mass by its normals, offsets and corners: a study changes the strength of one more often."""
+    normals, offsets, corners = (np.frombuffer(part).reshape(shape) for part, shape in zip(rock, _SHAPES, strict=True))
     lowest, highest = corners.min(axis=0), corners.max(axis=0)
     centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
-    scaled_normals = rock.normals * half
+    scaled_normals = normals * half
     lengths = np.sqrt((scaled_normals**2).sum(axis=1))
-    scaled_offsets = (rock.offsets - rock.normals @ centre) / lengths
+    scaled_offsets = (offsets - normals @ centre) / lengths
     scaled_normals = scaled_normals / lengths[:, None]
 
     body = far_box(1.5, _FAR)
     for plane in (FACE, UPPER):
         body = body.split(half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK))[1]
     pieces = [body]
-    for plane in (J1, J2, *range(CRACK, len(rock.normals))):
+    for plane in (J1, J2, *range(CRACK, len(normals))):
         cutter = half_space(scaled_normals[plane], float(scaled_offsets[plane]), plane, _CUTTER_BACK)
         pieces = [part for piece in pieces for part in piece.split(cutter) if not part.is_empty()]
     wedges = []
@@ -88,8 +97,8 @@ def cut_wedge(rock: RockMass) -> Block:
         message = f"{len(wedges)} pieces of the rock mass touch both joints and the face and are free to leave it"
         advice = "The crack cuts the wedge in two below its crest." if len(wedges) else "They enclose no wedge."
         raise GeometryError([Fault("E208", message, "", advice)])
-    block = _block(wedges[0], rock.normals, rock.offsets, centre, half)
-    if len(rock.normals) > CRACK and CRACK not in block.faces:
+    block = _block(wedges[0], normals, offsets, centre, half)
+    if len(normals) > CRACK and CRACK not in block.faces:
         raise GeometryError([Fault("E207", "the crack does not bound the wedge between the toe and its back")])
     return block
 

@@ -6,6 +6,7 @@ that overturning about an edge is exact with the coarsest mesh (METHOD.md §5).
 """
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from slopekit.core.records import dataclass
 from slopekit.geometry.tolerances import AREA_SUM, LENGTH_ROUNDING
 
 BEDROCK = -1
+_REMEMBERED = 64  # blocks
 _VERTEX_SHARE, _CENTROID_SHARE = 1.0 / 12.0, 3.0 / 4.0
 
 
@@ -55,11 +57,18 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
     SolverError
         E501 the control areas do not sum to the interface.
     """
+    faces = ((int(key), np.asarray(polygon, dtype=np.float64).tobytes()) for key, polygon in polygons.items())
+    return _pairs_on(tuple(faces), refine)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _pairs_on(faces: tuple[tuple[int, bytes], ...], refine: int) -> NodePairs:
+    """The node pairs on faces by the bytes of their corners: a study changes the strength of one block more often."""
     points, normals, areas, interface = [], [], [], []
-    for key, polygon in polygons.items():
-        corners = np.arange(1, len(polygon) - 1)
+    for key, buffer in faces:
+        vertices = np.frombuffer(buffer).reshape(-1, 3)
+        corners = np.arange(1, len(vertices) - 1)
         triangles = np.stack([np.zeros_like(corners), corners, corners + 1], axis=1)
-        vertices = np.asarray(polygon)
         whole = _vector_area(vertices, triangles).sum(axis=0)
         if refine:
             vertices, triangles = _refined(vertices, triangles, refine)
@@ -75,10 +84,12 @@ def node_pairs(polygons: Mapping[int, Floats], refine: int = 0) -> NodePairs:
         normals.append(np.broadcast_to(-whole / total, where.shape))
         interface.append(np.full(len(where), key))
     count = sum(len(part) for part in areas)
+    whole_numbers = np.concatenate(interface), np.zeros(count, dtype=np.int64), np.full(count, BEDROCK)
+    for numbers in whole_numbers:
+        numbers.setflags(write=False)
     return NodePairs(
-        frozen(np.concatenate(points)), frozen(np.concatenate(normals)), frozen(np.concatenate(areas)),
-        np.concatenate(interface), np.zeros(count, dtype=np.int64), np.full(count, BEDROCK),
-    )  # fmt: skip
+        frozen(np.concatenate(points)), frozen(np.concatenate(normals)), frozen(np.concatenate(areas)), *whole_numbers
+    )
 
 
 def _vector_area(vertices: Floats, triangles: Ints) -> Floats:

@@ -128,19 +128,25 @@ def _by_path_on_lines(model: Model, analysis: LimitAnalysis) -> LimitAnalysis:
     return analysis if one and other and abs(other / one - 1.0) < MOMENTS else found
 
 
-def limit_by_rules(scene: Scene, analysis: LimitAnalysis, before: CohesionLimit | None = None) -> CohesionLimit:
+def limit_by_rules(
+    scene: Scene,
+    analysis: LimitAnalysis,
+    analyse: Callable[[Model], LimitAnalysis] = limit_analysis,
+    before: CohesionLimit | None = None,
+) -> CohesionLimit:
     """The limit by the three rules.
 
     Parameters
     ----------
     scene : for the limit with the bond gone
     analysis : by mechanism, on these pairs or coarser ones, where `opens_cohesive`
+    analyse : what solves a model, `limit_analysis` or what remembers its answers
     before : the same on pairs once less refined, None if there is none
     """
     model, bedding = scene.model, scene.bedding
     alone, motion = analysis.forces_only, analysis.governing
     assert bedding is not None
-    without_bond, without_path = _bond_gone(model)
+    without_bond, without_path = _bond_gone(model, analyse)
     if without_bond is None and before is not None:
         return before
     bed = bed_of(model, bedding.polygons, bedding.centroid)
@@ -186,7 +192,9 @@ def with_finer_motion(
     return replace(by_rules, rules=replace(by_rules.rules, by_mechanism=again.factor))
 
 
-def _bond_gone(model: Model) -> tuple[Limit | None, bool]:
+def _bond_gone(
+    model: Model, analyse: Callable[[Model], LimitAnalysis] = limit_analysis
+) -> tuple[Limit | None, bool]:  # fmt: skip
     """The limit where every contact that the motion opens anywhere has lost all of its cohesion; None without one.
 
     The forces alone may govern it then; its own forces balance the moments too. Also whether the elastic path was
@@ -195,8 +203,8 @@ def _bond_gone(model: Model) -> tuple[Limit | None, bool]:
     without_path = False
     gone = np.zeros(len(model.control_area), dtype=bool)
     while True:
-        bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion)))
-        analysis = limit_analysis(bare)
+        bare = replace(model, cohesion=frozen(np.where(gone, 0.0, model.cohesion))) if gone.any() else model
+        analysis = analyse(bare)
         bare = analysis.model or bare
         if gone.any() or not _opens_bonds(analysis.governing, bare).any():
             followed = _by_path(bare, analysis)

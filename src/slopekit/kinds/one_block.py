@@ -5,8 +5,9 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import field, replace
+from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar, TypeVarTuple
 
 import numpy as np
 
@@ -70,6 +71,8 @@ if TYPE_CHECKING:
     from slopekit.kinds.closed_forms import OnArrays
     from slopekit.kinds.ladders import Ladder
 
+A = TypeVar("A")
+Ts = TypeVarTuple("Ts")
 DILATES = "the closed form knows no dilation: it is printed, not compared"
 _OF_THREE = ("J1", "J2", "basal")  # of a wedge with a basal joint
 _MOST_REFINED = 4
@@ -292,6 +295,12 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
     )
 
 
+def limit_alone(design: Design, made: Cut, clock: Clock) -> Solved:
+    """`solve` without the static bound and what else does not change the limit."""
+    found = find_limit(design, made.scene_at, made.refine, clock, made.limit, made.most_refined)
+    return Solved(found.scene, found.analysis, found.refined, found.change, None, None, None, (), found.rules)
+
+
 @dataclass(frozen=True, slots=True)
 class FoundLimit:
     """The limit of a scene on the node pairs that it needs.
@@ -322,14 +331,16 @@ def find_limit(
     """Mesh, limit, and refinement where it is needed: the factor of safety and nothing else.
 
     Where moments govern, the elastic path says which limit state is the number; where it is another than the passes
-    found, it is followed from the coarsest pairs on.
+    found, it is followed from the coarsest pairs on. No pairs are made twice, and no model is solved twice.
     """
+    scene_at, analyse, by_path_of = cache(scene_at), once(analyse), once(checked_by_path)
     at_limit = _refined(design, scene_at, refine, clock, lambda scene: analyse(scene.model), most_refined)
     with clock("solve"):
-        by_path = None if opens_cohesive(at_limit.scene, at_limit.analysis) else _other_by_path(at_limit, analyse)
+        opens = opens_cohesive(at_limit.scene, at_limit.analysis)
+        by_path = None if opens else _other_by_path(at_limit, analyse, by_path_of)
     if by_path is not None and not by_path.without_path:
         at_limit = _refined(
-            design, scene_at, refine, clock, lambda scene: checked_by_path(scene, analyse(scene.model)), most_refined
+            design, scene_at, refine, clock, lambda scene: by_path_of(scene, analyse(scene.model)), most_refined
         )
     elif by_path is not None:
         at_limit = replace(at_limit, analysis=replace(at_limit.analysis, without_path=True))
@@ -337,13 +348,13 @@ def find_limit(
     if not opens_cohesive(scene, analysis):
         return at_limit
     with clock("solve"):
-        by_rules = limit_by_rules(scene, analysis)
+        by_rules = limit_by_rules(scene, analysis, analyse)
     settled = by_rules.without_bond is None or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
     while refined < most_refined and not settled:
         with clock("mesh"):
             scene = scene_at(refined + 1)
         with clock("solve"):
-            last, by_rules = by_rules, limit_by_rules(scene, analysis, by_rules)
+            last, by_rules = by_rules, limit_by_rules(scene, analysis, analyse, by_rules)
         settled = by_rules is last or (by_rules.change is not None and by_rules.change < MESH_CHANGE)
         settled = settled or (by_rules.without_bond is not None and by_rules.without_bond.passes > _MOST_PASSES)
         refined += 1
@@ -353,7 +364,24 @@ def find_limit(
     return FoundLimit(by_rules.scene, bounded, by_rules.analysis, refined, by_rules.change, by_rules.rules)
 
 
-def _other_by_path(at_limit: FoundLimit, analyse: Callable[[Model], LimitAnalysis]) -> LimitAnalysis | None:
+def once(ask: Callable[[*Ts], A]) -> Callable[[*Ts], A]:
+    """`ask` that remembers what it answered of the same objects before."""
+    known: dict[tuple[int, ...], tuple[tuple[*Ts], A]] = {}
+
+    def remembered(*of: *Ts) -> A:
+        key = tuple(id(one) for one in of)
+        if key not in known:
+            known[key] = of, ask(*of)  # with the objects: their numbers are no others' then
+        return known[key][1]
+
+    return remembered
+
+
+def _other_by_path(
+    at_limit: FoundLimit,
+    analyse: Callable[[Model], LimitAnalysis],
+    by_path_of: Callable[[Scene, LimitAnalysis], LimitAnalysis],
+) -> LimitAnalysis | None:
     """What the elastic path says otherwise, None where it says the same.
 
     It is asked on pairs refined twice, where the finest do not jump.
@@ -362,9 +390,9 @@ def _other_by_path(at_limit: FoundLimit, analyse: Callable[[Model], LimitAnalysi
     if at_limit.bounded is not at_limit.scene and at_limit.analysis.moments_govern:
         coarse = analyse(at_limit.bounded.model)
         if abs((limit.factor or 0.0) / (coarse.governing.factor or math.inf) - 1.0) > _JUMPS:
-            by_path = checked_by_path(at_limit.scene, at_limit.analysis)
+            by_path = by_path_of(at_limit.scene, at_limit.analysis)
             return None if by_path is at_limit.analysis else by_path
-    by_path = checked_by_path(at_limit.bounded, coarse)
+    by_path = by_path_of(at_limit.bounded, coarse)
     return None if by_path is coarse else by_path
 
 

@@ -4,6 +4,7 @@ Tractions are compression positive, openings positive; all arrays run over the n
 """
 
 import math
+from collections.abc import Callable
 from enum import IntEnum
 
 import numpy as np
@@ -23,6 +24,10 @@ class ContactMode(IntEnum):
     STICK = 0
     SLIP = 1
     DEBOND = 2
+
+
+_STICK, _SLIP, _DEBOND = (np.int64(mode) for mode in ContactMode)
+_EYE2 = np.eye(2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +66,16 @@ class JointStiffness:
 
 @dataclass(frozen=True, slots=True)
 class Tractions:
-    """Tractions (n, 3) on the plus side in kPa, their slopes (n, 3, 3) by displacement, and the modes (n,)."""
+    """Tractions (n, 3) on the plus side in kPa, and the modes (n,)."""
 
     tractions: Floats
-    slopes: Floats
     modes: Ints
+    slopes_of: Callable[[], Floats]
+
+    @property
+    def slopes(self) -> Floats:
+        """Slopes (n, 3, 3) by displacement; Newton's method asks for those of the steps that it takes alone."""
+        return self.slopes_of()
 
 
 def tractions(
@@ -96,17 +106,19 @@ def tractions(
     away = np.where(slip > 0.0, slip, 1.0)
     direction = tangential / away[:, None]
     mu, c = tan_friction / reduction, np.where(debonded, 0.0, cohesion / reduction)
-    psi = np.minimum(tan_dilation, mu)
     law = stiffness.tangential
     give = law.modulus_number * law.water_unit_weight if isinstance(law, CloughDuncan) else law
+    dilates = bool(tan_dilation.any())
 
     normal = -k_n * opening
     open_: Bools = debonded & (normal < 0.0)
-    shear, by_slip, by_normal = _tangential(slip, np.maximum(normal, 0.0), give if psi.any() else law)
+    shear, elastic_slopes = _tangential(slip, np.maximum(normal, 0.0), give if dilates else law)
     strength = np.maximum(line(c, mu, normal), 0.0)
     yields: Bools = (shear > strength) & ~open_
-    softer, lifting = np.ones_like(slip), np.zeros_like(slip)
-    if psi.any():
+    softer: Floats | float = 1.0
+    lifting: Floats | float = 0.0
+    if dilates:
+        psi = np.minimum(tan_dilation, mu)
         # plastic slip closes the joint: σ = σ_elastic + k_n tan ψ (s - strength(σ) / k_t), linear in σ
         softer = np.where(yields, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
         lifting = np.where(yields, k_n * psi * softer, 0.0)
@@ -114,22 +126,26 @@ def tractions(
         strength = np.maximum(line(c, mu, normal), 0.0)
     # shear as a function of normal traction and slip: the strength where the pair yields, else the elastic law
     force = np.where(open_, 0.0, np.where(yields, strength, shear))
-    slope_normal = np.where(open_, 0.0, np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal))
-    slope_slip = np.where(open_ | yields, 0.0, by_slip) + slope_normal * lifting
-    by_opening = np.where(open_, -stiffness.debonded, -k_n * softer)
-    secant = np.where(open_, 0.0, np.where(slip > 0.0, force / away, by_slip))
-
     out = np.empty_like(relative)
     out[:, 0] = np.where(open_, -stiffness.debonded * opening, normal)
     out[:, 1:] = -force[:, None] * direction
-    slopes = np.empty((len(slip), 3, 3))
-    slopes[:, 0, 0] = by_opening
-    slopes[:, 0, 1:] = lifting[:, None] * direction
-    slopes[:, 1:, 0] = -(slope_normal * by_opening)[:, None] * direction
-    across = direction[:, :, None] * direction[:, None, :]
-    slopes[:, 1:, 1:] = -secant[:, None, None] * (np.eye(2) - across) - slope_slip[:, None, None] * across
-    modes = np.where(open_, ContactMode.DEBOND, np.where(yields, ContactMode.SLIP, ContactMode.STICK))
-    return Tractions(out, slopes, modes.astype(np.int64))
+
+    def slopes_of() -> Floats:
+        by_slip, by_normal = elastic_slopes()
+        slope_normal = np.where(open_, 0.0, np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal))
+        slope_slip = np.where(open_ | yields, 0.0, by_slip) + slope_normal * lifting
+        by_opening = np.where(open_, -stiffness.debonded, -k_n * softer)
+        secant = np.where(open_, 0.0, np.where(slip > 0.0, force / away, by_slip))
+        slopes = np.empty((len(slip), 3, 3))
+        slopes[:, 0, 0] = by_opening
+        slopes[:, 0, 1:] = lifting[:, None] * direction if isinstance(lifting, np.ndarray) else lifting
+        slopes[:, 1:, 0] = -(slope_normal * by_opening)[:, None] * direction
+        across = direction[:, :, None] * direction[:, None, :]
+        slopes[:, 1:, 1:] = -secant[:, None, None] * (_EYE2 - across) - slope_slip[:, None, None] * across
+        return slopes
+
+    modes = np.where(open_, _DEBOND, np.where(yields, _SLIP, _STICK))
+    return Tractions(out, modes, slopes_of)
 
 
 def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -> Bools:
@@ -137,12 +153,18 @@ def breaks(law: Tractions, tension: Floats, reduction: float, rounding: float) -
     return law.tractions[:, 0] < -tension / reduction - rounding
 
 
-def _tangential(slip: Floats, normal: Floats, law: float | CloughDuncan) -> tuple[Floats, Floats, Floats]:
-    """Elastic shear traction at a slip and a normal traction, and its slopes by both."""
+def _tangential(
+    slip: Floats, normal: Floats, law: float | CloughDuncan
+) -> tuple[Floats, Callable[[], tuple[Floats | float, Floats | float]]]:
+    """Elastic shear traction at a slip and a normal traction, and what gives its slopes by both."""
     if not isinstance(law, CloughDuncan):
-        return law * slip, np.full_like(slip, law), np.zeros_like(slip)
+        return law * slip, lambda: (law, 0.0)
     initial, bent, pressed, above = law.hyperbola(normal)
     bend = 1.0 / (1.0 + initial * slip * bent)
     shear = initial * slip * bend
-    by_normal = np.where(above, (bend * bend * law.exponent * initial * slip + shear * shear * bent) / pressed, 0.0)
-    return shear, initial * bend * bend, by_normal
+
+    def slopes() -> tuple[Floats, Floats]:
+        by_normal = (bend * bend * law.exponent * initial * slip + shear * shear * bent) / pressed
+        return initial * bend * bend, np.where(above, by_normal, 0.0)
+
+    return shear, slopes

@@ -59,8 +59,11 @@ def _first_lines() -> Mapping[str, list[str]]:
         source = path.read_text(encoding="utf-8")
         if not _CODE.search(source):
             continue
+        lines = source.splitlines()
         for function in ast.walk(ast.parse(source)):
             if isinstance(function, ast.FunctionDef):
+                if not any(map(_CODE.search, lines[function.lineno - 1 : function.end_lineno])):
+                    continue  # most have none, and none of their parts need be looked at
                 for code, text in _of_function(function):
                     if text not in found.setdefault(code, []):
                         found[code].append(text)

@@ -1,7 +1,7 @@
 """A mass on a curved slip surface."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -31,6 +31,7 @@ from slopekit.kinds.one_block import (
     Solved,
     block_status,
     forces_of,
+    limit_alone,
     result,
     solve,
 )
@@ -85,6 +86,10 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     GeometryError
         Where slip surface and ground make no mass that can move.
     """
+    return _analysed(design, solve)
+
+
+def _analysed(design: SurfaceDesign, solved_by: Callable[[SurfaceDesign, Cut, Clock], Solved]) -> Result:
     clock = Clock()
     with clock("cut"):
         cut = _cut(design)
@@ -94,7 +99,7 @@ def analyse_surface(design: SurfaceDesign) -> Result:
     with clock("closed_form"):
         closed, methods, extra = _closed_forms(design, cut)
     made = _made(design, cut, loads, slip, scene)
-    solved = solve(design, made, clock)
+    solved = solved_by(design, made, clock)
     status = block_status(solved.limit, solved.analysis, scene, made.joints)
     if status in ("slides_on_J1", "slides_up") and _turns(solved.limit.velocity):
         status = "rotates"
@@ -138,7 +143,7 @@ def _block(mass: SlidingMass) -> Block:
 
 
 def _factors(design: SurfaceDesign) -> Factors:
-    result = analyse_surface(design)
+    result = _analysed(design, limit_alone)
     settled = result.status != "not_converged" and result.model.residual <= design.stop_when
     return Factors(
         result.status, result.fos.limit, None, result.fos.closed_form, result.difference, result.agree,

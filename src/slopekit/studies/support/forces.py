@@ -165,25 +165,29 @@ def _stands_before(held: BoltedBlock, load: Floats, directions: Floats, pulls: F
     far = 1e3 * held.size + 1e3 * pulls
     ends = _drawn(held, load, directions, far) >= 0.0
     low, high = pulls[ends], far[ends]
-    for _ in range(_HALVINGS):
+    for _ in range(_HALVINGS if ends.any() else 0):
         middle = 0.5 * (low + high)
         drawn = _drawn(held, load, directions[ends], middle) < 0.0
         low, high = np.where(drawn, middle, low), np.where(drawn, high, middle)
     stop[ends] = low
-    began, sound = np.zeros(len(pulls), dtype=bool), np.ones(len(pulls), dtype=bool)
-    for share in _LOWER:
-        moved = slides(held, load + np.minimum(pulls / share, stop)[:, None] * directions)
-        on = moved.touches.any(axis=1)
-        stands = on & (moved.driving * held.factor * share <= moved.resisting * (1.0 + 1e-9))
-        stands |= moved.driving <= _SMALL * held.size
-        sound &= stands | (~began & ~on)
-        began |= stands
+    shares = np.array(_LOWER)[:, None]
+    pulled = np.minimum(pulls / shares, stop)[:, :, None] * directions
+    moved = slides(held, load + pulled.reshape(-1, 3))
+    on, driving = moved.touches.any(axis=1), moved.driving.reshape(len(_LOWER), -1)
+    stand: Bools = on.reshape(driving.shape) & (
+        driving * held.factor * shares <= moved.resisting.reshape(driving.shape) * (1.0 + 1e-9)
+    )
+    stand |= driving <= _SMALL * held.size
+    began: Bools = np.logical_or.accumulate(stand)
+    before = np.concatenate([np.zeros((1, len(pulls)), dtype=bool), began[:-1]])
+    sound: Bools = np.logical_and.reduce(stand | (~before & ~on.reshape(driving.shape)))
     for change in _mode_changes(held, load, directions):
         after = change * (1.0 + _AFTER)
         moved = slides(held, load + np.where(np.isfinite(after), after, 0.0)[:, None] * directions)
         falls = moved.driving * held.factor * pulls > moved.resisting * after * (1.0 + 1e-9)
         sound &= ~((pulls < change) & (after < stop) & moved.touches.any(axis=1) & falls)
-    return sound & began
+    held_back: Bools = sound & began[-1]
+    return held_back
 
 
 def _mode_changes(held: BoltedBlock, load: Floats, directions: Floats) -> Iterator[Floats]:
