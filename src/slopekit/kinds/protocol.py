@@ -68,6 +68,41 @@ class Factors:
 
 
 @dataclass(frozen=True, slots=True)
+class AtLoad:
+    """A multiplier of a load at which the factor is a target.
+
+    Attributes
+    ----------
+    multiplier : of the limit state, or of the last state at rest where the motion did not settle
+    status : how the blocks move there
+    runs : in that case the first multiplier at which they run, None otherwise
+    """
+
+    multiplier: float
+    status: str
+    runs: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """How fast a mechanism gains on shaken ground.
+
+    Attributes
+    ----------
+    factor : acceleration of a block's centroid in parts of (a - k_y g)
+    block : the name of that block, the one that moves farthest
+    alone_at : where the motion of all did not settle, the k_y of that block alone with all others held, whose factor
+        it is; None otherwise
+    first : the factor right at k_y, where contacts change just above it and the factor is another; None otherwise
+    """
+
+    factor: float
+    block: str
+    alone_at: float | None = None
+    first: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class CarriedJoint:
     """A joint of a result: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
 
@@ -126,8 +161,10 @@ class Kind(Generic[D]):
     on_arrays : the same for many designs in one call, None where it takes them one by one
     cut : the blocks, cut and loaded: `one_block.Cut` or `many_blocks_scene.AssemblyScene`
     has_site : support can be looked for: the block is a `Cut` with a free face
-    at_load : (without, unit, target) the multiplier of a load at which the factor is the target, with the status; None
-        where a kind has no such path
+    at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
+        no such path
+    seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
+        kinds of one block, whose k_y with a force along the sliding says it
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
@@ -148,7 +185,8 @@ class Kind(Generic[D]):
     closed_form: Callable[[D], ClosedForm] | None = None
     on_arrays: "OnArrays[D] | None" = None
     has_site: bool = False
-    at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
+    at_load: Callable[[D, D, float], AtLoad | None] | None = None
+    seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()

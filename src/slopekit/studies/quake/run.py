@@ -384,6 +384,16 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     if ours.coefficient is not None and ours.factor is None:
         found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
                             "too small"))  # fmt: skip
+    if ours.alone_at is not None:
+        found.append(Notice("W468", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
+                            f"at {shown_k(ours.alone_at)}: the motion of all of them did not settle"))  # fmt: skip
+    if ours.first_factor is not None:
+        found.append(Notice("W470", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
+                            f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "
+                            "join in"))  # fmt: skip
+    if ours.runs is not None:
+        found.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
+                            f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
     if ours.coefficient is None:
         found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]

@@ -71,7 +71,9 @@ def _yield(found: Quake, one: Yield) -> str:
         return f"{name}none: {one.why_not}"
     status = status_words(found.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
-    return f"{name}k_y {one.coefficient:.6f} g   {factor}   {status}"
+    of = f" of {one.factor_of}" if one.factor_of else ""
+    runs = "" if one.runs is None else f", runs at {one.runs:.6f}"
+    return f"{name}k_y {one.coefficient:.6f} g{runs}   {factor}{of}   {status}"
 
 
 def _stands_for_none(found: Quake) -> list[str]:
@@ -204,8 +206,11 @@ def _compared(found: Quake) -> list[str | Table[Any]]:
 
 def _model(found: Quake) -> str:
     factor = "1" if found.factor is None else f"{found.factor:.6f}"
+    ours = found.yields[0]
+    which = "with all others held" if ours.alone_at is not None else "which of all goes farthest"
+    block = f"{ours.factor_of}, {which}," if ours.factor_of else "the block"
     return (
-        f"one way, rigid, exact between samples; the block gains on the ground by {factor} x (a - k_y g); "
+        f"one way, rigid, exact between samples; {block} gains on the ground by {factor} x (a - k_y g); "
         "left out: vertical shaking, sliding back, strength lost by slip, geometry that changes"
     )
 
