@@ -153,7 +153,7 @@ def _six(found: Quake) -> Table[Any]:
         Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
         Column("way", of("way"), "way", width=-11),
         Column("slid cm", of("slid_m"), "slid_m", "m", lambda m: f"{m * 100.0:.4g}", 8),
-        Column("one way", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 9),
+        Column("one way cm", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 11),
         Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
         part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
