@@ -202,7 +202,7 @@ def multiplier(without: Design, unit: Design, seconds: float = _SECONDS) -> tupl
             found = None if at_load is None else at_load(design, sk.load(unit), 1.0)
     except TimeoutError:
         return None, "time", time.process_time() - began
-    value, status = (None, "none") if found is None else found
+    value, status = (None, "none") if found is None else (found.multiplier, found.status)
     return value, status, time.process_time() - began
 
 

@@ -174,19 +174,28 @@ def test_curved_strength_parts_the_methods_and_not_their_agreement() -> None:
     assert "PRE-IE's is used" in str(found)
 
 
-def test_columns_and_blocks_have_a_coefficient_and_say_why_no_factor() -> None:
+def test_columns_have_the_factor_of_the_one_that_goes_farthest_by_both_methods() -> None:
     found = sk.quake(sk.load(str(path_of("topple"))), "sine:0.2g,2Hz")
     ours, closed = found.yields
     assert ours.coefficient == pytest.approx(closed.coefficient, rel=1e-7)
     assert ours.status == "topples"
-    assert ours.factor is None
-    assert [notice.code for notice in found.warnings] == ["W462"]
-    assert found.shaken[0].as_recorded_m == found.shaken[0].newmark_m > 0.0
+    assert ours.factor == pytest.approx(closed.factor, rel=1e-7)  # as k_y: the closed form's own root is as near
+    assert (ours.factor_of, closed.factor_of) == ("C3", "C3")
+    assert found.warnings == ()
+    assert found.shaken[0].as_recorded_m == pytest.approx(ours.factor * found.shaken[0].newmark_m, rel=1e-12)
+    assert "factor 0.921157 of C3" in str(found)
     blocks = sk.quake(sk.load(str(path_of("blocks"))), "sine:0.2g,2Hz")
     assert len(blocks.yields) == 1
     assert blocks.agree is None
     assert blocks.shaken[0].larger_m == 0.0  # k_y lies above the peak
     assert blocks.charts == ()
+
+
+def test_joints_of_several_blocks_that_dilate_have_no_factor() -> None:
+    found = sk.quake(sk.load(str(path_of("topple")), set={"strength.joint.dilation": 3}), "sine:0.2g,2Hz")
+    assert found.factor is None
+    assert [notice.code for notice in found.warnings][:1] == ["W462"]
+    assert found.yields[0].why_not.startswith("its joints dilate")
 
 
 def test_the_other_polarity_is_the_record_turned_round(wedge) -> None:

@@ -47,7 +47,7 @@ def plot(
 
     Scenes: scene exploded tractions forces displacement mechanism factors ravelling. Charts: stereonet elevation
     histogram curve contour tornado speed-error reduction normals
-    elastic-tractions. Without WHAT: those that the file can give.
+    elastic-tractions motion six. Without WHAT: those that the file can give.
     """
     from slopekit.views import plots
 

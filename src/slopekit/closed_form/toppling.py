@@ -279,6 +279,56 @@ def anchor_force_required(slope: ColumnSlope, factor: float = 1.0) -> float:
     return high
 
 
+def seismic_gain(slope: ColumnSlope) -> tuple[float, int]:
+    """How fast columns gain on shaken ground, at a seismic coefficient at which column 1 just needs no force.
+
+    Parameters
+    ----------
+    slope : its `seismic` is the yield coefficient
+
+    Returns
+    -------
+    acceleration of the centroid that moves fastest, in parts of (a - k_y g), and its column, 1 at the toe
+
+    The columns that need a force go with column 1: one that topples turns about its outer lower corner, one that slides
+    goes along its base, and where two touch they go equally fast: θ_n L_n or s_n = θ_(n-1) M_(n-1) or s_(n-1). Inertia
+    takes W (y² + Δx²) θ / 3 from the moment, W s from the load along the base. P_0 has a part that goes with k and one
+    that goes with the acceleration, and stays 0.
+
+    Formula: the recursion of `toppling_table` in increments (Goodman & Bray 1976, with d'Alembert's forces).
+
+    >>> one = ColumnSlope([2.0], 10.0, 0.0, 20.0, 25.0, 30.0, seismic=math.tan(math.radians(10.0)))
+    >>> round(seismic_gain(one)[0], 12), round(math.cos(math.radians(20.0 - 30.0)) / math.cos(math.radians(30.0)), 12)
+    (1.137158042603, 1.137158042603)
+    """
+    row = _Row.of(slope)
+    chain = row.chain(_one(1.0))
+    topples = (chain.topple >= chain.slide)[:, 0]
+    moving = 1 + int(np.argmin(np.append(chain.force[1:, 0] > 0.0, False)))
+    rates = np.ones(moving)  # θ of those that topple, s of those that slide
+    for i in range(1, moving):
+        pushed = rates[i - 1] * (row.upper[i - 1] if topples[i - 1] else 1.0)
+        rates[i] = pushed / row.lower[i] if topples[i] else pushed
+    dip, width = math.radians(slope.base_dip_deg), row.width
+    weights = slope.unit_weight_kn_m3 * width * row.heights
+    per_k = per_gain = 0.0  # of the force on the column above
+    for i in range(moving - 1, -1, -1):
+        height, weight = row.heights[i], weights[i]
+        down, off = weight * math.cos(dip), -weight * math.sin(dip)
+        if topples[i]:
+            arm, at = row.upper[i] - width * row.side, row.lower[i] if i else height
+            per_k = (per_k * arm + (down * height - off * width) / 2.0) / at
+            per_gain = (per_gain * arm - weight * (height * height + width * width) / 3.0 * rates[i]) / at
+        else:
+            locks = 1.0 - row.tangent * row.side
+            per_k += (down - off * row.tangent) / locks
+            per_gain -= weight * rates[i] / locks
+    radii = np.where(topples[:moving], np.hypot(row.heights[:moving], width) / 2.0, 1.0)
+    speeds = rates * radii
+    fastest = int(np.argmax(np.where(speeds > (1.0 - ROUNDING) * speeds.max(), weights[:moving], 0.0)))  # the heaviest
+    return float(-per_k / per_gain * speeds[fastest]), fastest + 1
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Chain:
     """Forces (n, m) for m factors, from the highest column down; column 1: its overturning moment and excess shear."""

@@ -24,7 +24,17 @@ from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.many_blocks_sizes import with_sizes
 from slopekit.kinds.many_blocks_states import assembly_arrows, assembly_pair_state, at_full_strength, mechanism
 from slopekit.kinds.one_block import Clock
-from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Factors, Kind, carried_joint, compare
+from slopekit.kinds.protocol import (
+    AtLoad,
+    Carried,
+    CarriedJoint,
+    ClosedForm,
+    Factors,
+    Gain,
+    Kind,
+    carried_joint,
+    compare,
+)
 from slopekit.kinds.secants import left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.kinds.words import (
@@ -43,6 +53,7 @@ from slopekit.preie.blocks import STRONGER, Basis, BlocksLimit, limit_of_blocks
 from slopekit.preie.contact import SHEAR_TO_NORMAL
 from slopekit.preie.passes import Outcome
 from slopekit.preie.ravelling import (
+    CriticalLoad,
     Failure,
     Part,
     Ravelling,
@@ -73,6 +84,7 @@ _MOST_LOADS = 8
 _MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs factor: its search takes long
 _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
+_SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -101,12 +113,14 @@ class Blocks(Generic[A]):
     cut : the blocks with their contacts and loads
     closed_form : and its table of columns, for the first mechanism
     notices : what a reader must know of the first mechanism
+    closed_gain : (without an earthquake, k_y) the gain of the closed form's mechanism on shaken ground
     """
 
     words: Words
     cut: Callable[[A], AssemblyScene]
     closed_form: Callable[[A, Mechanism | None], tuple[ClosedForm, tuple[Column, ...]]]
     notices: Callable[[A, AssemblyScene, Failure, ClosedForm], Iterable[Notice]]
+    closed_gain: Callable[[A, float], Gain | None] | None = None
 
 
 def no_closed_form(_: object, __: Mechanism | None) -> tuple[ClosedForm, tuple[Column, ...]]:
@@ -163,23 +177,50 @@ def kind_of_many_blocks(
     return Kind(
         name, record, read, own.words, lambda design: solved(own, design).result, factors,
         lambda design: _ladder(own, design), lambda design: [strength for _, strength in design.strengths], parts,
-        own.cut, at_load=lambda *asked: _at_load(own, *asked), figures=figures or {}, carried=carried,
+        own.cut, at_load=lambda *asked: _at_load(own, *asked),
+        seismic_gain=lambda *asked: _seismic_gain(own, *asked), figures=figures or {}, carried=carried,
         falls_west=falls_west, column_row=column_row,
     )  # fmt: skip
 
 
-def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> tuple[float, str] | None:
-    """The multiplier of what one design has more of loads than another at which its factor is a target; the status.
+def _at_load(own: Blocks[A], without: A, unit: A, target: float) -> AtLoad | None:
+    """The multiplier of what one design has more of loads than another at which its factor is a target.
 
-    None where the blocks do not stand without it, stand with any of it, or the motion does not settle.
+    None where the blocks do not stand without it, or stand with any of it.
     """
+    scene, _, found = _critical(own, without, unit, target)
+    return None if found is None else AtLoad(found.multiplier, mechanism(found.failure, scene).status, found.runs)
+
+
+def _critical(
+    own: Blocks[A], without: A, unit: A, target: float
+) -> tuple[AssemblyScene, AssemblyLoads, CriticalLoad | None]:
+    """The blocks of a design with their loads, and the critical multiplier of what another has more of them."""
     scene = own.cut(without)
     first, second = scene_loads(scene), scene_loads(own.cut(unit))
     ramp = (second.forces - first.forces, second.moments - first.moments)
     if not ramp[0].any() and not ramp[1].any():
-        return None
+        return scene, first, None
     found = critical_load(scene.assembly, first, ramp, joint_strength(scene.strengths), 1.0 / target)
-    return None if found is None else (found[0], mechanism(found[1], scene).status)
+    return scene, first, found
+
+
+def _seismic_gain(own: Blocks[A], without: A, unit: A, k: float, by_closed_form: bool) -> Gain | None:
+    """How fast the blocks gain on the ground above k_y; None where their motion is none that settled."""
+    if by_closed_form:
+        return None if own.closed_gain is None else own.closed_gain(without, k)
+    from slopekit.kinds.many_blocks_shaking import gyration  # only earthquakes ask
+    from slopekit.preie.seismic_gain import seismic_gain
+
+    scene, loads, found = _critical(own, without, unit, 1.0)
+    if found is None or abs(found.multiplier / k - 1.0) > _SAME_K:
+        return None
+    part = found.failure.parts[0]
+    with threadpool_limits(1):
+        gain = seismic_gain(part, found.multiplier, loads.weights, gyration(scene))
+    if gain is None:
+        return None
+    return Gain(gain.factor, scene.names[gain.block], gain.multiplier if gain.alone else None, gain.first)
 
 
 def solved(own: Blocks[A], design: A) -> SolvedAssembly:

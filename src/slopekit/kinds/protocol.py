@@ -70,6 +70,41 @@ class Factors:
 
 
 @dataclass(frozen=True, slots=True)
+class AtLoad:
+    """A multiplier of a load at which the factor is a target.
+
+    Attributes
+    ----------
+    multiplier : of the limit state, or of the last state at rest where the motion did not settle
+    status : how the blocks move there
+    runs : in that case the first multiplier at which they run, None otherwise
+    """
+
+    multiplier: float
+    status: str
+    runs: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Gain:
+    """How fast a mechanism gains on shaken ground.
+
+    Attributes
+    ----------
+    factor : acceleration of a block's centroid in parts of (a - k_y g)
+    block : the name of that block, the one that moves farthest
+    alone_at : where the motion of all did not settle, the k_y of that block alone with all others held, whose factor
+        it is; None otherwise
+    first : the factor right at k_y, where contacts change just above it and the factor is another; None otherwise
+    """
+
+    factor: float
+    block: str
+    alone_at: float | None = None
+    first: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class CarriedJoint:
     """A joint of a result: the name of its strength, c (kPa), φ, dilation (degrees), tension, water pressure (kPa)."""
 
@@ -130,8 +165,10 @@ class Kind(Generic[D]):
     has_site : support can be looked for: the block is a `Cut` with a free face
     crest_point : where anchors of the crest have their heads, in local axes (3,) m; None where it has no such place
     column_row : the row of toppling columns that a design is, for forces on single ones; None of other kinds
-    at_load : (without, unit, target) the multiplier of a load at which the factor is the target, with the status; None
-        where a kind has no such path
+    at_load : (without, unit, target) the multiplier of a load at which the factor is the target; None where a kind has
+        no such path
+    seismic_gain : (without, unit, k_y, by the closed form) how fast the mechanism at k_y gains on the ground; None of
+        kinds of one block, whose k_y with a force along the sliding says it
     figures : numbers that published cases give beside the factors: name -> (design, which) -> number
     paper_keys : how keys begin whose defaults stand for numbers of the slope
     carried : what goes over into a design of kind blocks
@@ -154,7 +191,8 @@ class Kind(Generic[D]):
     has_site: bool = False
     crest_point: Callable[[D], Floats] | None = None
     column_row: "Callable[[D], ToppleDesign] | None" = None
-    at_load: Callable[[D, D, float], tuple[float, str] | None] | None = None
+    at_load: Callable[[D, D, float], AtLoad | None] | None = None
+    seismic_gain: Callable[[D, D, float, bool], Gain | None] | None = None
     figures: Mapping[str, Callable[[D, Any], float]] = field(default_factory=dict)
     paper_keys: tuple[str, ...] = ()
     carried: Carried = Carried()

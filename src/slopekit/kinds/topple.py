@@ -10,6 +10,7 @@ import numpy as np
 from slopekit.closed_form.toppling import (
     ColumnSlope,
     TopplingTable,
+    seismic_gain,
     toe_force_required,
     toppling_factor_of_safety,
     toppling_table,
@@ -36,7 +37,7 @@ from slopekit.kinds.many_blocks_design import (
     water_by,
 )
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads, with_ground, with_loads
-from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm
+from slopekit.kinds.protocol import Carried, CarriedJoint, ClosedForm, Gain
 from slopekit.kinds.words import BLOCKS_STATUSES, first_and_last
 from slopekit.preie.ravelling import Failure
 from slopekit.result import Result, Words
@@ -296,6 +297,18 @@ def goodman_bray(design: ToppleDesign, mechanism: Mechanism | None) -> tuple[Clo
     return ClosedForm(closed.factor or None, closed.status), columns
 
 
+def _closed_gain(design: ToppleDesign, k: float) -> Gain | None:
+    """The gain of Goodman & Bray's columns at their yield coefficient; None where the method does not take them."""
+    toward = design.seismic.trend_deg
+    if why_no_table(design) or (toward is not None and toward <= 180.0):
+        return None
+    try:
+        factor, column = seismic_gain(replace(column_slope(design), seismic=k))
+    except DesignError:
+        return None
+    return Gain(factor, design.block_names[column - 1])
+
+
 def _slid_onto(table: TopplingTable) -> list[str]:
     """Columns that slide above one that topples: water or a load on their tops drives them."""
     topples = [k for k, mode in enumerate(table.modes) if mode == "topple"]
@@ -417,7 +430,7 @@ OWN = Blocks(
         "toppling columns", "topple", "out of the slope", "Goodman & Bray closed form", "Goodman & Bray",
         BLOCKS_STATUSES, "Goodman & Bray's method does not take this design (see NOTE)",
     ),
-    cut, goodman_bray, _notices,
+    cut, goodman_bray, _notices, _closed_gain,
 )  # fmt: skip
 KIND = kind_of_many_blocks(
     "topple", ToppleDesign, read_topple, OWN, _slope,

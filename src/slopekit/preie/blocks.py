@@ -374,6 +374,7 @@ def load_limit(model: AssemblyModel, ramp: Floats, reduction: float) -> tuple[Pa
     with allowed(MOST):
         path_end, bond, _ = _with_bonds(model, once)
     basis = Basis.LIMIT if path_end.outcome is PathOutcome.LIMIT else Basis.SETTLED
+    basis = basis if path_end.found else Basis.PEAK
     return path_end, BlocksLimit(
         Outcome.SLIDES, 1.0 / reduction, basis, 0.0, frozen(path_end.motion.reshape(model.load.shape)),
         frozen(path_end.normal), frozen(path_end.friction), frozen(bond), None, None, None, None, False,

@@ -184,22 +184,36 @@ def whole_model(
     )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class CriticalLoad:
+    """A multiplier of a load and the mechanism there.
+
+    Attributes
+    ----------
+    multiplier : of the limit state, or, where the motion did not settle, of the last state at rest
+    failure : the mechanism
+    runs : in that case the first multiplier at which the blocks run, None otherwise
+    """
+
+    multiplier: float
+    failure: Failure
+    runs: float | None
+
+
 def critical_load(
     assembly: Assembly, loads: AssemblyLoads, ramp: tuple[Floats, Floats], strength: JointStrength, reduction: float
-) -> tuple[float, Failure] | None:
+) -> CriticalLoad | None:
     """The lowest multiplier of a load on top of others at which the strength times λ just holds, over all components.
 
     Parameters
     ----------
     ramp : forces and moments (b, 3) that grow
 
-    Returns
-    -------
-    multiplier and mechanism; None where the blocks do not stand without the ramp, or stand with any of it
+    None where the blocks do not stand without the ramp, or stand with any of it.
     """
     scene = _Scene(assembly, replace(loads, live=ramp), strength)
     there = ~assembly.fixed
-    lowest: tuple[float, Part] | None = None
+    lowest: tuple[float, Part, float | None] | None = None
     with threadpool_limits(1):
         for blocks in _components(scene, np.flatnonzero(there)):
             model_patch = _model(scene, there, blocks)
@@ -207,15 +221,17 @@ def critical_load(
                 continue
             model, patch = model_patch
             path, limit = load_limit(model, model.live, reduction)
-            if path.found and path.parameter is not None:
+            if path.parameter is not None and (path.found or path.outcome is PathOutcome.BRACKET):
                 if lowest is None or path.parameter < lowest[0]:
-                    lowest = path.parameter, Part(model, limit, blocks, patch)
+                    runs = None if path.found or path.peak is None else path.peak[1]
+                    lowest = path.parameter, Part(model, limit, blocks, patch), runs
             elif path.outcome is not PathOutcome.STANDS:
                 return None
     if lowest is None:
         return None
-    blocks, motion = _moving(lowest[1], block_sizes(assembly))
-    return lowest[0], Failure((lowest[1],), blocks, motion)
+    multiplier, part, runs = lowest
+    blocks, motion = _moving(part, block_sizes(assembly))
+    return CriticalLoad(multiplier, Failure((part,), blocks, motion), runs)
 
 
 def _solved(scene: _Scene, there: Bools, among: Ints) -> Iterator[Part]:

@@ -148,6 +148,11 @@ CHARTS: Mapping[str, Chart] = {
         "quake.json: slopekit quake design.yaml RECORD... -o DIR", "quake_charts.draw_motion",
         lambda of: of.get("study") == "quake" and of.get("motion") is not None,
     ),
+    "six": Chart(
+        "displacement and turning in six degrees of freedom, beside the sliding one way",
+        "quake.json: slopekit quake design.yaml RECORD... --six -o DIR", "quake_charts.draw_six",
+        lambda of: of.get("study") == "quake" and of.get("six_motion") is not None,
+    ),
     "elastic-tractions": Chart(
         "normal tractions of each joint, rigid beside elastic",
         "result.json of elastic blocks: slopekit run design.yaml --elastic -o DIR",

@@ -4,7 +4,9 @@ All are medians for a rigid block on records of shallow earthquakes, with κ = 1
 
 Sources: Ambraseys & Menu 1988 (Earthquake Eng. Struct. Dyn. 16, 985-1006); Jibson 2007 (Eng. Geology 91, 209-218),
 eqs. 6 and 10; Saygili & Rathje 2008 (J. Geotech. Geoenviron. Eng. 134, 790-803), eq. 6 with PGA and PGV, with PGA and
-Arias intensity. Coefficients as Meehan & Vahedifard 2013 (Eng. Geology 152, 180-193) list them.
+Arias intensity. Coefficients as Meehan & Vahedifard 2013 (Eng. Geology 152, 180-193) list them; the first four are
+those of USGS's SLAMMER too (Jibson et al. 2013, its source), the last those of a public R function for Newmark
+displacements (Dn_SR08). The papers themselves were not read.
 """
 
 import math

@@ -27,7 +27,7 @@ from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
-from slopekit.studies.quake.six import Shaking, shaken_in_six, six_block
+from slopekit.studies.quake.six import Shaking, SixMotion, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
 from slopekit.studies.quake.yielding import KEY, Yield, check_stands, other_way, shown_k, static_design, yields_of
 from slopekit.studies.running import checked_crew
@@ -107,6 +107,7 @@ class Quake(Outcome):
     shaken : record by record; motion : of the one that moves it most, None where none does
     scale_pga : the peak that all records were scaled to, g
     six : in six degrees of freedom, each record in both polarities; empty where that was not asked for
+    six_motion : of the one of these that slides farthest; beside_six : the motion one way in the same record
     """
 
     name: ClassVar[str] = "quake"
@@ -118,6 +119,8 @@ class Quake(Outcome):
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
     six: tuple[Shaking, ...] = ()
+    six_motion: SixMotion | None = None
+    beside_six: Motion | None = None
     seconds: float = field(default=0.0, compare=False)
 
     @property
@@ -156,8 +159,8 @@ class Quake(Outcome):
 
     @property
     def charts(self) -> tuple[str, ...]:
-        """Acceleration, velocity and displacement."""
-        return ("motion",) if self.motion is not None else ()
+        """Acceleration, velocity and displacement; displacement and turning in six degrees of freedom."""
+        return (*(["motion"] if self.motion is not None else []), *(["six"] if self.six_motion is not None else []))
 
     @property
     def has_spread(self) -> bool:
@@ -231,9 +234,25 @@ class Quake(Outcome):
             "regressions": self.compared(),
             "six": [one.to_dict() for one in self.six] or None,
             "motion": None if self.motion is None else self.motion.to_dict(),
+            "six_motion": None if self.six_motion is None else _six_dict(self.six_motion, self.beside_six),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
+
+
+def _six_dict(moves: SixMotion, beside: Motion | None) -> dict[str, Any]:
+    """A motion in six degrees of freedom as JSON values, beside that one way."""
+    every = max(1, math.ceil(len(moves.times_s) / _MOST_DRAWN))
+    columns = {"t_s": moves.times_s} | {
+        name: of[:, k]
+        for of, names in ((moves.moved, ("east_m", "north_m", "up_m")),
+                          (moves.turned_deg, ("about_east_deg", "about_north_deg", "about_up_deg")))
+        for k, name in enumerate(names)
+    }  # fmt: skip
+    one_way = None if beside is None else {name: beside.to_dict()[name] for name in ("t_s", "d_m")}
+    return {"record": moves.record, "way": moves.way, "every": every, "one_way": one_way} | {
+        name: [float(f"{value:.7g}") for value in column[::every]] for name, column in columns.items()
+    }
 
 
 def _degrees(text: str, option: str) -> float:
@@ -332,11 +351,14 @@ def quake(
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
-        in_six = () if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
+        in_six, moves = ((), None) if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = other_way(static, yields[0], advance)
     warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken), *_of_six(in_six))
     trend = static.seismic.trend_deg
-    return Quake(static, trend, yields, shaken, motion, scale_pga, warnings, in_six, time.perf_counter() - began)
+    beside = None if moves is None else _beside(moves, static, yields[0], taken)
+    return Quake(
+        static, trend, yields, shaken, motion, scale_pga, warnings, in_six, moves, beside, time.perf_counter() - began
+    )
 
 
 def _shaken(
@@ -362,6 +384,17 @@ def _shaken(
         return tuple(found), None
     _, record, way, of = most
     return tuple(found), _motion(record, way, of, limit, factor, static.gravity_m_s2)
+
+
+def _beside(moves: SixMotion, static: Design, ours: Yield, records: Sequence[Record]) -> Motion | None:
+    """The motion one way in the record and polarity of a motion in six degrees of freedom."""
+    if ours.coefficient is None:
+        return None
+    record = next(one for one in records if one.name == moves.record)
+    way: Way = "reversed" if moves.way == "reversed" else "as recorded"
+    limit = ours.coefficient * static.gravity_m_s2
+    of = slide(record.times_s, _WAYS[way] * record.accelerations, limit)
+    return _motion(record, way, of, limit, ours.factor or 1.0, static.gravity_m_s2)
 
 
 def _motion(record: Record, way: Way, of: Slide, limit: float, factor: float, gravity: float) -> Motion:
@@ -403,6 +436,16 @@ def _notices(static: Design, yields: Sequence[Yield], shaken: Sequence[Shaken]) 
     if ours.coefficient is not None and ours.factor is None:
         found.append(Notice("W462", f"no factor: {ours.why_not}; displacements are plain Newmark's, with 1, and may be "
                             "too small"))  # fmt: skip
+    if ours.alone_at is not None:
+        found.append(Notice("W468", f"the factor is that of {ours.factor_of} with all other blocks held, which moves "
+                            f"at {shown_k(ours.alone_at)}: the motion of all of them did not settle"))  # fmt: skip
+    if ours.first_factor is not None:
+        found.append(Notice("W470", f"contacts change just above k_y: the factor is {ours.first_factor:.4g} right at "
+                            f"it and {ours.factor:.4g} a hundredth above, which is taken; further up more blocks may "
+                            "join in"))  # fmt: skip
+    if ours.runs is not None:
+        found.append(Notice("W469", f"no limit state was found: k_y {shown_k(ours.coefficient)} is that of the last "
+                            f"state at rest, at {shown_k(ours.runs)} the blocks run"))  # fmt: skip
     if ours.coefficient is None:
         found.append(Notice("W463", f"{ours.why_not}: no displacement in any record"))
     on = [one.record.name for one in shaken if one.after_m > _MOVES_ON * one.larger_m and not one.record.is_pulse]

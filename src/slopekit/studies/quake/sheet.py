@@ -71,7 +71,9 @@ def _yield(found: Quake, one: Yield) -> str:
         return f"{name}none: {one.why_not}"
     status = status_words(found.design, one.status)
     factor = f"factor {one.factor:.6f}" if one.factor is not None else f"no factor: {one.why_not}"
-    return f"{name}k_y {one.coefficient:.6f} g   {factor}   {status}"
+    of = f" of {one.factor_of}" if one.factor_of else ""
+    runs = "" if one.runs is None else f", runs at {one.runs:.6f}"
+    return f"{name}k_y {one.coefficient:.6f} g{runs}   {factor}{of}   {status}"
 
 
 def _stands_for_none(found: Quake) -> list[str]:
@@ -151,7 +153,7 @@ def _six(found: Quake) -> Table[Any]:
         Column("record", of("record"), "record", width=-16, text=lambda row: _cut(row[0].record, 16)),
         Column("way", of("way"), "way", width=-11),
         Column("slid cm", of("slid_m"), "slid_m", "m", lambda m: f"{m * 100.0:.4g}", 8),
-        Column("one way", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 9),
+        Column("one way cm", itemgetter(1), "one_way_m", "m", lambda m: f"{m * 100.0:.4g}", 11),
         Column("turned °", of("rotation_deg"), "rotation_deg", "°", ".3f", 9),
         part("slips %", "slipped", 8), part("open %", "opened", 7), part("loose %", "debonded", 8),
         Column("  ended", of("ended"), "ended", width=-1, about="  {}"),
@@ -204,8 +206,11 @@ def _compared(found: Quake) -> list[str | Table[Any]]:
 
 def _model(found: Quake) -> str:
     factor = "1" if found.factor is None else f"{found.factor:.6f}"
+    ours = found.yields[0]
+    which = "with all others held" if ours.alone_at is not None else "which of all goes farthest"
+    block = f"{ours.factor_of}, {which}," if ours.factor_of else "the block"
     return (
-        f"one way, rigid, exact between samples; the block gains on the ground by {factor} x (a - k_y g); "
+        f"one way, rigid, exact between samples; {block} gains on the ground by {factor} x (a - k_y g); "
         "left out: vertical shaking, sliding back, strength lost by slip, geometry that changes"
     )
 

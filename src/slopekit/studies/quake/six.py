@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from slopekit.core.arrays import Floats
+from slopekit.core.arrays import Floats, frozen
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 from slopekit.design.common import Design, Strength
@@ -68,6 +68,22 @@ class Shaking:
 
 
 @dataclass(frozen=True, slots=True)
+class SixMotion:
+    """The motion of the block in six degrees of freedom, against bedrock from rest before the shaking.
+
+    Attributes
+    ----------
+    times_s : (m,); moved : (m, 3) m east, north, up, of the centroid; turned_deg : (m, 3) about these axes
+    """
+
+    record: str
+    way: str
+    times_s: Floats
+    moved: Floats
+    turned_deg: Floats
+
+
+@dataclass(frozen=True, slots=True)
 class SixBlock:
     """The block of a design, and the ways (translations,) that its shaking pushes: toward, to the right of that, up."""
 
@@ -96,16 +112,21 @@ def six_block(static: Design, records: int, across: Record | None, vertical: Rec
 def shaken_in_six(
     of: SixBlock, records: Sequence[Record], across: Record | None, vertical: Record | None,
     advance: Callable[[int], None],
-) -> tuple[Shaking, ...]:  # fmt: skip
-    """Every record in both polarities."""
-    found = []
+) -> tuple[tuple[Shaking, ...], SixMotion]:  # fmt: skip
+    """Every record in both polarities, and the motion in the one that slides farthest."""
+    found: list[Shaking] = []
+    most: tuple[float, SixMotion] | None = None
     for record in records:
         pushes = _components(record, across, vertical, of.ways)
         for way, sign in WAYS.items():
             out = shake(of.block, _STEP, sign * pushes)
-            found.append(_said(record, way, out, of.block, of.made))
+            motion = _in_space(record, way, out, of.block, of.made)
+            found.append(_said(motion, out))
+            if most is None or found[-1].slid_m > most[0]:
+                most = found[-1].slid_m, motion
             advance(1)
-    return tuple(found)
+    assert most is not None  # there is a record
+    return tuple(found), most[1]
 
 
 def _components(
@@ -184,12 +205,19 @@ def _none(why: str) -> DesignError:
     return DesignError([Fault("E522", f"--six has no answer for this design: {why}", "", "Leave --six out.")])
 
 
-def _said(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cut) -> Shaking:
-    last = out.motion[-1]
-    moved, turned = np.zeros(3), last[block.translations :]
-    moved[[0, 2] if block.translations == 2 else [0, 1, 2]] = last[: block.translations]
-    moved = moved if made.axes is None else moved @ made.axes
+def _in_space(record: Record, way: str, out: Shake, block: ShakenBlock, made: Cut) -> SixMotion:
+    moved, turned = np.zeros((len(out.times), 3)), np.zeros((len(out.times), 3))
+    section = block.translations == 2
+    moved[:, [0, 2] if section else [0, 1, 2]] = out.motion[:, : block.translations]
+    turned[:, [1] if section else [0, 1, 2]] = out.motion[:, block.translations :]
+    if made.axes is not None:
+        moved, turned = moved @ made.axes, turned @ made.axes
+    return SixMotion(record.name, way, out.times, frozen(moved), frozen(np.degrees(turned)))
+
+
+def _said(motion: SixMotion, out: Shake) -> Shaking:
+    last, turned = motion.moved[-1], motion.turned_deg[-1]
     return Shaking(
-        record.name, way, moved, math.sqrt(float(moved @ moved)), math.degrees(math.sqrt(float(turned @ turned))),
+        motion.record, motion.way, last, math.sqrt(float(last @ last)), math.sqrt(float(turned @ turned)),
         out.slipped, out.opened, out.debonded, out.steps, out.halved, out.ended, float(out.times[-1]), out.work,
     )  # fmt: skip

@@ -2,7 +2,8 @@
 
 Above k_y the block slides: its acceleration against the ground is κ (a - k_y g), not a - k_y g. κ is the derivative of
 the net driving force by k, in parts of the weight: cos(β - φ) / cos φ on a plane. At factor 1 a force along the sliding
-is as good as one of inertia, so κ follows from how much such a force moves k_y, by any method.
+is as good as one of inertia, so κ follows from how much such a force moves k_y, by any method. Of several blocks each
+has the inertia of its own motion, and κ is that of the block that goes farthest (`Kind.seismic_gain`).
 """
 
 import math
@@ -32,6 +33,7 @@ _PUSH = 0.02  # of the yield coefficient, in parts of the weight: how much a for
 _LEAST_PUSH = 1e-3
 _CLOSE = {"closed_form": 1e-12, "pre_ie": 1e-9}  # of k: how near the moved ones are found
 _MOST_STEPS = 25
+_DILATES = "its joints dilate: it rises as it slides"
 _JUST_ABOVE = 1.0 + 1e-7  # of k_y: the block moves as it will, and no elastic state at rest is asked for
 
 
@@ -45,6 +47,10 @@ class Yield:
     coefficient : None where no k up to 2 moves the block
     status : how it moves there
     factor : κ, None where there is none; why_not says why
+    factor_of : of several blocks the one whose centroid it is for, the farthest; "" of one block
+    alone_at : where the motion of all did not settle, the k_y of that block with all others held, whose factor it is
+    first_factor : the factor right at the coefficient, where contacts change just above it and it becomes `factor`
+    runs : where the coefficient is that of the last state at rest, the first at which the blocks run
     before : the factor of safety without an earthquake; inf where nothing drives
     agree : whether the methods agree there on the same assumptions; None where that is not judged
     """
@@ -56,6 +62,10 @@ class Yield:
     why_not: str
     before: float
     agree: bool | None = None
+    factor_of: str = ""
+    alone_at: float | None = None
+    first_factor: float | None = None
+    runs: float | None = None
 
     @property
     def jumps(self) -> bool:
@@ -125,14 +135,14 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
         return None
     if before <= 1.0:
         return Yield(method, None, status_of(solution.before, method), None, "it does not hold at k = 0", before)
-    agree = None
+    agree = runs = None
     answers = solution.pre_ie if method == "pre_ie" else solution.closed_form
     if answers is None:  # a closed form that comes with PRE-IE: columns
         k, status = _beside(static, solution, advance)
     else:
         roots = [one for one in (*answers.roots, *answers.others) if one.value > 0.0]
         first = min(roots, key=lambda one: one.value, default=None)
-        k, status = (None, "") if first is None else (first.value, first.status)
+        k, status, runs = (None, "", None) if first is None else (first.value, first.status, first.runs)
         if first is not None and first.both.factors is not None:
             agree = first.both.factors.agree
         if first is not None and first.how != "root" and method == "pre_ie":
@@ -141,8 +151,17 @@ def _yield_by(static: Design, solution: Solution, method: Method, advance: Advan
             return Yield(method, k, status, None, why, before, agree)
     if k is None:
         return Yield(method, None, status, None, f"no k up to {MOST_K:g} moves it", before)
-    factor, why = _gain(static, method, k, advance)
-    return Yield(method, k, status, factor, why, before, agree)
+    kind = kind_of(static)
+    if kind.seismic_gain is None:
+        factor, why = _gain(static, method, k, advance)
+        return Yield(method, k, status, factor, why, before, agree, runs=runs)
+    if any(strength.dilation_deg for strength in kind.strengths(static)):
+        return Yield(method, k, status, None, _DILATES, before, agree, runs=runs)
+    gain = kind.seismic_gain(static, with_values(static, {KEY: 1.0}), k, method == "closed_form")
+    advance(1)
+    if gain is None:
+        return Yield(method, k, status, None, "the motion of the blocks did not settle", before, agree, runs=runs)
+    return Yield(method, k, status, gain.factor, "", before, agree, gain.block, gain.alone_at, gain.first, runs)
 
 
 def other_way(static: Design, ours: Yield, advance: Advance) -> tuple[float, float] | None:
@@ -202,8 +221,6 @@ def _root(level: Callable[[float], float | None], start: float, close: float, ad
 def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[float | None, str]:
     """κ at a yield coefficient, or why there is none."""
     kind = kind_of(static)
-    if kind.closed_form is None:
-        return None, "several blocks move, each its own way"
     result = analyse(with_values(static, {KEY: k * _JUST_ABOVE}))
     advance(1)
     if result.mechanism is None or not result.status.startswith("slides"):
@@ -211,7 +228,7 @@ def _gain(static: Design, method: Method, k: float, advance: Advance) -> tuple[f
     if result.moments_govern and method == "pre_ie":
         return None, "moments govern: it turns as it slides"
     if any(strength.dilation_deg for strength in kind.strengths(static)):
-        return None, "its joints dilate: it rises as it slides"
+        return None, _DILATES
     along = result.mechanism.displacement
     along = along / math.sqrt(float(along @ along))
     weight = result.forces.weight

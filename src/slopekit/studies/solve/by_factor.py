@@ -14,7 +14,7 @@ from slopekit.core.records import dataclass
 from slopekit.design.common import Design
 from slopekit.design.files import with_values
 from slopekit.kinds import dilates, kind_of
-from slopekit.kinds.protocol import Factors
+from slopekit.kinds.protocol import AtLoad, Factors
 from slopekit.studies.keys import Key, key_of, values_of
 from slopekit.studies.points import Evaluation, Method, Point, checked_target, factor_at, status_of
 from slopekit.studies.protocol import Advance
@@ -74,7 +74,7 @@ def for_factor(
     low, high = parse_within(one, text if equals else within)
     target, own = _target(design, fos)
     closed: Answers | None = None
-    direct: tuple[float, str] | None = None
+    direct: AtLoad | None = None
     asked = _Asked(design, one, low, high, target, crew, advance)
     if kind_of(design).closed_form is not None:
         quick = asked.search("closed_form")
@@ -89,7 +89,7 @@ def for_factor(
         direct = _by_load(asked)
         if direct is None:
             found = _look_roughly(search, asked, bool(equals) or within is not None)
-    pre_ie = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, *direct)
+    pre_ie = _answers("pre_ie", asked, search, found) if direct is None else _in_load(asked, direct)
     if closed is not None:
         closed = replace(closed, roots=tuple(replace(root, both=asked.both(root.value)) for root in closed.roots))
     before = asked.before()
@@ -251,8 +251,8 @@ def _look_roughly(search: Search[Point], asked: _Asked, whole: bool) -> list[Cro
     return crossings
 
 
-def _by_load(asked: _Asked) -> tuple[float, str] | None:
-    """The value of a load of many blocks, and the status, straight from the elastic path in it; None: it has none."""
+def _by_load(asked: _Asked) -> AtLoad | None:
+    """The value of a load of many blocks straight from the elastic path in it; None: it has none."""
     at_load = kind_of(asked.design).at_load
     if at_load is None or not _LOAD.fullmatch(asked.key.path):
         return None
@@ -260,17 +260,26 @@ def _by_load(asked: _Asked) -> tuple[float, str] | None:
         with_values(asked.design, values_of(asked.design, [asked.key], [value])) for value in (0.0, _UNIT_LOAD)
     )
     found = at_load(without, unit, asked.target)
-    if found is None or not asked.low <= found[0] * _UNIT_LOAD <= asked.high:
+    if found is None or not asked.low <= found.multiplier <= asked.high:
         return None
-    return found[0] * _UNIT_LOAD, found[1]
+    if found.runs is not None:  # a last state at rest: with the strength divided last they may hold less
+        factor = factor_at(asked.both(found.multiplier), "pre_ie")
+        if factor is not None and factor < asked.target - TOLERANCE["pre_ie"]:
+            return None
+    return found
 
 
-def _in_load(asked: _Asked, value: float, status: str) -> Answers:
-    """The answer of the path in the load: at this value its limit state has the target for its factor, exactly."""
-    point = Point(Factors(status, asked.target, None, None, None, None, False, True))
-    here = (value, asked.target)
-    found = Found("root", value, asked.target, status, (here, here), False, point, put_back=False)
-    return Answers("pre_ie", (found,), (), None, None, (), (0.0, value), 1, None)
+def _in_load(asked: _Asked, at: AtLoad) -> Answers:
+    """The answer of the path in the load: at this value its limit state has the target for its factor, exactly.
+
+    Where the motion did not settle the value is that of the last state at rest; the bracket ends where they run.
+    """
+    point = Point(Factors(at.status, asked.target, None, None, None, None, False, True))
+    here = (at.multiplier, asked.target)
+    beyond = here if at.runs is None else (at.runs, math.nan)
+    last = None if at.runs is None else factor_at(asked.both(at.multiplier), "pre_ie")
+    found = Found("root", at.multiplier, asked.target, at.status, (here, beyond), False, point, False, last)
+    return Answers("pre_ie", (found,), (), None, None, (), (0.0, beyond[0]), 1 + len(asked.points), None)
 
 
 def _crossings(search: Search[Point]) -> list[Crossing[Point]]:

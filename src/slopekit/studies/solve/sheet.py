@@ -176,7 +176,10 @@ def _put_back(solution: Solution) -> list[str]:
         for root in answers.roots[:1]:
             if not root.put_back:
                 shown = f"{_name(answers)} {solution.key.shown(root.value)}"
-                entries.append(f"{shown}: not put back; the limit state of the path in this load, {root.status}")
+                what = "limit state" if root.runs is None else "last state at rest"
+                entries.append(f"{shown}: not put back; the {what} of the path in this load, {root.status}")
+                if root.runs is not None:
+                    entries.append(f"the blocks run at {solution.key.shown(root.runs)}")
                 continue
             miss = abs(root.factor - solution.target)
             missed = f"{miss:.1e}" if miss else "nothing"

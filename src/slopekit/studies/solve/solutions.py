@@ -38,7 +38,10 @@ class Found:
     bracket : values on both sides, with the factors there (inf where nothing drives, 0 where nothing holds)
     rises : whether the factor rises with the value there
     both : what both methods say at the value
-    put_back : whether the factor is that of the value put back; False: the path in a load has it for its own strength
+    put_back : whether the factor is that of the value put back; False: the path in a load has it for its own strength,
+        and the bracket goes from the last value at rest to the first that runs, one value where a limit state was found
+    strength_last : of a last state at rest, the factor of the value put back, as the strength is divided last; None
+        where there is none
     """
 
     how: Literal["root", "jump", "gap"]
@@ -49,6 +52,13 @@ class Found:
     rises: bool
     both: Point
     put_back: bool = True
+    strength_last: float | None = None
+
+    @property
+    def runs(self) -> float | None:
+        """Where the motion of the path in a load did not settle: the first value at which the blocks run."""
+        (at, _), (beyond, _) = self.bracket
+        return beyond if not self.put_back and beyond != at else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,8 +185,9 @@ class Solution(Outcome):
         return {
             "how": found.how, "value": self.key.reduced(found.value), "fos": json_of(found.factor) if of_it else None,
             "status": found.status, "misses_by": json_of(abs(found.factor - self.target)) if of_it else None,
-            "rises": found.rises, "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
-            "put_back": found.both.to_dict() if of_it else None,
+            "rises": found.rises,
+            "bracket": [{"value": at, "fos": json_of(factor)} for at, factor in found.bracket],
+            "put_back": found.both.to_dict() if of_it else None, "strength_last": json_of(found.strength_last),
         }  # fmt: skip
 
 
@@ -247,7 +258,7 @@ def shown(factor: float) -> str:
 
 
 def notices(solution: Solution) -> Iterator[Notice]:
-    """What is to be known beside the value: W355 to W358, and means taken (W320)."""
+    """What is to be known beside the value: W355 to W358, W469, and means taken (W320)."""
     key, target, found = solution.key, solution.target, solution.answer
     closed = solution.closed_form
     other = closed.roots[0] if closed is not None and closed.roots else None
@@ -260,6 +271,11 @@ def notices(solution: Solution) -> Iterator[Notice]:
         point = other.both
         why = "with moments there is no such value" if point.factors else f"there {point.code} {point.message}"
         yield Notice("W355", f"the closed form has {key.shown(other.value)}, but {why}: do not use it")
+    if found is not None and found.runs is not None:
+        last = "none" if found.strength_last is None else shown(found.strength_last)
+        yield Notice("W469", f"no limit state was found: the blocks were last at rest at {key.shown(found.value)} and "
+                             f"run at {key.shown(found.runs)} as this load comes on last; with the strength divided "
+                             f"last their factor there is {last}")  # fmt: skip
     if len(solution.pre_ie.roots) > 1:
         further = [f"{key.shown(one.value)} ({one.status})" for one in solution.pre_ie.roots[1:]]
         others = ", ".join(further[:_MOST_LISTED]) + (", …" if len(further) > _MOST_LISTED else "")

@@ -1,0 +1,153 @@
+"""How fast several blocks gain on shaken ground: by hand, by Goodman & Bray's recursion, by the equation of motion."""
+
+import math
+
+import numpy as np
+import pytest
+
+import slopekit as sk
+from benchmarks.quake import rate_above
+from slopekit.design.files import with_values
+from slopekit.design.templates import path_of
+from slopekit.kinds import kind_of
+
+KEY = "loads.seismic.k"
+
+
+def _both(design):
+    """What the path in the load and the gain at it say, and the gain of the closed form."""
+    kind, ends = kind_of(design), [with_values(design, {KEY: k}) for k in (0.0, 1.0)]
+    at = kind.at_load(*ends, 1.0)
+    return at, *(kind.seismic_gain(*ends, at.multiplier, closed) for closed in (False, True))
+
+
+def _column(dip: float, phi: float, cohesion: float) -> dict:
+    """A slab 20 m long and 1 m high on a plane that dips west."""
+    b = math.radians(dip)
+    along, up = np.array([math.cos(b), math.sin(b)]), np.array([-math.sin(b), math.cos(b)])
+    base = [[0, 0], (40 * along).tolist(), [40 * along[0], -5], [0, -5]]
+    slab = [point.tolist() for point in (10 * along, 30 * along, 30 * along + up, 10 * along + up)]
+    return {
+        "slopekit": 1, "kind": "blocks", "rock": {"unit_weight": 25},
+        "blocks": {"base": {"polygon": base, "fixed": True}, "B1": {"polygon": slab}},
+        "strength": {"joint": {"c": cohesion, "phi": phi}}, "loads": {"seismic": {"k": 0, "toward": 270}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("dip", "phi", "cohesion"), [(20.0, 35.0, 0.0), (35.0, 30.0, 20.0), (5.0, 60.0, 0.0)])
+def test_one_block_on_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi, cohesion) -> None:
+    b, f = math.radians(dip), math.radians(phi)
+    _, gain, _ = _both(sk.load(_column(dip, phi, cohesion)))
+    assert gain.factor == pytest.approx(math.cos(b - f) / math.cos(f), rel=1e-12)
+
+
+def test_a_column_that_tips_by_hand() -> None:
+    """1 m by 2 m about its corner: I = 5/3 m, driven by k at 1 m, the centroid at √5/2 m. θ'' = 3/5 k g."""
+    column = {
+        "slopekit": 1, "kind": "blocks",
+        "blocks": {"base": {"polygon": [[-1, -1], [3, -1], [3, 0], [-1, 0]], "fixed": True},
+                   "B1": {"polygon": [[0, 0], [1, 0], [1, 2], [0, 2]]}},
+        "strength": {"joint": {"c": 0, "phi": 60}}, "rock": {"unit_weight": 25},
+        "loads": {"seismic": {"k": 0, "toward": "090"}},
+    }  # fmt: skip
+    at, gain, _ = _both(sk.load(column))
+    assert at.multiplier == pytest.approx(0.5, rel=1e-9)
+    assert gain.factor == pytest.approx(0.6 * math.sqrt(5.0) / 2.0, rel=1e-9)
+
+
+def test_an_active_block_pushes_a_passive_one_by_hand() -> None:
+    """Four equations of the two blocks of the template, 12.5 and 50 of weight, the push Q between them level.
+
+    B1 slides down its base at 45° with √2 times the speed at which it drives B2 along the level one; φ 30°.
+    """
+    t = math.tan(math.radians(30.0))
+    r = math.sqrt(0.5)
+    matrix = np.array(
+        [
+            [12.5, -r * (1 - t), 1.0, 0.0],  # level, B1: inertia, N1 less its friction, push back
+            [-12.5, -r * (1 + t), 0.0, 0.0],  # up
+            [50.0, 0.0, -1.0, t],  # level, B2
+            [0.0, 0.0, 0.0, 1.0],  # up: N2 does not change
+        ]
+    )
+    level = np.linalg.solve(matrix, [12.5, 0.0, 50.0, 0.0])[0]
+    _, gain, _ = _both(sk.load(str(path_of("blocks"))))
+    assert gain.factor == pytest.approx(level * math.sqrt(2.0), rel=1e-9)
+    assert gain.block == "B1"
+
+
+def _columns(seed: int) -> dict:
+    rng = np.random.default_rng(seed)
+    heights = rng.uniform(2.5, 9.0, int(rng.integers(3, 8))).round(2).tolist()
+    return {
+        "slopekit": 1, "kind": "topple", "rock": {"unit_weight": 25}, "loads": {"seismic": {"k": 0, "toward": 270}},
+        "columns": {"dip": float(rng.uniform(70, 85)), "width": float(rng.uniform(2, 3)), "heights": heights,
+                    "base_step": float(rng.uniform(0, 0.4)), "base": "base", "sides": "side"},
+        "strength": {"base": {"c": 0, "phi": float(rng.uniform(32, 45))},
+                     "side": {"c": 0, "phi": float(rng.uniform(20, 45))}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7])
+def test_columns_as_goodman_and_bray_s_recursion_with_inertia(seed) -> None:
+    design = sk.load(_columns(seed))
+    at, ours, closed = _both(design)
+    assert ours.factor == pytest.approx(closed.factor, rel=1e-10)
+    assert ours.block == closed.block
+    assert at.runs is None
+
+
+@pytest.mark.parametrize("name", ["topple", "blocks"])
+def test_the_equation_of_motion_of_blocks_on_springs_has_that_rate(name) -> None:
+    """Implicit Euler, 0.02 above k_y, no modes prescribed: its acceleration once the springs have followed."""
+    design = sk.load(str(path_of(name)))
+    _, gain, _ = _both(design)
+    assert rate_above(design, gain.block, 0.02) == pytest.approx(gain.factor, rel=1e-9)
+
+
+BENCH = {
+    "slopekit": 1, "kind": "bench", "slope": {"face": "70/180", "height": 5, "upper": "0/180", "length": 6, "depth": 4},
+    "sets": {"S1": {"plane": "30/175", "spacing": 2, "strength": "bedding"},
+             "S2": {"plane": "85/265", "spacing": 2, "offset": 0.5, "strength": "joint"},
+             "S3": {"plane": "75/350", "spacing": 2.5, "strength": "joint"}},
+    "strength": {"bedding": {"c": 0, "phi": 42}, "joint": {"c": 0, "phi": 40}},
+    "rock": {"density": 2600}, "loads": {"seismic": {"k": 0, "toward": 180}},
+}  # fmt: skip
+
+
+def _bench(**changes) -> dict:
+    return BENCH | {"slope": BENCH["slope"] | changes}
+
+
+def test_where_contacts_change_just_above_the_limit_the_factor_above_is_taken() -> None:
+    """A bench whose side joint presses with next to nothing: the equation of motion has never the limit's factor."""
+    design = sk.load(_bench(height=4, face="65/180"))
+    at, gain, _ = _both(design)
+    assert at.runs is None
+    assert gain.first > 1.05 * gain.factor
+    assert rate_above(design, gain.block, 0.0023) == pytest.approx(gain.factor, rel=0.01)
+
+
+def test_a_motion_that_does_not_settle_has_the_factor_of_one_block_and_says_so() -> None:
+    found = sk.quake(sk.load(_bench(height=4, length=8)), "sine:0.3g,2Hz")
+    ours = found.yields[0]
+    assert 0.0 < ours.runs - ours.coefficient < 1e-3 * ours.coefficient
+    assert ours.alone_at == pytest.approx(ours.coefficient, rel=0.1)
+    assert 1.0 < ours.factor < 1.5
+    assert [notice.code for notice in found.warnings] == ["W468", "W469"]
+    assert f"runs at {ours.runs:.6f}" in str(found)
+
+
+def test_a_bracket_in_the_load_is_an_answer_of_solve() -> None:
+    """No second search by the strength: its factor at the value is said, and is none below the target."""
+    found = sk.solve(sk.load(_bench(face="75/180")), KEY, fos=1.0)
+    answer = found.answer
+    assert 0.0 < answer.runs - answer.value < 1e-3 * answer.value
+    assert answer.strength_last > 1.0
+    assert [notice.code for notice in found.warnings] == ["W469"]
+    assert "run at" in str(found)
+    assert found.pre_ie.evaluations == 2
+    root = found.to_dict()["pre_ie"]["roots"][0]
+    assert [end["value"] for end in root["bracket"]] == [answer.value, answer.runs]
+    assert root["bracket"][1]["fos"] is None
+    assert root["strength_last"] == answer.strength_last
