@@ -1,12 +1,14 @@
 """A column under its own weight: γ h² / 2E + γ h / k_n, exact with elements of order two (strength of materials)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import slopekit as sk
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, measures, mesh_of, split_evenly
-from slopekit.elastic.model import ElasticModel, with_blocks
+from slopekit.elastic.model import ElasticModel, on_bedrock, with_blocks
 from slopekit.elastic.rest import Search
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.preie.contact import JointStiffness
@@ -50,9 +52,47 @@ def test_a_column_settles_as_strength_of_materials_says(edge: float) -> None:
     exact = [-(GAMMA * (H * z - z * z / 2.0) / E + GAMMA * H / K_N) for z in top[:, 2]]
     mean = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N)
     seen = found.motion[2] + model.seen_of(0, found.forces, found.motion, 1.0)[:, 2]
-    # pairs of 1/12 and 3/4 do not give a uniform pressure to elements of other sizes: 2e-5 of the settlement
-    assert seen == pytest.approx([mean, *exact], rel=1e-4)
-    assert found.forces.reshape(-1, 3)[:, 0].sum() == pytest.approx(GAMMA * 20.0, rel=1e-9)
+    # pairs of 1/12 and 3/4 integrate what elements of order two do, where no pair's triangle crosses an element
+    assert seen == pytest.approx([mean, *exact], rel=1e-12)
+    assert found.forces.reshape(-1, 3)[:, 0] == pytest.approx(GAMMA * H * model.area, rel=1e-12)
+
+
+def test_a_column_on_elastic_rock_with_meshes_that_do_not_match() -> None:
+    """Patch test in space: block, bedrock and node pairs each cut the base in their own way; the column on a shaft of
+    rock of its own width and depth h_b settles by γ h h_b / E more, exactly."""
+    depth = 6.0
+    down = BOX - [0.0, 0.0, H]
+    down[:, 2] *= depth / H
+    shaft = Elements(split_evenly(mesh_of(down, cells_of(down, fanned(FACES))), 8.0), Rock(E, NU))
+    nodes = shaft.basis.get_dofs(lambda x: np.abs(x[2] + depth) < 1e-9).all()
+    pairs = node_pairs({0: BOX[[0, 3, 2, 1]]}, 3)
+    column = Elements(box_mesh(5.0), Rock(E, NU))
+    assert {len(np.unique(one.mesh.p[0, np.abs(one.mesh.p[2]) < 1e-9])) for one in (shaft, column)} == {2, 5}
+    by_force = shaft.held_at((3 * nodes[:, None] + np.arange(3)).ravel(), pairs.points, local_axes(pairs.normals))
+    model = on_bedrock(on_its_base(column, pairs), by_force)
+    found = Search(model, JointStiffness(normal=K_N, tangential=1e5)).rest(1.0)
+    assert found.stands
+    exact = -(GAMMA * H * H / 3.0 / E + GAMMA * H / K_N + GAMMA * H * depth / E)
+    seen = found.motion[2] + model.seen_of(0, found.forces, found.motion, 1.0)[0, 2]
+    assert seen == pytest.approx(exact, rel=1e-12)
+    assert found.forces.reshape(-1, 3)[:, 0] == pytest.approx(GAMMA * H * model.area, rel=1e-11)
+
+
+@pytest.mark.parametrize("elastic", [False, True])
+def test_a_block_that_overhangs_does_not_hang_on_open_pairs(elastic: bool) -> None:
+    """Its weight acts a millionth of its width beyond the edge it would turn about: nothing but springs of open pairs
+    could hold that, and on them it would rest with its base open by centimetres."""
+    model = on_its_base(Elements(box_mesh(20.0), Rock(E, NU)), node_pairs({0: BOX[[0, 3, 2, 1]]}, 2))
+    model = replace(model if elastic else model.rigid(), cohesion=np.zeros(len(model.area)))
+    weight = -model.load[2]
+    for beyond, stands in ((-1e-2, True), (1e-6, False)):
+        turned = replace(model, load=model.load + weight * (1.0 + beyond) * np.eye(6)[4])
+        search = Search(turned, JointStiffness(normal=K_N, tangential=1e5))
+        assert search.rest(0.01).stands is stands
+    search.bare = search.stiffness
+    hanging = search.rest(0.01)
+    assert hanging.stands
+    assert hanging.relative[:, 0].max() > 0.02
 
 
 def stacked(lower: float, upper: float, modulus: float) -> dict:
@@ -77,7 +117,7 @@ def test_two_columns_with_meshes_that_do_not_match() -> None:
     springs = (GAMMA * (lower + upper) + GAMMA * upper) / 1e5
     below = (GAMMA * lower**2 / 2.0 + GAMMA * upper * lower) / E
     mean = springs + below + GAMMA * upper**2 / 3.0 / E
-    assert found.displacement_m[2] == pytest.approx(-mean, rel=1e-4)
+    assert found.displacement_m[2] == pytest.approx(-mean, rel=1e-9)
     assert found.rigid_displacement_m[2] == pytest.approx(-springs, rel=1e-9)
     assert found.opened_share == 0.0
 

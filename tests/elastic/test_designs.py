@@ -8,8 +8,10 @@ import pytest
 
 import slopekit as sk
 from slopekit.core.errors import DesignError
+from slopekit.elastic.rest import Search
 from slopekit.kinds import cut
 from slopekit.kinds.elastic import _many_blocks
+from slopekit.preie.contact import ContactMode
 
 WEDGE = {"dips": ("45/115", "45/245"), "shear_stiffness": 1e5, "edge": "65 m"}
 PLANE = {
@@ -88,6 +90,16 @@ def test_columns_do_not_hang_on_what_is_open() -> None:
     low, high = found.bracket
     assert low <= found.limit * 1.0003
     assert high >= found.limit * 0.9997
+
+
+def test_open_pairs_carry_nothing() -> None:
+    design = sk.load(columns(0))
+    scene = _many_blocks(design, cut(design), sk.analyse(design))
+    found = Search(scene.model, scene.stiffness).rest(1.0)
+    assert found.stands
+    open_ = found.modes == ContactMode.DEBOND
+    assert open_.sum() > 10
+    assert not found.forces.reshape(-1, 3)[open_].any()
 
 
 def test_what_is_refused() -> None:

@@ -1,7 +1,8 @@
 """Elastic blocks at rest at a strength reduction factor, and the bracket where they no longer come to rest.
 
 Newton's method on (d, γ), d eliminated. Full steps first, even where the residual rises; damped ones only after. Pairs
-that have parted keep in mind where: else they would go round between open and closed.
+that have parted keep in mind where: else they would go round between open and closed. Open pairs have soft springs on
+the way, which lead blocks in flight back; a rest is one without them, so nothing hangs on what is open.
 """
 
 import math
@@ -25,8 +26,7 @@ _RELEASES = 60  # rounds of pairs that part
 _MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
 _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
-_HARDLY = 1e-9  # of the normal stiffness: springs of open pairs
-_HANGS = 1e-5  # of the load: what the springs of open pairs may hold, which are no contact
+_HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
 _LET_GO = 0.5  # pairs in more than this part of the worst tension part together
 _SHORTEST = 1e-5  # stride of ln F, at which there is no rest farther on
 
@@ -70,6 +70,7 @@ class Search:
     def __init__(self, model: ElasticModel, stiffness: JointStiffness) -> None:
         self.model = model
         self.stiffness = replace(stiffness, debonded=_HARDLY * stiffness.normal)
+        self.bare = replace(stiffness, debonded=0.0)
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
@@ -166,19 +167,19 @@ class Search:
             memory = found.memory.copy()
             memory[new] = found.relative[new, 1:]
             found = replace(found, parted=found.parted | new, memory=memory)
-        open_ = found.modes == ContactMode.DEBOND
-        held = -float(found.forces.reshape(-1, 3)[open_, 0].sum())
-        if found.stands and held > _HANGS * self.weight:  # blocks that topple hang on the springs of open pairs
-            return replace(found, residual=math.inf)
+        if (
+            found.stands and (found.modes == ContactMode.DEBOND).any()
+        ):  # blocks that topple hang on springs of open pairs
+            return self._newton(found, self.bare)[0]
         return found
 
-    def _state(self, at: Rest) -> tuple[Floats, Floats, Tractions, float]:
+    def _state(self, at: Rest, stiffness: JointStiffness) -> tuple[Floats, Floats, Tractions, float]:
         """What is off of displacements (3n,) and of balance (N,), the law there, and the size of both."""
         model = self.model
         relative = at.relative.copy()
         relative[:, 1:] -= at.memory
         law = tractions(
-            relative, self.stiffness, model.cohesion, model.tan_friction, model.tan_dilation, at.factor, at.parted
+            relative, stiffness, model.cohesion, model.tan_friction, model.tan_dilation, at.factor, at.parted
         )
         forces = (law.tractions * model.area[:, None]).ravel()
         loads = model.load
@@ -193,13 +194,14 @@ class Search:
         )
         return off, balance, law, size
 
-    def _newton(self, at: Rest) -> tuple[Rest, Tractions]:
-        off, balance, law, size = self._state(at)
+    def _newton(self, at: Rest, stiffness: JointStiffness | None = None) -> tuple[Rest, Tractions]:
+        given = stiffness or self.stiffness
+        off, balance, law, size = self._state(at, given)
         best = (size, at, law)
         for damped, most in ((False, _FULL), (True, _DAMPED)):
             if damped and best[0] > _AIM:
                 at = best[1]
-                off, balance, law, size = self._state(at)
+                off, balance, law, size = self._state(at, given)
             for _ in range(most):
                 if size <= _AIM or not size < _LOST:
                     break
@@ -212,7 +214,7 @@ class Search:
                         at, relative=at.relative + length * by_relative.reshape(-1, 3),
                         motion=at.motion + length * by_motion,
                     )  # fmt: skip
-                    new = self._state(trial)
+                    new = self._state(trial, given)
                     if not damped or new[3] < size * (1.0 - 0.1 * length) or length < 1e-3:
                         break
                     length *= 0.5
