@@ -69,6 +69,8 @@ def test_no_function_breaks_on_the_wrong_kind_of_thing(name, given) -> None:
 def test_a_call_says_what_is_missing_too_many_or_unknown(name, given) -> None:
     function = getattr(sk, name)
     for values, named, code in (((), {}, "E408"), (range(30), {}, "E406"), ((), {"nonsense": 1}, "E407")):
+        if code == "E408" and name == "explore":
+            continue  # nothing is the paper's wedge
         with pytest.raises(sk.DesignError) as caught:
             function(*values, **named)
         assert caught.value.codes == (code,)

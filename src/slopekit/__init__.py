@@ -15,6 +15,8 @@ from slopekit.core.errors import DesignError, Fault, GeometryError, SlopekitErro
 from slopekit.core.taken import checked
 
 if TYPE_CHECKING:
+    from slopekit.app.notebook import Explorer as Explorer
+    from slopekit.app.notebook import explore
     from slopekit.exchange.export import export
     from slopekit.result import Result as Result
     from slopekit.studies.bench_design import BenchDesigns as BenchDesigns
@@ -47,8 +49,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DesignError", "Fault", "GeometryError", "SlopekitError", "SolverError", "__version__", "analyse",
-    "bench_design", "check", "combos", "export", "kinematic", "load", "plot", "prob", "quake", "report", "run", "sets",
-    "solve", "support", "sweep", "tornado", "wedge",
+    "bench_design", "check", "combos", "explore", "export", "kinematic", "load", "plot", "prob", "quake", "report",
+    "run", "sets", "solve", "support", "sweep", "tornado", "wedge",
 ]  # fmt: skip
 
 
@@ -56,7 +58,7 @@ __all__ = [
 _LATER = {
     "BenchDesigns": "studies.bench_design", "Cases": "studies.cases",
     "Check": "studies.check", "ColumnSupport": "studies.support.columns", "Combos": "studies.combos",
-    "export": "exchange.export", "JointSets": "studies.sets",
+    "explore": "app.notebook", "Explorer": "app.notebook", "export": "exchange.export", "JointSets": "studies.sets",
     "Kinematic": "studies.kinematic", "Probability": "studies.prob", "ProbabilitySolution": "studies.solve",
     "Quake": "studies.quake", "Result": "result", "Solution": "studies.solve",
     "SolutionForAll": "studies.solve.for_cases", "Support": "studies.support",

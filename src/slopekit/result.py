@@ -526,6 +526,16 @@ class Result(Shown):
         found: Sheet = import_module("slopekit.kinds.sheets.result").sheet_of(self)
         return found
 
+    def view(self) -> Any:
+        """The scene as a widget of a notebook that turns (extra: notebook).
+
+        Raises
+        ------
+        DesignError
+            E559 without the extra.
+        """
+        return import_module("slopekit.app.notebook").view_of(self)  # floors above, as the sheet
+
     def tables(self) -> dict[str, "Table[Any]"]:
         """Its tables by name: first, in one row, the numbers that it leads with."""
         from operator import attrgetter

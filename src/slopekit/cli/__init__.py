@@ -15,13 +15,12 @@ from slopekit.cli.common import print_faults
 from slopekit.core.errors import DesignError, Fault, SlopekitError
 from slopekit.studies.protocol import STUDIES
 
-#: In the order of the help, studies after them and before the others.
+#: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
-_LAST = ("plot", "export", "report", "templates", "doctor", "explain")
 #: Where the commands stand that are written by hand; those of results and studies are made of their functions.
 _WRITTEN: Mapping[str, str] = {
     "lint": "designs", "plot": "outputs", "export": "outputs", "report": "outputs",
-    "templates": "tools", "doctor": "tools", "explain": "tools",
+    "app": "tools", "templates": "tools", "doctor": "tools", "explain": "tools",
 }  # fmt: skip
 #: How many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
 #: and Python's 700 has them gone through a hundred times (5 % of a cold wedge).
@@ -33,7 +32,7 @@ class _Commands(TyperGroup):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
-        self.commands = cast(dict[str, Any], dict.fromkeys([*_FIRST, *STUDIES, *_LAST]))
+        self.commands = cast(dict[str, Any], dict.fromkeys([*_FIRST, *STUDIES, *_WRITTEN]))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names, in order."""

@@ -1,4 +1,4 @@
-"""Commands without a design: templates, doctor, explain."""
+"""Commands beside analyses: the app, templates, doctor, explain."""
 
 from pathlib import Path
 from typing import Annotated
@@ -73,6 +73,33 @@ def new_template(
         reason = error.strerror or str(error)
         raise DesignError([Fault("E129", f"{path} cannot be written: {reason}", str(path))]) from None
     typer.echo(f"wrote {path}; try: slopekit run {path}")
+
+
+def app(
+    design: Annotated[str | None, typer.Argument(help="A design file (YAML) [the paper's wedge].")] = None,
+    port: Annotated[int, typer.Option(help="Port to listen on; 0: any that is free.")] = 0,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address and open nothing.")] = False,
+) -> None:
+    """The design under your hands, in the browser; this machine alone (extra: app)."""
+    if not 0 <= port <= 65535:
+        raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
+    try:
+        from slopekit.app.server import serve
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] == "slopekit":
+            raise
+        advice = "Install it with pip install 'slopekit[app]'."
+        raise DesignError([Fault("E140", "the app needs the extra app", "slopekit app", advice)]) from None
+    from slopekit.app.session import opened_file, opened_template
+
+    def ready(address: str) -> None:
+        typer.echo(f"slopekit app: {address}   (Ctrl-C ends it)")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(opened_template("wedge") if design is None else opened_file(Path(design)), port, ready)
 
 
 def doctor() -> None:

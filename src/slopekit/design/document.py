@@ -47,22 +47,7 @@ def read_document(
         Where there is no tree.
     """
     file = Path(path)
-    text = _decoded(read_bytes(path), file.name)
-    source = Source(file.name, text)
-    builder = TreeBuilder(source.place)
-    top = composed(text, source)
-    start = source.place(0, 0)
-    if top is None:
-        fail("E156", f"{file.name} is empty", str(path), "slopekit templates show wedge prints a design to start from.")
-    root = builder.build(top, "", start)
-    if root.value is None and not builder.faults:
-        fail("E156", f"{file.name} holds no design", str(start), "slopekit templates show wedge prints a design.")
-    if not root.is_mapping and not builder.faults:
-        shown = "a list" if isinstance(root.value, list) else f"the text {cut(repr(root.value))}"
-        advice = "A design starts with keys: slopekit: 1, then kind: wedge."
-        fail("E157", f"{file.name} holds {shown}, not keys with values", str(root.place), advice)
-    document = Document(root, file.name, file)
-    faults = list(builder.faults)
+    document, faults = read_text(decoded(read_bytes(path), file.name), file.name, file)
     try:
         document = with_overrides(document, overrides, alternatives)
     except DesignError as error:
@@ -72,7 +57,37 @@ def read_document(
     return document, list(dict.fromkeys(faults))
 
 
-def _decoded(content: bytes, name: str) -> str:
+def read_text(text: str, name: str, path: Path | None = None) -> tuple[Document, list[Fault]]:
+    """What `read_document` reads, of the text of a file: its tree, and the faults that leave one.
+
+    Raises
+    ------
+    DesignError
+        Where there is no tree.
+    """
+    source = Source(name, text)
+    builder = TreeBuilder(source.place)
+    top = composed(text, source)
+    start = source.place(0, 0)
+    if top is None:
+        fail(
+            "E156",
+            f"{name} is empty",
+            str(path or name),
+            "slopekit templates show wedge prints a design to start from.",
+        )
+    root = builder.build(top, "", start)
+    if root.value is None and not builder.faults:
+        fail("E156", f"{name} holds no design", str(start), "slopekit templates show wedge prints a design.")
+    if not root.is_mapping and not builder.faults:
+        shown = "a list" if isinstance(root.value, list) else f"the text {cut(repr(root.value))}"
+        advice = "A design starts with keys: slopekit: 1, then kind: wedge."
+        fail("E157", f"{name} holds {shown}, not keys with values", str(root.place), advice)
+    return Document(root, name, path), list(builder.faults)
+
+
+def decoded(content: bytes, name: str) -> str:
+    """The text of a design file. Raises DesignError E159 where it is none in UTF-8."""
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         fail("E159", f"{name} is UTF-16, a design file is UTF-8", name, "Save it again as UTF-8.")
     try:

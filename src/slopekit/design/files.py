@@ -85,6 +85,30 @@ def _set_over(
         return replace(design, left_out=(*design.left_out, said))
 
 
+def load_document_design(document: Document, faults: Sequence[Fault] = ()) -> Design:
+    """The design in a document without its load cases, which `source` then lacks; `faults` are said with its own.
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    every = list(faults)
+    if document.root.get("cases") is not None:
+        from slopekit.design import cases
+
+        document, _, wrong = cases.read_cases(document, every, design_of)
+        every += wrong
+    design = None
+    try:
+        design = design_of(document)
+    except DesignError as error:
+        every += error.faults
+    if every or design is None:
+        raise DesignError(dict.fromkeys(every))
+    return design
+
+
 def design_of(document: Document, other_values: bool = False) -> Design:
     """The design in a document.
 

@@ -12,7 +12,8 @@ from slopekit.preie.kernels import chosen
 _NEEDED = ("numpy", "scipy", "manifold3d", "trimesh", "clarabel", "ruamel.yaml", "typer")
 _PAPER_WEDGE = 1.5573963527  # Hoek & Bray at g = 9.81 (METHOD.md §6)
 _EXTRAS = {"pyvista": "plot", "matplotlib": "plot", "jinja2": "report", "ezdxf": "cad", "distributed": "dask",
-           "openpyxl": "survey", "scikit-fem": "elastic"}  # fmt: skip
+           "openpyxl": "survey", "anywidget": "notebook", "scikit-fem": "elastic", "starlette": "app", "uvicorn": "app",
+           "websockets": "app"}  # fmt: skip
 
 
 def examination() -> tuple[list[str], bool]:

@@ -346,9 +346,16 @@ def verification_excerpt() -> dict[str, Any]:
 def _rendered(context: Mapping[str, Any]) -> str:
     from markupsafe import Markup
 
-    own = {name: Markup((_TEMPLATES / name).read_text(encoding="utf-8")) for name in ("report.css", "viewer.js")}
+    own = {
+        name: Markup((_TEMPLATES / name).read_text(encoding="utf-8"))
+        for name in ("report.css", "viewer.js", "report.js")
+    }
     views = [Markup(text) for text in context["views"]]  # JSON without any <: it can end no script
-    return str(_template().render(**{**context, "views": views}, style=own["report.css"], script=own["viewer.js"]))
+    return str(
+        _template().render(
+            **{**context, "views": views}, style=own["report.css"], script=own["viewer.js"] + own["report.js"]
+        )
+    )
 
 
 @cache

@@ -45,7 +45,11 @@ def viewer_data(document: Mapping[str, Any]) -> dict[str, Any]:
     DesignError
         E350 where its scene cannot be read. KeyError, TypeError, ValueError, IndexError where it is damaged.
     """
-    stage = read_stage(document)
+    return data_of(read_stage(document))
+
+
+def data_of(stage: Stage) -> dict[str, Any]:
+    """The same of a stage, whose scene need not have been packed."""
     scene = _with_rock(stage)
     rock = len(scene.shapes.names) - len(
         stage.scene.shapes.names

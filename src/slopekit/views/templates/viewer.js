@@ -1,76 +1,114 @@
-/* The rotatable view of slopekit's report: WebGL 1, no library, no network. MIT licence, as slopekit. */
-(function () {
+/* slopekit's rotatable view: WebGL 1, no library, no network. MIT licence, as slopekit.
+   slopekitView(box, say) makes it in an element: the page of a report, the app, a notebook. A box without a canvas gets
+   one with its controls. `show(data)` draws a scene and may be called again, any number of times: buffers are filled
+   anew, the eye and the boxes stay as they were set. `picture()` is what is seen, on a canvas; `stop()` ends it.
+   `say(text)` is told in words what cannot be shown. */
+function slopekitView(box, say) {
   "use strict";
-  // tables that go on at a side say so
-  function sides() {
-    document.querySelectorAll(".wide").forEach(function (wide) {
-      var said = wide.nextElementSibling, own = said && said.classList.contains("aside");
-      if (own) { said.remove(); }
-      if (wide.scrollWidth > wide.clientWidth + 1) {
-        said = document.createElement("p");
-        said.className = "aside screen"; said.textContent = "Wider than the screen: move it sideways.";
-        wide.parentNode.insertBefore(said, wide.nextSibling);
-      }
-    });
+  var undo = [], ended = false, data = null, parts = {};
+  function made(tag, name, text, look) {
+    var element = document.createElement(tag);
+    if (name) { element.className = name; }
+    if (text) { element.textContent = text; }
+    Object.assign(element.style, look || {});
+    return element;
   }
-  window.addEventListener("resize", sides);
-  sides();
-
-  // -- one view, and the places of scenes where it may be: memory holds one scene -----------------------------------
-  var view = document.getElementById("view");
-  if (!view) { return; }
-  var places = Array.prototype.slice.call(document.querySelectorAll(".view-place"));
-  var fresh = view.cloneNode(true), stop = function () {};
-  function say(text) { var p = document.getElementById("view-none"); p.textContent = text; p.hidden = false; }
-  function goTo(place) {  // true where the scene is seen
-    stop();
-    stop = function () {};
-    places.forEach(function (other) { other.classList.toggle("active", other === place); });
-    var next = fresh.cloneNode(true);
-    view.parentNode.removeChild(view);
-    place.insertBefore(next, place.firstChild);
-    view = next;
-    var id = place.getAttribute("data-view"), nth = id === "1" ? "" : "-" + id;
-    var ended = turnable(view, JSON.parse(document.getElementById("view-data" + nth).textContent), nth);
-    if (ended) { stop = ended; }
-    return !!ended;
+  var own = !box.querySelector("canvas");
+  if (own) { furnish(); }
+  var canvas = box.querySelector("canvas"), stage = box.querySelector(".stage");
+  function part(name) {  // by its id on a page, by its class where several views may stand
+    if (parts[name] === undefined) { parts[name] = box.querySelector("#" + name + ", ." + name); }
+    return parts[name];
   }
-  places.forEach(function (place) {
-    place.querySelector(".turn").addEventListener("click", function () {
-      goTo(place);
-      view.querySelector("canvas").focus({ preventScroll: true });
-    });
-  });
-  // the first last: each is seen once, and leaves its picture
-  places.slice().reverse().every(goTo);
-
-  function turnable(box, data, nth) {
-  var undo = [];
-  var canvas = box.querySelector("canvas");
-  var still = document.getElementById("view-still" + nth);
+  say = say || function (text) { var p = part("view-none"); if (p) { p.textContent = text; p.hidden = !text; } };
   var gl = null;
   try { gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true }); } catch (error) { gl = null; }
   if (!gl) {
-    box.hidden = true;
-    say("This browser shows no WebGL: the scene cannot be turned here. The pictures below show it.");
-    return null;
+    if (own) { box.querySelectorAll(".stage, .controls, .legend").forEach(function (it) { it.style.display = "none"; }); }
+    else { box.hidden = true; }
+    say("This browser shows no WebGL: the scene cannot be turned here." + (own ? "" : " The pictures below show it."));
+    return { works: false, show: function () { return false; }, picture: function () { return null; }, stop: function () {} };
   }
   function listen(name, act) {
     window.addEventListener(name, act);
     undo.push(function () { window.removeEventListener(name, act); });
   }
 
+  // -- a box of its own: canvas, axes, scale, controls; looks are set by script, so that no page's rule forbids them --
+  function furnish() {
+    var SVG = "http://www.w3.org/2000/svg";
+    var stage = made("div", "stage", "", { position: "relative", overflow: "hidden" });
+    var surface = made("canvas", "", "", { display: "block", width: "100%", height: "var(--view-height, 420px)",
+      touchAction: "none", cursor: "grab" });
+    surface.tabIndex = 0; surface.setAttribute("role", "img"); surface.setAttribute("aria-label", "The scene");
+    stage.appendChild(surface);
+    var svg = document.createElementNS(SVG, "svg");
+    [["width", 90], ["height", 90], ["viewBox", "0 0 90 90"], ["aria-hidden", "true"]].forEach(function (pair) {
+      svg.setAttribute(pair[0], pair[1]);
+    });
+    Object.assign(svg.style, { position: "absolute", left: "4px", bottom: "4px", pointerEvents: "none" });
+    [["east", "E", "#888", 1.5], ["north", "N", "#d0450a", 3], ["up", "up", "#888", 1.5]].forEach(function (axis) {
+      var line = document.createElementNS(SVG, "line"), name = document.createElementNS(SVG, "text");
+      line.setAttribute("class", "axis-" + axis[0]); name.setAttribute("class", "axis-" + axis[0] + "-name");
+      [["x1", 45], ["y1", 45], ["x2", 45], ["y2", 45], ["stroke", axis[2]], ["stroke-width", axis[3]],
+        ["stroke-linecap", "round"]].forEach(function (pair) { line.setAttribute(pair[0], pair[1]); });
+      [["x", 45], ["y", 45], ["font-size", 12], ["font-weight", axis[1] === "N" ? 700 : 400], ["fill", axis[2]],
+        ["text-anchor", "middle"]].forEach(function (pair) { name.setAttribute(pair[0], pair[1]); });
+      name.textContent = axis[1];
+      svg.appendChild(line); svg.appendChild(name);
+    });
+    stage.appendChild(svg);
+    var bar = made("div", "scalebar", "", { position: "absolute", right: "14px", bottom: "12px", textAlign: "center",
+      fontSize: "12px", pointerEvents: "none" });
+    bar.appendChild(made("span", "scale-text"));
+    bar.appendChild(made("i", "scale-bar", "", { display: "block", height: "5px", border: "1.5px solid currentColor",
+      borderTop: "0" }));
+    stage.appendChild(bar);
+    var buttons = made("div", "view-buttons", "", { position: "absolute", right: "8px", top: "8px", display: "flex", gap: "4px" });
+    [["v-reset", "reset", "reset the view"], ["v-top", "top", "from above"], ["v-side", "side", "turn by 90 degrees"],
+      ["v-in", "+", "nearer"], ["v-out", "\u2212", "farther"]].forEach(function (one) {
+      var button = made("button", one[0], one[1]);
+      button.type = "button"; button.title = one[2]; button.setAttribute("aria-label", one[2]);
+      buttons.appendChild(button);
+    });
+    stage.appendChild(buttons);
+    box.appendChild(stage);
+    var none = made("p", "view-none"); none.hidden = true; box.appendChild(none);
+    var legend = made("div", "legend view-legend", "", { display: "flex", flexWrap: "wrap", gap: "2px 14px", fontSize: "12px",
+      minHeight: "18px", margin: "4px 0" });
+    box.appendChild(legend);
+    var more = made("details", "controls", "", { fontSize: "13px" });
+    more.appendChild(made("summary", "", "What is shown"));
+    var row = made("div", "view-row", "", { display: "flex", flexWrap: "wrap", gap: "4px 14px", alignItems: "center" });
+    [["blocks", "blocks"], ["clear", "see through"], ["edges", "edges"], ["names", "names"], ["rock", "bedrock"],
+      ["joints", "joints"], ["stick", "stick"], ["slip", "slip"], ["open", "open"], ["bolts", "bolts"],
+      ["numbers", "their numbers"], ["loads", "loads"], ["contact", "contact forces"]].forEach(function (one) {
+      var label = made("label"), tick = made("input", "v-" + one[0]);
+      tick.type = "checkbox"; label.appendChild(tick); label.appendChild(document.createTextNode(" " + one[1]));
+      row.appendChild(label);
+    });
+    [["v-pair", "pairs by", [["mode", "contact mode"], ["kpa", "normal traction"]]], ["v-colour", "blocks by", [
+      ["plain", "plain"], ["face", "joint face"], ["block", "block"], ["factor", "factor of safety"],
+      ["order", "order of failure"]]]].forEach(function (one) {
+      var label = made("label", "", one[1] + " "), list = made("select", one[0]);
+      one[2].forEach(function (pair) { var item = made("option", "", pair[1]); item.value = pair[0]; list.appendChild(item); });
+      label.appendChild(list); row.appendChild(label);
+    });
+    [["v-explode", "apart"], ["v-along", "along the mechanism"]].forEach(function (one) {
+      var label = made("label", "", one[1] + " "), slider = made("input", one[0], "", { verticalAlign: "middle" });
+      slider.type = "range"; slider.min = 0; slider.max = 1; slider.step = 0.01; slider.value = 0;
+      label.appendChild(slider); row.appendChild(label);
+    });
+    more.appendChild(row);
+    box.appendChild(more);
+  }
   // -- data ---------------------------------------------------------------------------------------------------------
   function unpack(packed) {
     var text = atob(packed.base64), bytes = new Uint8Array(text.length);
     for (var i = 0; i < text.length; i++) { bytes[i] = text.charCodeAt(i); }
     return packed.type === "f32" ? new Float32Array(bytes.buffer) : new Int32Array(bytes.buffer);
   }
-  Object.keys(data).forEach(function (key) {
-    if (data[key] && data[key].base64 !== undefined) { data[key] = unpack(data[key]); }
-  });
-  var count = data.names.length, size = data.size_m;
-  var moving = data.fixed.filter(function (fixed) { return !fixed; }).length;
+  var count, size, moving;
   function vec(array, i) { return [array[3 * i], array[3 * i + 1], array[3 * i + 2]]; }
   function add(a, b) { return [a[0] + b[0], a[1] + b[1], a[2] + b[2]]; }
   function sub(a, b) { return [a[0] - b[0], a[1] - b[1], a[2] - b[2]]; }
@@ -86,9 +124,7 @@
   }
 
   // -- colours: those of the other pictures -------------------------------------------------------------------------
-  var PALETTE = data.palette;
-  var ROCK = data.rock_colour, BLOCK = data.block_colour, GREY = data.stands_colour;
-  var MODE = data.mode_colours;
+  var PALETTE, ROCK, BLOCK, GREY, MODE;
   var RAMP = { factor: ["#c8500a", "#f2d58a", "#0064a4"], order: ["#c8500a", "#e69f00", "#f0e442", "#56b4e9"],
     kpa: ["#fff7bc", "#fe9929", "#8c2d04"] };
   function rgb(hex) {
@@ -115,66 +151,38 @@
   }
 
   // -- what is drawn ------------------------------------------------------------------------------------------------
-  function Group(mode) { this.mode = mode; this.p = []; this.n = []; this.c = []; this.e = []; this.m = []; }
+  var PARTS = ["p", "n", "c", "e", "m"];
+  function Group(mode) {
+    this.mode = mode; this.count = 0; this.clear();
+    this.buffers = PARTS.map(function () { return gl.createBuffer(); });
+  }
+  Group.prototype.clear = function () { var self = this; PARTS.forEach(function (name) { self[name] = []; }); };
   Group.prototype.put = function (p, n, colour, block) {
     var e = away(block), m = moves(block, p);
     this.p.push(p[0], p[1], p[2]); this.n.push(n[0], n[1], n[2]); this.c.push(colour[0], colour[1], colour[2]);
     this.e.push(e[0], e[1], e[2]); this.m.push(m[0], m[1], m[2]);
   };
-  Group.prototype.load = function () {
+  Group.prototype.load = function () {  // what is with the card is not kept here
     var self = this;
     self.count = self.p.length / 3;
-    self.buffers = ["p", "n", "c", "e", "m"].map(function (name) {
-      var buffer = gl.createBuffer();
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    PARTS.forEach(function (name, j) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, self.buffers[j]);
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(self[name]), gl.STATIC_DRAW);
-      return buffer;
     });
-    return self;
+    self.clear();
   };
   Group.prototype.recolour = function (colours) {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[2]);
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(colours), gl.STATIC_DRAW);
   };
 
-  var groups = { rock: new Group(gl.TRIANGLES), blocks: new Group(gl.TRIANGLES), edges: new Group(gl.LINES),
-    rockEdges: new Group(gl.LINES), joints: new Group(gl.TRIANGLES), outline: new Group(gl.LINES),
-    loads: new Group(gl.TRIANGLES), contact: new Group(gl.TRIANGLES), bolts: new Group(gl.TRIANGLES) };
-  data.modes.forEach(function (mode) { groups["pairs-" + mode] = new Group(gl.POINTS); });
-  var owner = { rock: [], blocks: [] };  // triangle of each drawn one
-  var i, k, block, corners, normal, colour;
-  for (i = 0; i < data.triangle_block.length; i++) {
-    block = data.triangle_block[i];
-    corners = [0, 1, 2].map(function (j) { return vec(data.vertices, data.triangles[3 * i + j]); });
-    normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
-    k = data.fixed[block] ? "rock" : "blocks";
-    owner[k].push(i);
-    corners.forEach(function (corner) { groups[k].put(corner, normal, rgb(ROCK), block); });
-  }
-  var blockOf = new Int32Array(data.vertices.length / 3);
-  for (i = 0; i < data.triangles.length; i++) { blockOf[data.triangles[i]] = data.triangle_block[Math.floor(i / 3)]; }
-  for (i = 0; i < data.edges.length; i++) {
-    block = blockOf[data.edges[i]];
-    groups[data.fixed[block] ? "rockEdges" : "edges"].put(
-      vec(data.vertices, data.edges[i]), [0, 0, 0], data.fixed[block] ? [0.55, 0.53, 0.5] : [0.15, 0.15, 0.15], block);
-  }
-  for (i = 0; i < data.joint_of.length; i++) {
-    corners = [0, 1, 2].map(function (j) { return vec(data.joint_corners, 3 * i + j); });
-    normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
-    colour = rgb(PALETTE[data.joint_of[i] % PALETTE.length]);
-    corners.forEach(function (corner) { groups.joints.put(corner, normal, colour, data.joint_block[i]); });
-  }
-  for (i = 0; i < data.joint_outline.length / 3; i++) {
-    groups.outline.put(vec(data.joint_outline, i), [0, 0, 0], [0.3, 0.3, 0.3], -1);
-  }
-  var pairsOf = data.modes.map(function () { return []; });
-  for (i = 0; i < data.pair_mode.length; i++) {
-    pairsOf[data.pair_mode[i]].push(i);
-    groups["pairs-" + data.modes[data.pair_mode[i]]].put(
-      vec(data.pairs, i), [0, 0, 0], rgb(MODE[data.pair_mode[i]]), data.pair_block[i]);
-  }
+  var groups = {}, owner = {}, pairsOf = [], longestLoad = 0, longestContact = 0, bolts = 0;
+  var KINDS = { rock: gl.TRIANGLES, blocks: gl.TRIANGLES, edges: gl.LINES, rockEdges: gl.LINES, joints: gl.TRIANGLES,
+    outline: gl.LINES, loads: gl.TRIANGLES, contact: gl.TRIANGLES, bolts: gl.TRIANGLES };
+  Object.keys(KINDS).forEach(function (name) { groups[name] = new Group(KINDS[name]); });
   function arrow(group, tail, force, length, colour, block) {
     var way = unit(force), side = unit(cross(way, Math.abs(way[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), up = cross(side, way);
+    var normal;
     var thick = Math.min(0.0035 * size, 0.06 * length), head = Math.min(0.3 * length, 9 * thick);
     var neck = add(tail, mul(way, length - head)), tip = add(tail, mul(way, length)), ring = [], n = 8, j;
     for (j = 0; j < n; j++) {
@@ -203,8 +211,6 @@
     return longest;
   }
   var LOADS = ["#333333", "#0072b2", "#009e73", "#cc79a7", "#e69f00"];
-  var longestLoad = arrows(groups.loads, data.load_at, data.load_kn, data.load_block, true, LOADS, data.load_what);
-  var longestContact = arrows(groups.contact, data.pairs, data.pair_kn, data.pair_block, false, ["#8a1a6b"], null);
   function square(way) {  // two ways square to one
     var side = unit(cross(Math.abs(way[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], way));
     return [side, cross(way, side)];
@@ -219,22 +225,59 @@
       face(add(to, a), add(to, b), to, unit(sub(to, from)));
     }
   }
-  var bolts = data.bolt_number.length;
-  for (i = 0; i < bolts; i++) {
-    var head = vec(data.bolt_heads, i), end = vec(data.bolt_ends, i), out = vec(data.bolt_plates, i);
-    var steel = rgb(data.bolt_colours[data.bolt_passive[i]]), wide = data.bolt_plate_m, about, ring = [];
-    about = square(unit(sub(end, head)));
-    for (k = 0; k < 6; k++) {
-      ring.push(mul(add(mul(about[0], Math.cos(Math.PI * k / 3)), mul(about[1], Math.sin(Math.PI * k / 3))), wide / 6));
+  function fill() {
+    data.modes.forEach(function (mode) { if (!groups["pairs-" + mode]) { groups["pairs-" + mode] = new Group(gl.POINTS); } });
+    owner = { rock: [], blocks: [] };  // triangle of each drawn one
+    var i, k, block, corners, normal, colour;
+    for (i = 0; i < data.triangle_block.length; i++) {
+      block = data.triangle_block[i];
+      corners = [0, 1, 2].map(function (j) { return vec(data.vertices, data.triangles[3 * i + j]); });
+      normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+      k = data.fixed[block] ? "rock" : "blocks";
+      owner[k].push(i);
+      corners.forEach(function (corner) { groups[k].put(corner, normal, rgb(ROCK), block); });
     }
-    prism(groups.bolts, head, end, ring, steel, data.bolt_block[i]);
-    about = square(out);
-    ring = [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(function (at) {
-      return mul(add(mul(about[0], at[0]), mul(about[1], at[1])), wide / 2);
-    });
-    prism(groups.bolts, head, add(head, mul(out, 0.2 * wide)), ring, steel, data.bolt_block[i]);
+    var blockOf = new Int32Array(data.vertices.length / 3);
+    for (i = 0; i < data.triangles.length; i++) { blockOf[data.triangles[i]] = data.triangle_block[Math.floor(i / 3)]; }
+    for (i = 0; i < data.edges.length; i++) {
+      block = blockOf[data.edges[i]];
+      groups[data.fixed[block] ? "rockEdges" : "edges"].put(
+        vec(data.vertices, data.edges[i]), [0, 0, 0], data.fixed[block] ? [0.55, 0.53, 0.5] : [0.15, 0.15, 0.15], block);
+    }
+    for (i = 0; i < data.joint_of.length; i++) {
+      corners = [0, 1, 2].map(function (j) { return vec(data.joint_corners, 3 * i + j); });
+      normal = unit(cross(sub(corners[1], corners[0]), sub(corners[2], corners[0])));
+      colour = rgb(PALETTE[data.joint_of[i] % PALETTE.length]);
+      corners.forEach(function (corner) { groups.joints.put(corner, normal, colour, data.joint_block[i]); });
+    }
+    for (i = 0; i < data.joint_outline.length / 3; i++) {
+      groups.outline.put(vec(data.joint_outline, i), [0, 0, 0], [0.3, 0.3, 0.3], -1);
+    }
+    pairsOf = data.modes.map(function () { return []; });
+    for (i = 0; i < data.pair_mode.length; i++) {
+      pairsOf[data.pair_mode[i]].push(i);
+      groups["pairs-" + data.modes[data.pair_mode[i]]].put(
+        vec(data.pairs, i), [0, 0, 0], rgb(MODE[data.pair_mode[i]]), data.pair_block[i]);
+    }
+    longestLoad = arrows(groups.loads, data.load_at, data.load_kn, data.load_block, true, LOADS, data.load_what);
+    longestContact = arrows(groups.contact, data.pairs, data.pair_kn, data.pair_block, false, ["#8a1a6b"], null);
+    bolts = data.bolt_number.length;
+    for (i = 0; i < bolts; i++) {
+      var head = vec(data.bolt_heads, i), end = vec(data.bolt_ends, i), out = vec(data.bolt_plates, i);
+      var steel = rgb(data.bolt_colours[data.bolt_passive[i]]), wide = data.bolt_plate_m, about, ring = [];
+      about = square(unit(sub(end, head)));
+      for (k = 0; k < 6; k++) {
+        ring.push(mul(add(mul(about[0], Math.cos(Math.PI * k / 3)), mul(about[1], Math.sin(Math.PI * k / 3))), wide / 6));
+      }
+      prism(groups.bolts, head, end, ring, steel, data.bolt_block[i]);
+      about = square(out);
+      ring = [[1, 1], [-1, 1], [-1, -1], [1, -1]].map(function (at) {
+        return mul(add(mul(about[0], at[0]), mul(about[1], at[1])), wide / 2);
+      });
+      prism(groups.bolts, head, add(head, mul(out, 0.2 * wide)), ring, steel, data.bolt_block[i]);
+    }
+    Object.keys(groups).forEach(function (name) { groups[name].load(); });
   }
-  Object.keys(groups).forEach(function (name) { groups[name].load(); });
 
   // -- shaders ------------------------------------------------------------------------------------------------------
   var VERTEX = "attribute vec3 p, n, c, e, m; uniform mat4 look; uniform vec3 eye; uniform float explode, along, lit," +
@@ -254,15 +297,14 @@
   gl.attachShader(program, compiled(gl.VERTEX_SHADER, VERTEX));
   gl.attachShader(program, compiled(gl.FRAGMENT_SHADER, FRAGMENT));
   gl.linkProgram(program); gl.useProgram(program);
-  var slots = ["p", "n", "c", "e", "m"].map(function (name) { return gl.getAttribLocation(program, name); });
+  var slots = PARTS.map(function (name) { return gl.getAttribLocation(program, name); });
   var uniform = {};
   ["look", "eye", "explode", "along", "lit", "bias", "spot", "alpha", "round"].forEach(function (name) {
     uniform[name] = gl.getUniformLocation(program, name);
   });
 
   // -- the eye: orthographic, so that the scale bar holds everywhere -------------------------------------------------
-  var start = { bearing: data.look_from[0], above: data.look_from[1], zoom: 1, pan: [0, 0, 0] };
-  var eye, waiting = false;
+  var start = { bearing: 0, above: 0 }, eye = { bearing: 0, above: 0, zoom: 1, pan: [0, 0, 0] }, waiting = false;
   function reset() { eye = { bearing: start.bearing, above: start.above, zoom: 1, pan: [0, 0, 0] }; ask(); }
   function axes() {
     var a = eye.bearing * Math.PI / 180, e = eye.above * Math.PI / 180;
@@ -270,24 +312,26 @@
     var right = [-Math.cos(a), Math.sin(a), 0];
     return { right: right, up: cross(back, right), back: back };
   }
-  var reach = [0.5 * size, 0.5 * size];  // how far the scene goes to the side and up, seen as at first
+  var reach = [1, 1];  // how far the scene goes to the side and up, seen as at first
   function measure() {
-    var axis, i, p;
-    eye = { bearing: start.bearing, above: start.above, zoom: 1, pan: [0, 0, 0] };
+    var was = eye, axis, i, p;
+    eye = start;
     axis = axes(); reach = [1e-3 * size, 1e-3 * size];
     for (i = 0; i < data.vertices.length / 3; i++) {
       p = vec(data.vertices, i);
       reach[0] = Math.max(reach[0], Math.abs(dot(p, axis.right))); reach[1] = Math.max(reach[1], Math.abs(dot(p, axis.up)));
     }
+    eye = was;
   }
+  var paper = [1, 1, 1];
   function half() {  // metres from the middle of the view to its upper edge
     return 1.2 * Math.max(reach[1], reach[0] * canvas.clientHeight / Math.max(canvas.clientWidth, 1)) / eye.zoom;
   }
-  function ticked(id) { var input = document.getElementById(id); return !!input && input.checked; }
-  function value(id) { var input = document.getElementById(id); return input ? Number(input.value) : 0; }
+  function ticked(id) { var input = part(id); return !!input && input.checked; }
+  function value(id) { var input = part(id); return input ? Number(input.value) : 0; }
   function ask() { if (!waiting) { waiting = true; window.requestAnimationFrame(draw); } }
 
-  function show(name, options) {
+  function put(name, options) {
     var group = groups[name];
     if (!group.count) { return; }
     slots.forEach(function (slot, j) {
@@ -305,14 +349,13 @@
 
   function draw() {
     waiting = false;
-    if (ended) { return; }
+    if (ended || !data) { return; }
     var sharp = Math.min(window.devicePixelRatio || 1, 2);
     var width = Math.max(Math.round(canvas.clientWidth * sharp), 1);
     var height = Math.max(Math.round(canvas.clientHeight * sharp), 1);
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
     gl.viewport(0, 0, width, height);
-    gl.clearColor(1, 1, 1, 1); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT); gl.enable(gl.DEPTH_TEST);
-   
+    gl.clearColor(paper[0], paper[1], paper[2], 1); gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT); gl.enable(gl.DEPTH_TEST);
     var axis = axes(), h = half(), w = h * width / height, deep = 4 * size;
     var r = mul(axis.right, 1 / w), u = mul(axis.up, 1 / h), b = mul(axis.back, -1 / deep), c = eye.pan;
     gl.uniformMatrix4fv(uniform.look, false, new Float32Array([
@@ -321,15 +364,15 @@
     gl.uniform1f(uniform.explode, value("v-explode")); gl.uniform1f(uniform.along, value("v-along"));
     gl.uniform1f(uniform.spot, (data.pair_mode.length > 400 ? 5 : 9) * sharp);
     var clear = ticked("v-clear");
-    if (ticked("v-rock")) { show("rock", { lit: true }); if (ticked("v-edges")) { show("rockEdges", { bias: 1e-3 }); } }
-    if (ticked("v-blocks") && !clear) { show("blocks", { lit: true }); }
-    if (ticked("v-joints")) { show("joints", { lit: true, bias: 3e-4 }); show("outline", { bias: 1e-3 }); }
-    if (ticked("v-blocks") && ticked("v-edges")) { show("edges", { bias: 1.2e-3 }); }
-    if (ticked("v-loads")) { show("loads", { lit: true }); }
-    if (ticked("v-contact")) { show("contact", { lit: true }); }
-    if (ticked("v-bolts")) { show("bolts", { lit: true, bias: 0.3 }); }  // before all else: rock hides no rod
-    data.modes.forEach(function (mode) { if (ticked("v-" + mode)) { show("pairs-" + mode, { bias: 2e-3 }); } });
-    if (ticked("v-blocks") && clear) { show("blocks", { lit: true, alpha: 0.28 }); }
+    if (ticked("v-rock")) { put("rock", { lit: true }); if (ticked("v-edges")) { put("rockEdges", { bias: 1e-3 }); } }
+    if (ticked("v-blocks") && !clear) { put("blocks", { lit: true }); }
+    if (ticked("v-joints")) { put("joints", { lit: true, bias: 3e-4 }); put("outline", { bias: 1e-3 }); }
+    if (ticked("v-blocks") && ticked("v-edges")) { put("edges", { bias: 1.2e-3 }); }
+    if (ticked("v-loads")) { put("loads", { lit: true }); }
+    if (ticked("v-contact")) { put("contact", { lit: true }); }
+    if (ticked("v-bolts")) { put("bolts", { lit: true, bias: 0.3 }); }  // before all else: rock hides no rod
+    data.modes.forEach(function (mode) { if (ticked("v-" + mode)) { put("pairs-" + mode, { bias: 2e-3 }); } });
+    if (ticked("v-blocks") && clear) { put("blocks", { lit: true, alpha: 0.28 }); }
     marks(axis, h);
     canvas.setAttribute("data-drawn", String(Number(canvas.getAttribute("data-drawn") || 0) + 1));
     canvas.setAttribute("aria-label", "The scene, seen from " + Math.round((eye.bearing + 360) % 360) + " degrees, " +
@@ -337,19 +380,21 @@
   }
 
   // north arrow, scale bar, names
-  var axisLines = ["east", "north", "up"].map(function (name) { return document.getElementById("axis-" + name); });
-  var axisNames = ["east", "north", "up"].map(function (name) { return document.getElementById("axis-" + name + "-name"); });
-  var tags = data.names.map(function (name, j) {
-    if (data.fixed[j] || moving > 60) { return null; }
-    var tag = document.createElement("span");
-    tag.textContent = name; tag.className = "tag"; box.querySelector(".stage").appendChild(tag);
+  var axisLines = ["east", "north", "up"].map(function (name) { return part("axis-" + name); });
+  var axisNames = ["east", "north", "up"].map(function (name) { return part("axis-" + name + "-name"); });
+  var tags = [], boltTags = [];
+  function tagOf(text, hidden) {
+    var tag = made("span", "tag", text, own ? { position: "absolute", transform: "translate(-50%, -50%)", fontSize: "11px",
+      background: "rgba(255,255,255,.8)", color: "#1c1c1c", padding: "0 2px", borderRadius: "2px", pointerEvents: "none" } : {});
+    tag.hidden = hidden;
+    stage.appendChild(tag);
     return tag;
-  });
-  var boltTags = [];
-  for (i = 0; i < bolts && bolts <= 1000; i++) {
-    var tagged = document.createElement("span");
-    tagged.textContent = String(data.bolt_number[i]); tagged.className = "tag"; tagged.hidden = true;
-    box.querySelector(".stage").appendChild(tagged); boltTags.push(tagged);
+  }
+  function label() {
+    tags.concat(boltTags).forEach(function (tag) { if (tag) { tag.remove(); } });
+    tags = data.names.map(function (name, j) { return data.fixed[j] || moving > 60 ? null : tagOf(name, false); });
+    boltTags = [];
+    for (var i = 0; i < bolts && bolts <= 1000; i++) { boltTags.push(tagOf(String(data.bolt_number[i]), true)); }
   }
   function markBolts(axis, perPixel, explode, along) {  // a number that would lie on another, or on the axes, is left out
     var taken = [], wide = canvas.clientWidth, high = canvas.clientHeight;
@@ -384,8 +429,8 @@
     var perPixel = 2 * h / Math.max(canvas.clientHeight, 1), wide = 110 * perPixel;
     var power = Math.pow(10, Math.floor(Math.log(wide) / Math.LN10)), first = wide / power;
     var length = power * (first >= 5 ? 5 : first >= 2 ? 2 : 1);
-    document.getElementById("scale-bar").style.width = length / perPixel + "px";
-    document.getElementById("scale-text").textContent = length >= 1 ? length + " m" : figure(length * 1000) + " mm";
+    part("scale-bar").style.width = length / perPixel + "px";
+    part("scale-text").textContent = length >= 1 ? length + " m" : figure(length * 1000) + " mm";
     var named = ticked("v-names"), explode = value("v-explode"), along = value("v-along");
     markBolts(axis, perPixel, explode, along);
     tags.forEach(function (tag, j) {
@@ -399,22 +444,25 @@
   }
 
   // -- colour by ----------------------------------------------------------------------------------------------------
-  var legend = document.getElementById("view-legend");
+  var legend = part("view-legend");
   function key(colour, text) {
     var item = document.createElement("span"), spot = document.createElement("i");
-    spot.style.background = colour; item.appendChild(spot); item.appendChild(document.createTextNode(text));
+    spot.style.background = colour;
+    if (own) { Object.assign(spot.style, { display: "inline-block", width: "11px", height: "11px", marginRight: "4px" }); }
+    item.appendChild(spot); item.appendChild(document.createTextNode(text));
     return item;
   }
   function scale(stops, low, high, unit) {
     if (low === high) { return key(css(ramp(stops, 0)), figure(low) + unit); }
     var item = document.createElement("span"), bar = document.createElement("b");
     bar.style.background = "linear-gradient(to right," + stops.join(",") + ")";
+    if (own) { Object.assign(bar.style, { display: "inline-block", width: "80px", height: "10px", margin: "0 5px" }); }
     item.appendChild(document.createTextNode(figure(low))); item.appendChild(bar);
     item.appendChild(document.createTextNode(figure(high) + unit));
     return item;
   }
   function colours() {
-    var by = document.getElementById("v-colour").value, last = Math.max.apply(null, data.order.concat([0]));
+    var by = part("v-colour").value, last = Math.max.apply(null, data.order.concat([0]));
     var ends = range(data.factor), parts = [];
     function of(triangle) {
       var block = data.triangle_block[triangle], face = data.triangle_face[triangle];
@@ -494,7 +542,7 @@
     return joint >= 0 ? PALETTE[joint % PALETTE.length] : face % 2 ? "#f0d3a8" : "#e8bd88";
   }
   function pairColours() {
-    var by = document.getElementById("v-pair").value, ends = range(data.pair_kpa), parts = [], any = false;
+    var by = part("v-pair").value, ends = range(data.pair_kpa), parts = [], any = false;
     data.modes.forEach(function (mode, j) {
       var list = [];
       pairsOf[j].forEach(function (pair) {
@@ -555,9 +603,9 @@
     else { return; }
     event.preventDefault();
   });
-  function on(id, act) { document.getElementById(id).addEventListener("click", act); }
+  function on(id, act) { part(id).addEventListener("click", act); }
   on("v-reset", function () {
-    ["v-explode", "v-along"].forEach(function (id) { document.getElementById(id).value = 0; });
+    ["v-explode", "v-along"].forEach(function (id) { part(id).value = 0; });
     reset();
   });
   on("v-in", function () { zoom(1.25); });
@@ -565,7 +613,7 @@
   on("v-top", function () { eye.bearing = 180; eye.above = 90; ask(); });
   on("v-side", function () { eye.bearing = (eye.bearing + 90) % 360; eye.above = 0; ask(); });
   box.querySelectorAll("input, select").forEach(function (input) {
-    input.addEventListener("input", function () { colours(); ask(); });
+    input.addEventListener("input", function () { if (data) { colours(); ask(); } });
   });
   listen("resize", ask);
   if (window.ResizeObserver) {
@@ -573,16 +621,15 @@
     watch.observe(canvas);
     undo.push(function () { watch.disconnect(); });
   }
-  var ended = false;
   canvas.addEventListener("webglcontextlost", function () {
     if (!ended) { say("The browser has taken the view's memory away: load the page again to turn it."); }
   });
 
-  // what is printed is what was looked at last
-  function keep() {
+  // what is seen, with its arrows, names and scale: a report prints it
+  function picture() {
     draw();
-    var paper = document.createElement("canvas"), pen = paper.getContext("2d");
-    paper.width = canvas.width; paper.height = canvas.height;
+    var sheet = document.createElement("canvas"), pen = sheet.getContext("2d");
+    sheet.width = canvas.width; sheet.height = canvas.height;
     pen.drawImage(canvas, 0, 0);
     var wide = canvas.clientWidth, high = canvas.clientHeight, sharp = canvas.width / Math.max(wide, 1);
     pen.scale(sharp, sharp);
@@ -609,40 +656,66 @@
     tags.concat(boltTags).forEach(function (tag) {
       if (tag && !tag.hidden) { write(tag.textContent, parseFloat(tag.style.left), parseFloat(tag.style.top) + 4, "#1c1c1c", "11px sans-serif"); }
     });
-    length = parseFloat(document.getElementById("scale-bar").style.width);
+    length = parseFloat(part("scale-bar").style.width);
     line([[wide - 14 - length, high - 17], [wide - 14 - length, high - 12], [wide - 14, high - 12], [wide - 14, high - 17]], "#1c1c1c", 1.5);
-    write(document.getElementById("scale-text").textContent, wide - 14 - length / 2, high - 21, "#1c1c1c", "12px sans-serif");
-    still.src = paper.toDataURL("image/png"); still.hidden = false; still.parentNode.hidden = false;
-    var below = document.getElementById("view-still" + nth + "-legend");
-    below.textContent = "";
-    Array.prototype.forEach.call(legend.childNodes, function (part) { below.appendChild(part.cloneNode(true)); });
+    write(part("scale-text").textContent, wide - 14 - length / 2, high - 21, "#1c1c1c", "12px sans-serif");
+    return sheet;
   }
-  listen("beforeprint", keep);
 
-  data.modes.forEach(function (mode, j) {
-    document.getElementById("v-" + mode).parentNode.appendChild(document.createTextNode("\u00a0(" + pairsOf[j].length + ")"));
-  });
-
-  // -- at first -----------------------------------------------------------------------------------------------------
-  function set(id, checked) { var input = document.getElementById(id); if (input) { input.checked = checked; } }
-  var alone = moving <= 1, hasFaces = data.faces.length > 0;
-  ["blocks", "rock", "edges"].forEach(function (name) { set("v-" + name, true); });
-  ["clear", "joints", "loads"].concat(data.modes).forEach(function (name) { set("v-" + name, alone); });
-  set("v-contact", false); set("v-bolts", true); set("v-numbers", false); set("v-names", moving > 1 && moving <= 20);
-  document.getElementById("v-colour").value = alone ? (hasFaces ? "face" : "plain") :
-    range(data.factor)[1] > 1.02 * range(data.factor)[0] ? "factor" : "order";
-  document.getElementById("v-pair").value = "mode";
-  document.getElementById("v-names").disabled = moving > 60;
-  document.getElementById("v-along").disabled = !data.velocity.some(function (v) { return v !== 0; });
-  document.querySelector('#v-colour option[value="face"]').disabled = !hasFaces;
-  var steel = document.getElementById("v-of-bolts");
-  if (steel) { steel.hidden = !data.bolt_number.length; }
-  measure(); reset(); colours(); keep();
-  return function () {
-    keep(); ended = true;
-    undo.forEach(function (act) { act(); });
-    var end = gl.getExtension("WEBGL_lose_context");
-    if (end) { end.loseContext(); }
+  // -- a scene, at first and again ----------------------------------------------------------------------------------
+  function set(id, checked) { var input = part(id); if (input) { input.checked = checked; } }
+  var settled = "";  // the sort of scene that the boxes were set for
+  function settle() {
+    var alone = moving <= 1, hasFaces = data.faces.length > 0;
+    var sort = alone ? (hasFaces ? "faces" : "one") : moving <= 20 ? "few" : moving <= 60 ? "more" : "many";
+    part("v-names").disabled = moving > 60;
+    part("v-along").disabled = !data.velocity.some(function (v) { return v !== 0; });
+    part("v-colour").querySelector('option[value="face"]').disabled = !hasFaces;
+    var steel = part("v-of-bolts");
+    if (steel) { steel.hidden = !data.bolt_number.length; }
+    data.modes.forEach(function (mode, j) {
+      var label = part("v-" + mode).parentNode, counted = label.querySelector(".counted");
+      if (!counted) { counted = made("span", "counted"); label.appendChild(counted); }
+      counted.textContent = "\u00a0(" + pairsOf[j].length + ")";
+    });
+    if (sort === settled) { return; }
+    settled = sort;
+    ["blocks", "rock", "edges"].forEach(function (name) { set("v-" + name, true); });
+    ["clear", "joints", "loads"].concat(data.modes).forEach(function (name) { set("v-" + name, alone); });
+    set("v-contact", false); set("v-bolts", true); set("v-numbers", false); set("v-names", moving > 1 && moving <= 20);
+    part("v-colour").value = alone ? (hasFaces ? "face" : "plain") :
+      range(data.factor)[1] > 1.02 * range(data.factor)[0] ? "factor" : "order";
+    part("v-pair").value = "mode";
+  }
+  function show(given) {
+    if (ended) { return false; }
+    var again = data !== null && settled !== "", was = start;
+    data = {};
+    Object.keys(given).forEach(function (key) {
+      data[key] = given[key] && given[key].base64 !== undefined ? unpack(given[key]) : given[key];
+    });
+    count = data.names.length; size = data.size_m;
+    moving = data.fixed.filter(function (fixed) { return !fixed; }).length;
+    PALETTE = data.palette; ROCK = data.rock_colour; BLOCK = data.block_colour; GREY = data.stands_colour;
+    MODE = data.mode_colours;
+    start = { bearing: data.look_from[0], above: data.look_from[1], zoom: 1, pan: [0, 0, 0] };
+    fill(); label(); settle(); measure();
+    if (!again) { reset(); } else if (eye.bearing === was.bearing && eye.above === was.above) {
+      eye.bearing = start.bearing; eye.above = start.above;  // not turned by hand: the way that this scene is looked at
+    }
+    colours(); draw();
+    return true;
+  }
+  return {
+    works: true, show: show, picture: picture,
+    paper: function (hex) { paper = rgb(hex); ask(); },
+    stop: function () {
+      ended = true;
+      undo.forEach(function (act) { act(); });
+      tags.concat(boltTags).forEach(function (tag) { if (tag) { tag.remove(); } });
+      var end = gl.getExtension("WEBGL_lose_context");
+      if (end) { end.loseContext(); }
+      data = null;
+    }
   };
-  }
-})();
+}

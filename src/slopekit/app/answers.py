@@ -1,0 +1,263 @@
+"""What stands on the page of a design: its numbers with status, check and what governs, its net, its scene, its faults.
+
+>>> from slopekit.app.session import Session
+>>> answer = answer_of(Session.of_template("wedge").now)
+>>> answer["lead"], answer["status_words"], answer["agree"], answer["net"]["line"]["trend"]
+('1.5574', 'slides on both planes', True, 180.0)
+>>> answer["governs"][1]
+{'path': 'strength.weak.phi', 'label': 'friction angle of weak', 'text': 'φ +1° +0.06'}
+"""
+
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from slopekit.app.controls import values_of
+from slopekit.app.session import Moment, at
+from slopekit.core.errors import Fault, Notice, SlopekitError
+from slopekit.core.orientation import parse_plane
+from slopekit.core.sheet import factor_text
+from slopekit.design.common import Design
+from slopekit.design.fields import words_of
+from slopekit.design.nodes import Node
+from slopekit.kinds import analyse, kind_of
+from slopekit.kinds.sheets.shared import verdict
+from slopekit.result import JUDGED, Result
+from slopekit.studies.keys import Key
+from slopekit.views.stage import Stage
+from slopekit.views.viewer_data import data_of
+
+Answer = dict[str, Any]
+#: What changes of GOVERNS are made to, by how their names begin: the ends of the paths.
+_GOVERNED: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("full water", ("water.fill",)), ("φ", (".phi", ".phi.mean")), ("c ", (".c", ".c.mean")),
+    ("load", ("footing.load", "footing.load.mean")), ("dip +", ("weak_plane.dip", "weak_plane.dip.mean")),
+)  # fmt: skip
+
+
+def answer_of(moment: Moment, final: bool = True, with_scene: bool = True) -> Answer:
+    """Analyse a design and say what came of it; bad input and blocks that cannot form are faults in it.
+
+    Parameters
+    ----------
+    final : whether the slider was let go
+    with_scene : what is drawn too
+    """
+    return analysed(moment, final, with_scene)[0]
+
+
+def analysed(moment: Moment, final: bool = True, with_scene: bool = True) -> tuple[Answer, Result | None]:
+    """The same, and the result where there is one."""
+    began = time.perf_counter()
+    if moment.faults:
+        return faulty(moment, moment.faults, final, began), None
+    try:
+        result = analyse(moment.design)
+    except SlopekitError as error:
+        return faulty(moment, error.faults, final, began), None
+    took = time.perf_counter() - began
+    answer = told(moment, result, final)
+    if with_scene:
+        answer["scene"] = scene_of(result)
+    answer["ms"] = {"analysis": took * 1e3, "all": (time.perf_counter() - began) * 1e3}
+    return answer, result
+
+
+def told(moment: Moment, result: Result, final: bool = True) -> Answer:
+    """What a result says, without its scene."""
+    keys, fos = values_of(moment.design), result.fos
+    lead, lead_of = fos.limit, "limit, PRE-IE"
+    if result.leading is not None:
+        name, lead = result.leading
+        lead_of = JUDGED.get(name, name.replace("_", " "))
+    slope = [section for section in kind_of(moment.design).slope(moment.design, result) if section.entries]
+    return {
+        **_empty(moment, final),
+        "lead": None if lead is None else factor_text(lead).strip(), "lead_of": lead_of,
+        "status": result.status, "status_words": result.status_text,
+        "fos": {"limit": fos.limit, "closed_form": fos.closed_form, "static_bound": fos.static_bound},
+        "agree": result.agree, "agree_words": verdict(result), "difference": result.difference,
+        "moments_govern": result.moments_govern, "accepted": result.accepted, "line": result.line,
+        "governs": list(_governs(moment.design, result, keys)),
+        "acceptance": [{"rule": str(rule), "met": result.judged(rule)} for rule in moment.design.rules],
+        "notices": [*_of_design(moment.design), *(notice_of(one) for one in result.warnings)],
+        "words": [entry for section in slope[:1] for entry in section.entries if isinstance(entry, str)],
+        "net": net_of(moment, result), "stale": False,
+    }  # fmt: skip
+
+
+def waiting(moment: Moment, final: bool, last: Answer | None) -> Answer:
+    """What is said of a design that is not analysed yet: the numbers of an earlier one, marked so, and its own net."""
+    if moment.faults:
+        return faulty(moment, moment.faults, final)
+    stale = {"stale": True, "rev": moment.rev, "final": final, "net": net_of(moment, None), "faults": []}
+    return (_empty(moment, final) | {"notices": _of_design(moment.design)} if last is None else dict(last)) | stale
+
+
+def scene_of(result: Result) -> dict[str, Any]:
+    """What the view draws of a result."""
+    found = result.findings
+    document = {
+        "kind": result.kind, "inputs": result.design.inputs(),
+        "geometry": {"thickness_m": getattr(result.geometry, "thickness_m", None)},
+        "assembly": None if found is None else {
+            "mechanisms": [{"fos": one.fos, "status": one.status} for one in found.mechanisms]
+        },
+    }  # fmt: skip
+    return data_of(Stage(document, result.scene))
+
+
+def _empty(moment: Moment, final: bool) -> Answer:
+    return {
+        "rev": moment.rev, "final": final, "lead": None, "lead_of": "", "status": "", "status_words": "",
+        "fos": {"limit": None, "closed_form": None, "static_bound": None}, "agree": None, "agree_words": "",
+        "difference": None, "moments_govern": False, "accepted": None, "line": "", "governs": [], "acceptance": [],
+        "notices": [], "faults": [], "words": [], "net": None, "scene": None,
+        "ms": {"analysis": 0.0, "all": 0.0}, "stale": False,
+    }  # fmt: skip
+
+
+def faulty(moment: Moment, faults: tuple[Fault, ...], final: bool, began: float | None = None) -> Answer:
+    """What is said where there is no answer: the faults and the net, no numbers."""
+    took = 0.0 if began is None else (time.perf_counter() - began) * 1e3
+    return _empty(moment, final) | {
+        "faults": [fault_of(fault, moment.document.root) for fault in faults],
+        "status_words": faults[0].message if faults else "", "net": net_of(moment, None),
+        "ms": {"analysis": took, "all": took},
+    }  # fmt: skip
+
+
+def notice_of(notice: Notice) -> dict[str, Any]:
+    """A notice as the page has it."""
+    return {"code": notice.code, "text": notice.message, "path": None}
+
+
+def fault_of(fault: Fault, root: Node | None = None) -> dict[str, Any]:
+    """A fault as the page has it, with the path of what it is said of where that is known."""
+    path, where = None, fault.where
+    if where.startswith("--set "):
+        path, where = where.removeprefix("--set ").partition("=")[0].strip() or None, ""
+    elif root is not None and where:
+        path = next((node.path for node in _every(root) if where in (str(node.place), str(node.key_place))), None)
+        if path is None and at(root, where) is not None:
+            path, where = where, ""
+    return {"code": fault.code, "message": fault.message, "where": where, "advice": fault.advice, "path": path}
+
+
+def _every(node: Node) -> Iterator[Node]:
+    """All nodes, those below before what holds them: the first that stands at a place is the most precise."""
+    for below in (*node.elements, *(part for _, part in node.items())):
+        yield from _every(below)
+    yield node
+
+
+def _of_design(design: Design) -> list[dict[str, Any]]:
+    return []
+
+
+def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterator[dict[str, Any]]:
+    """What changes the factor most, by the closed form, each with the control that it is."""
+    if result.moments_govern or result.status == "not_converged":
+        return
+    base = result.fos.closed_form
+    for called, factor, status in result.governs:
+        name = design.in_own_names(called)
+        path = _control(name, keys)
+        text = f"{name}: {status.replace('_', ' ')}"
+        if factor is not None:
+            text = f"{name}: {factor:.2f}" if base is None or name == "full water" else f"{name} {factor - base:+.2f}"
+        label = words_of(type(design), path) if path else name
+        yield {"path": path, "label": label, "text": text}
+
+
+def _control(name: str, keys: Mapping[str, Key]) -> str | None:
+    if name.startswith("dip of "):
+        of = name.removeprefix("dip of ").rpartition(" ")[0]
+        roots = (f"joints.{of}.plane", f"{of}.plane")
+        ends = (".dip", ".mean.dip", ".dip.mean")
+        return next((root + end for root in roots for end in ends if root + end in keys), None)
+    wanted = next((ends for begin, ends in _GOVERNED if name.startswith(begin)), ())
+    return next((path for path in keys if path.endswith(wanted) and keys[path].role == "quantity"), None)
+
+
+# -- the net ----------------------------------------------------------------------------------------------------------
+
+
+def net_of(moment: Moment, result: Result | None) -> dict[str, Any]:
+    """The planes of a design for the stereonet, each with the path that its angles are set by."""
+    design, root = moment.design, moment.document.root
+    inputs = design.inputs()
+    planes: list[tuple[str, Any, tuple[str, ...]]] = []
+    joints, sets, basal = inputs.get("joints"), inputs.get("sets"), inputs.get("basal")
+    if joints is None and inputs.get("joint") is not None:
+        joints = {inputs.get("joint_name", "J1"): inputs["joint"]}
+    if isinstance(joints, Mapping):
+        own = [(design.in_own_names(name), text) for name, text in joints.items()]
+        planes += [(name, text, (f"joints.{name}.plane",)) for name, text in own]
+    if isinstance(sets, list):
+        planes += [(one["name"], one["plane"], (f"sets.{one['name']}.plane",)) for one in sets]
+    if isinstance(basal, Mapping):
+        planes.append(("basal", basal.get("plane"), ("basal.plane",)))
+    crack = inputs.get("crack")
+    if isinstance(crack, Mapping) and crack.get("plane"):
+        planes.append(("crack", crack["plane"], ("crack.plane",)))
+    return {
+        "face": _plane(inputs.get("face")), "upper": _plane(inputs.get("upper")),
+        "planes": [
+            {"name": name, **found, "path": _prefix(root, paths)}
+            for name, text, paths in planes if (found := _plane(text)) is not None
+        ],
+        "line": _line(result), "friction": _friction(design),
+    }  # fmt: skip
+
+
+def _plane(text: object) -> dict[str, float] | None:
+    if not isinstance(text, str):
+        return None
+    try:
+        plane = parse_plane(text, "plane")
+    except SlopekitError:
+        return None
+    return {"dip": plane.dip_deg, "dip_direction": plane.dip_direction_deg}
+
+
+def _prefix(root: Node, paths: tuple[str, ...]) -> str | None:
+    """The path whose `.dip` and `.dip_direction` can be set: of a distribution that of its mean."""
+    for path in paths:
+        node = at(root, path)
+        if node is None:
+            continue
+        if node.get("dist") is not None:
+            return f"{path}.mean" if node.get("mean") is not None else None
+        angles = [node.get(name) for name in ("dip", "dip_direction")]
+        if any(angle is not None and angle.is_mapping for angle in angles):
+            return None  # each angle scatters for itself
+        return path
+    return None
+
+
+def _line(result: Result | None) -> dict[str, float] | None:
+    trend = getattr(result.geometry, "line_trend_deg", None) if result is not None else None
+    plunge = getattr(result.geometry, "line_plunge_deg", None) if result is not None else None
+    return None if trend is None or plunge is None else {"trend": float(trend), "plunge": float(plunge)}
+
+
+def _friction(design: Design) -> float | None:
+    """The least friction angle of its strengths; None where one is curved."""
+    angles = [getattr(one, "friction_angle_deg", None) for one in kind_of(design).strengths(design)]
+    known = [float(angle) for angle in angles if isinstance(angle, int | float)]
+    return min(known) if known and len(known) == len(angles) else None
+
+
+__all__ = [
+    "Answer",
+    "analysed",
+    "answer_of",
+    "fault_of",
+    "faulty",
+    "net_of",
+    "notice_of",
+    "scene_of",
+    "told",
+    "waiting",
+]

@@ -1,0 +1,416 @@
+"""Saving: what changed is put into the text of the file, line by line, shown first, and written as it was shown.
+
+ruamel says where each value stands in the text; only there is it touched, so comments, quotes, order and line ends stay.
+What was written is read again before it counts: it has to be the same design.
+
+>>> from slopekit.app.session import opened_text
+>>> text = "slopekit: 1  # version\\nkind: wedge\\njoints: {J1: {plane: 45/115}, J2: {plane: '45/245'}}\\n"
+>>> from slopekit.app.session import Session
+>>> session = Session(opened_text(text, "my.yaml"))
+>>> session.set({"joints.J2.plane.dip": 50, "slope.height": "20 m"}, final=True)
+>>> print(edited(session.opened, session.now.document), end="")
+slopekit: 1  # version
+kind: wedge
+joints: {J1: {plane: 45/115}, J2: {plane: '50/245'}}
+slope: {height: 20 m}
+"""
+
+import difflib
+import json
+import os
+import re
+import secrets
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from slopekit.app.session import Opened, Session, digest_of, opened_text
+from slopekit.core.errors import DesignError, Fault, writing
+from slopekit.core.records import dataclass
+from slopekit.design.document import read_text
+from slopekit.design.nodes import Document, Node, cut
+
+_PLAIN = re.compile(r"[\w°.+\-/][\w°²³.+\-/%]*(?: [\w°²³.+\-/%]+)*")
+_NOT_PLAIN = re.compile(r"(?:~|null|-+)", re.IGNORECASE)
+_ENDINGS = (".yaml", ".yml")
+_MOST_KEPT = 10
+_BOM = b"\xef\xbb\xbf"
+_Edit = tuple[int, int, str]
+
+
+def edited(opened: Opened, document: Document) -> str:
+    """The text of the file with what changed in it.
+
+    Raises
+    ------
+    DesignError
+        E547 where the text cannot be changed so that it reads as the design.
+    """
+    if document is opened.document:
+        return opened.text
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import YAMLError
+
+    yaml = YAML(typ="safe", pure=True)
+    try:
+        top = yaml.compose(opened.text)
+        edits = list(_edits(_Text(opened.text), top, opened.document.root, document.root))
+        text = _applied(opened.text, edits)
+        again, faults = read_text(text, opened.name, opened.path)
+    except (YAMLError, DesignError, LookupError, ValueError, TypeError, AttributeError) as error:
+        raise _unsaved(cut(str(error).partition("\n")[0])) from None
+    root = {key: node.plain() for key, node in again.root.items() if key != "cases"}
+    if faults or root != document.root.plain():
+        raise _unsaved("other lines would have to change")
+    return text
+
+
+def _unsaved(why: str) -> DesignError:
+    advice = "Copy the design from Hand over, or save under another name."
+    return DesignError([Fault("E547", f"the change cannot be put into the text of the file: {why}", "", advice)])
+
+
+class _Text:
+    """The text of a file, where its lines begin and end."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+
+    def start_of_line(self, at: int) -> int:
+        """Of the line that a place is in."""
+        return self.text.rfind("\n", 0, at) + 1
+
+    def end_of_line(self, at: int) -> int:
+        """Of the line that a place is in, without its line end."""
+        found = re.compile(r"\r?\n|\Z").search(self.text, at)
+        assert found is not None
+        return found.start()
+
+
+def _edits(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
+    """What to replace so that the value of `before` that stands at `item` becomes that of `after`."""
+    if before is after or before.plain() == after.plain():
+        return
+    if before.is_mapping and after.is_mapping and _is_mapping(item):
+        yield from _of_mapping(text, item, before, after)
+    elif (
+        isinstance(before.value, list) and isinstance(after.value, list)
+        and len(before.value) == len(after.value) == len(item.value)
+    ):  # fmt: skip
+        for below, one, other in zip(item.value, before.value, after.value, strict=True):
+            yield from _edits(text, below, one, other)
+    elif before.text is not None and after.text is not None:
+        yield item.start_mark.index, item.end_mark.index, _scalar(after.text, getattr(item, "style", None))
+    else:
+        yield item.start_mark.index, _end(item), _flow(after)
+
+
+def _of_mapping(text: _Text, item: Any, before: Node, after: Node) -> Iterator[_Edit]:
+    pairs = {str(key.value): (key, value) for key, value in item.value}
+    flow = bool(item.flow_style)
+    for key, one in before.items():
+        other = after.get(key)
+        if other is not None:
+            yield from _edits(text, pairs[key][1], one, other)
+    gone = [key for key, _ in before.items() if after.get(key) is None]
+    new = [key for key, _ in after.items() if before.get(key) is None]
+    for old, other_key in zip(gone, new, strict=False):  # another key in its place
+        key, value = pairs[old]
+        yield key.start_mark.index, _end(value), _entry(other_key, after)
+    gone, new = gone[len(new) :], new[len(gone) :]
+    if gone:
+        yield from _without(text, item, pairs, gone, flow)
+    if not new:
+        return
+    if flow and pairs:
+        at = _end(item.value[-1][1])
+        yield at, at, "".join(f", {_entry(key, after)}" for key in new)
+    elif not pairs:
+        yield item.start_mark.index, _end(item), f"{{{', '.join(_entry(key, after) for key in new)}}}"
+    else:
+        at = text.end_of_line(max(_end(value) for _, value in item.value))
+        indent = " " * item.value[0][0].start_mark.column
+        yield at, at, "".join(f"{text.newline}{indent}{_entry(key, after)}" for key in new)
+
+
+def _without(text: _Text, item: Any, pairs: dict[str, Any], gone: list[str], flow: bool) -> Iterator[_Edit]:
+    """Take keys out of a mapping."""
+    names = list(pairs)
+    kept = [name for name in names if name not in gone]
+    if not kept:
+        yield item.start_mark.index, _end(item), "{}"
+    elif not flow:
+        for name in gone:
+            key, value = pairs[name]
+            end = text.end_of_line(_end(value))
+            yield text.start_of_line(key.start_mark.index), min(end + len(text.newline), len(text.text)), ""
+    else:
+        first = names.index(kept[0])
+        if first:
+            yield pairs[names[0]][0].start_mark.index, pairs[kept[0]][0].start_mark.index, ""
+        for name in gone:
+            if names.index(name) > first:
+                yield _end(pairs[names[names.index(name) - 1]][1]), _end(pairs[name][1]), ""
+
+
+def _is_mapping(item: Any) -> bool:
+    return type(item).__name__ == "MappingNode"
+
+
+def _end(item: Any) -> int:
+    """Where a value ends in the text: a block with its last value, not with the comments behind it."""
+    if isinstance(item.value, str) or item.flow_style or not item.value:
+        return int(item.end_mark.index)
+    last = item.value[-1]
+    return _end(last[1] if isinstance(last, tuple) else last)
+
+
+def _entry(key: str, holder: Node) -> str:
+    below = holder.get(key)
+    assert below is not None
+    return f"{_scalar(key)}: {_flow(below)}"
+
+
+def _flow(node: Node) -> str:
+    """A value in one line, as brackets hold it."""
+    if node.is_mapping:
+        return f"{{{', '.join(_entry(key, node) for key, _ in node.items())}}}"
+    if isinstance(node.value, list):
+        return f"[{', '.join(_flow(below) for below in node.elements)}]"
+    return "null" if node.text is None else _scalar(node.text)
+
+
+def _scalar(text: str, style: str | None = None) -> str:
+    """A text as YAML has it, in the quotes that stood there, in none where none are needed."""
+    if style == "'" and "\n" not in text:
+        return "'" + text.replace("'", "''") + "'"
+    if style is None and _PLAIN.fullmatch(text) and not _NOT_PLAIN.fullmatch(text):
+        return text
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _applied(text: str, edits: list[_Edit]) -> str:
+    parts, at = list[str](), 0
+    for start, end, new in sorted(edits, key=lambda edit: edit[:2]):
+        if start < at:
+            raise ValueError("two changes meet in one place")
+        parts += [text[at:start], new]
+        at = end
+    return "".join([*parts, text[at:]])
+
+
+# -- the difference ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """What a save would write: where to, the text, the difference from what was opened, how many lines are new."""
+
+    target: Path | None
+    text: str
+    diff: str
+    lines: int
+    changed_on_disk: bool
+
+
+def change_of(session: Session, file: str | None = None) -> Change:
+    """What a save of a session would write.
+
+    Parameters
+    ----------
+    file : to save to, the file that was opened where None
+
+    Raises
+    ------
+    DesignError
+        E547 where the design has faults, or its text cannot be changed; E141 for a file that is no design file.
+    """
+    if session.now.faults:
+        advice = "Put right what the page marks, or undo it."
+        raise DesignError([Fault("E547", "the design has faults: it is not saved", "", advice), *session.now.faults])
+    opened = session.opened
+    target = _target(file) if file else opened.path
+    text = edited(opened, session.now.document)
+    name = opened.name if target is None else target.name
+    lines = list(difflib.unified_diff(_lines(opened.text), _lines(text), opened.name, name, n=2, lineterm=""))
+    new = sum(line.startswith("+") for line in lines[2:])
+    moved = target is not None and _same(target, opened.path) and _digest(target) != opened.digest
+    return Change(target, text, "\n".join(lines), new, moved)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines of a text; that the last has no end is a line of its own, as everywhere."""
+    lines = text.splitlines()
+    return lines if not text or text.endswith("\n") else [*lines[:-1], f"{lines[-1]}\n\\ No newline at end of file"]
+
+
+def _target(file: str) -> Path:
+    path = Path(file).expanduser()
+    if path.suffix.lower() not in _ENDINGS:
+        raise DesignError([Fault("E547", f"{cut(file)} does not end in .yaml", cut(file), "Name it like slope.yaml.")])
+    return path
+
+
+def _same(one: Path, other: Path | None) -> bool:
+    return other is not None and os.path.realpath(one) == os.path.realpath(other)
+
+
+def _digest(path: Path) -> str:
+    try:
+        return digest_of(path.read_bytes())
+    except OSError:
+        return ""
+
+
+def save(session: Session, file: str | None, seen: str) -> Path:
+    """Write what changed, as it was shown.
+
+    Parameters
+    ----------
+    seen : the difference that the user has looked at
+
+    Raises
+    ------
+    DesignError
+        E545 where the file changed on the disk, E546 where `seen` is another difference, E547 without a file, or where
+        there is one of that name already, E129 where it cannot be written.
+    """
+    change, opened = change_of(session, file), session.opened
+    target = change.target
+    if target is None:
+        raise DesignError([Fault("E547", "there is no file yet: give it a name", "", "For example slope.yaml.")])
+    own = _same(target, opened.path)
+    if change.changed_on_disk:
+        advice = "Open it again, or save under another name."
+        raise DesignError([Fault("E545", f"{target.name} changed on the disk since it was read", str(target), advice)])
+    if not own and target.exists():
+        raise DesignError([Fault("E547", f"{target} is there already", str(target), "Give another name.")])
+    if seen != change.diff:
+        raise DesignError([Fault("E546", "the change is another than the one that was shown", "", "Look at it again.")])
+    content = change.text.encode()
+    if own and target.read_bytes().startswith(_BOM):
+        content = _BOM + content
+    _write(target, content, new=not own)
+    session.saved(opened_text(change.text, target.name, target, digest_of(content)))
+    return target
+
+
+def _write(target: Path, content: bytes, new: bool) -> None:
+    """Write a file whole or not at all; a new one never over another."""
+    with writing(target):
+        if new:
+            try:
+                with target.open("xb") as file:
+                    file.write(content)
+            except FileExistsError:
+                raise DesignError([Fault("E547", f"{target} is there already", str(target))]) from None
+            return
+        real = Path(os.path.realpath(target))
+        handle, name = tempfile.mkstemp(prefix=f".{real.name}.", dir=real.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                file.write(content)
+            os.chmod(name, real.stat().st_mode & 0o7777)
+            os.replace(name, real)
+        except BaseException:
+            Path(name).unlink(missing_ok=True)
+            raise
+
+
+# -- what is not saved yet --------------------------------------------------------------------------------------------
+
+
+def state_folder() -> Path:
+    """Where the user's state is kept: by the system's own rule."""
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        given = os.environ.get("XDG_STATE_HOME", "")
+        base = Path(given) if os.path.isabs(given) else Path.home() / ".local" / "state"
+    return base / "slopekit" / "unsaved"
+
+
+class Autosave:
+    """One design that is not saved, kept in the state folder until it is."""
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self.folder = state_folder() if folder is None else folder
+        self.number = secrets.token_hex(8)
+
+    @property
+    def file(self) -> Path:
+        """Where it is kept."""
+        return self.folder / f"{self.number}.json"
+
+    def keep(self, session: Session) -> None:
+        """Keep what is not saved, forget what is; a folder that cannot be written to is no reason to stop."""
+        try:
+            if session.is_saved:
+                self.file.unlink(missing_ok=True)
+                return
+            opened = session.opened
+            record = {
+                "title": session.design.title or opened.name, "when": time.strftime("%Y-%m-%d %H:%M"),
+                "name": opened.name, "path": None if opened.path is None else str(opened.path.absolute()),
+                "digest": opened.digest, "opened": opened.text, "text": edited(opened, session.now.document),
+            }  # fmt: skip
+            self.folder.mkdir(parents=True, exist_ok=True)
+            fresh = self.file.with_suffix(".new")
+            fresh.write_text(json.dumps(record), encoding="utf-8")
+            fresh.replace(self.file)
+            for old in self._all()[_MOST_KEPT:]:
+                old.unlink(missing_ok=True)
+        except (OSError, DesignError):
+            return
+
+    def _all(self) -> list[Path]:
+        """What is kept, the newest first."""
+        try:
+            return sorted(self.folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True)
+        except OSError:
+            return []
+
+    def offered(self) -> dict[str, str] | None:
+        """The newest of other sessions: its title, when it was, its number."""
+        for path in self._all():
+            record = self._read(path)
+            if path.stem != self.number and record is not None:
+                return {"title": record["title"], "when": record["when"], "id": path.stem}
+        return None
+
+    def taken(self, number: str, session: Session) -> None:
+        """Go on with what was kept.
+
+        Raises
+        ------
+        DesignError
+            E548 where there is nothing of that number, and what `load` says of what is no design.
+        """
+        known = {path.stem: path for path in self._all()}
+        record = self._read(known[number]) if number in known else None
+        if record is None:
+            raise DesignError([Fault("E548", "nothing unsaved is kept under that number")])
+        path = None if record["path"] is None else Path(record["path"])
+        opened = opened_text(record["opened"], record["name"], path, record["digest"])
+        document, _ = read_text(record["text"], record["name"], path)
+        bare = {key: node for key, node in document.root.items() if key != "cases"}
+        session.open(opened)
+        session.restore(replace(document, root=replace(document.root, value=bare)))
+        self.number = number
+
+    @staticmethod
+    def _read(path: Path) -> dict[str, Any] | None:
+        try:
+            record = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        texts = ("title", "when", "name", "digest", "opened", "text")
+        sound = isinstance(record, dict) and all(isinstance(record.get(key), str) for key in texts)
+        return record if sound and isinstance(record.get("path"), str | None) else None

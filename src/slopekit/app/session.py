@@ -1,0 +1,373 @@
+"""One design under work: what it is now, what it was opened as, undo, redo, and what is not saved yet.
+
+A change makes a new tree of the design (a tenth of a millisecond: no text is read again) and reads it; what it was
+before is kept for undo. Nothing here is analysed.
+
+>>> session = Session.of_template("wedge")
+>>> session.set({"joints.J1.plane.dip": 50}, final=True)
+>>> session.design.joints[0].dip_deg, session.changed, session.can_undo
+(50.0, ['joints.J1.plane.dip'], True)
+>>> session.undo()
+>>> session.design.joints[0].dip_deg, session.changed
+(45.0, [])
+"""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from slopekit.app import controls
+from slopekit.core.errors import DesignError, Fault
+from slopekit.core.records import dataclass
+from slopekit.design import templates
+from slopekit.design.common import Design
+from slopekit.design.document import read_text
+from slopekit.design.files import design_of, load_document_design
+from slopekit.design.nodes import Document, Node
+from slopekit.design.overrides import ALTERNATIVES, with_overrides
+from slopekit.studies.keys import Key
+
+#: What is answered while a slider is dragged, when it is let go, and when a button is pressed.
+LIVE: Mapping[str, str] = {
+    "wedge": "drag", "plane": "drag", "footing": "drag", "topple": "release", "blocks": "release", "surface": "release",
+    "bench": "button",
+}  # fmt: skip
+_MOST_UNDONE = 500
+_LONGEST = 2000  # letters of one value
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A design as it was opened.
+
+    Attributes
+    ----------
+    text : as the file has it, empty where there is none
+    path : the file, None of a template and of text that has none yet
+    digest : SHA-256 of the file's bytes when it was read
+    name : what it is called; where : the folder that its other files (meshes, joint lists) stand in
+    """
+
+    text: str
+    path: Path | None
+    digest: str
+    name: str
+    document: Document
+    design: Design
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """A design at one moment: what an analysis is asked of, whatever is set meanwhile.
+
+    `design` is the last sound one where there are `faults`.
+    """
+
+    rev: int
+    document: Document
+    design: Design
+    faults: tuple[Fault, ...] = ()
+
+
+def digest_of(content: bytes) -> str:
+    """SHA-256 of a file, as hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def opened_text(text: str, name: str, path: Path | None = None, digest: str = "") -> Opened:
+    """A design of the text of a file.
+
+    Raises
+    ------
+    DesignError
+        With every fault found.
+    """
+    document, faults = read_text(text, name, path)
+    design = load_document_design(document, faults)
+    assert design.source is not None
+    return Opened(text, path, digest, name, design.source, design)
+
+
+def opened_file(path: Path) -> Opened:
+    """A design of a file. Raises DesignError with every fault found."""
+    from slopekit.design.document import decoded
+    from slopekit.design.on_disk import read_bytes
+
+    content = read_bytes(path)
+    return opened_text(decoded(content, path.name), path.name, path, digest_of(content))
+
+
+class Session:
+    """A design under work.
+
+    Attributes
+    ----------
+    opened : as it was opened; now : at this moment
+    """
+
+    def __init__(self, opened: Opened) -> None:
+        self.rev = 0
+        self.open(opened)
+
+    @classmethod
+    def of_template(cls, name: str) -> "Session":
+        """A session that begins with a template. Raises DesignError E177 for a name that is none."""
+        return cls(opened_template(name))
+
+    def open(self, opened: Opened) -> None:
+        """Take another design; there is nothing to undo then."""
+        self.rev += 1
+        self.opened = opened
+        self.now = Moment(self.rev, opened.document, opened.design)
+        self.done: list[Document] = []
+        self.undone: list[Document] = []
+        self.settled = opened.document
+        self.before = controls.values_of(opened.design)
+        self._of, self._shown, self._numbers = opened.document, opened.design, self.before
+
+    # -- what it is ---------------------------------------------------------------------------------------------------
+
+    @property
+    def design(self) -> Design:
+        """The last sound design."""
+        return self.now.design
+
+    @property
+    def live(self) -> str:
+        """When it is answered: drag, release or button."""
+        found = LIVE.get(self.design.kind, "release")
+        return "release" if found == "drag" and self.design.criterion != "limit" else found
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self.done) or self.now.document is not self.settled
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something was undone."""
+        return bool(self.undone)
+
+    @property
+    def shown(self) -> Design:
+        """The design whose numbers stand on the page: what is written, where that can be read, else the last sound."""
+        self._look()
+        return self._shown
+
+    @property
+    def numbers(self) -> Mapping[str, Key]:
+        """The numbers by path, as `controls.values_of`."""
+        self._look()
+        return self._numbers
+
+    def _look(self) -> None:
+        if self._of is not self.now.document:
+            self._of, self._shown = self.now.document, replace(self.design, source=self.now.document)
+            try:
+                self._numbers = controls.values_of(self._shown)
+            except DesignError:  # a distribution that is none
+                self._shown = self.design
+                self._numbers = controls.values_of(self.design)
+
+    @property
+    def changed(self) -> list[str]:
+        """The paths of what is another than when the design was opened: numbers by value, words as written."""
+        if self.now.document is self.opened.document:
+            return []
+        now = self.numbers
+        found = [path for path, key in now.items() if controls.is_changed(key, self.before.get(path))]
+        words = (path for path in different(self.opened.document.root, self.now.document.root) if path not in now)
+        return [
+            *found,
+            *(path for path in words if not any(f"{one}.".startswith(f"{path}.") for one in (*found, *now))),
+        ]
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether there is nothing that a save would write."""
+        return self.now.document is self.opened.document or not different(
+            self.opened.document.root, self.now.document.root
+        )
+
+    # -- changes ------------------------------------------------------------------------------------------------------
+
+    def set(self, values: Mapping[str, Any], final: bool) -> None:
+        """Put values in place of those of the design; a run of changes that are not final is undone with the final one.
+
+        Raises
+        ------
+        DesignError
+            Where the values fit nowhere: nothing is changed then. What is no sound design is, with `now.faults`.
+        """
+        document = self.now.document
+        for path, value in values.items():
+            document = self._with(document, path, value, self.shown)
+        self._become(document)
+        if final:
+            self.settle()
+
+    def settle(self) -> None:
+        """Make what was changed since the last time one step to undo."""
+        if self.now.document is not self.settled:
+            self.done.append(self.settled)
+            del self.done[:-_MOST_UNDONE]
+            self.undone.clear()
+            self.settled = self.now.document
+
+    def undo(self) -> None:
+        """Go back one step; at the first there is nothing to do."""
+        self.settle()
+        if self.done:
+            self.undone.append(self.settled)
+            self.settled = self.done.pop()
+            self._become(self.settled)
+
+    def redo(self) -> None:
+        """Go forth again."""
+        if self.undone and self.now.document is self.settled:
+            self.done.append(self.settled)
+            self.settled = self.undone.pop()
+            self._become(self.settled)
+
+    def reset(self, path: str) -> None:
+        """Put back at a path what the design was opened with."""
+        text = controls.text_at(self.opened.document, path)
+        old = self.before.get(path)
+        values: list[tuple[str, object]] = [(path, text)]
+        if text is None and old is not None and old.written_out and old.value is not None:
+            above = old.written_out[0][0]  # the orientation that was written out for it
+            values = [(above, None)] if self._others_as_opened(path) else [(path, old.written(old.value))]
+        elif text is None:
+            values = self._family(path)
+        document = self.now.document
+        for one in values:
+            document = with_overrides(document, [one])
+        self._become(replace(document, root=_without_empty(document.root, self.opened.document.root)))
+        self.settle()
+
+    def _family(self, path: str) -> list[tuple[str, object]]:
+        """What to put back where a path had nothing: with it the keys that exclude it."""
+        top, _, rest = path.partition(".")
+        keys, before = ALTERNATIVES.get(top, ()), self.opened.document.root.get(top)
+        if rest.partition(".")[0] not in keys:
+            return [(path, None)]
+        if before is not None and not before.is_mapping:
+            return [(top, before)]
+        given = [(f"{top}.{key}", before.get(key)) for key in keys] if before is not None else []
+        return [*((f"{top}.{key}", None) for key in keys), *((key, node) for key, node in given if node is not None)]
+
+    def restore(self, document: Document) -> None:
+        """Put another tree in place of the design's: what was not saved in an earlier session."""
+        self._become(document)
+        self.settle()
+
+    def saved(self, opened: Opened) -> None:
+        """What it is now stands in a file: changes are held against that, and can still be undone."""
+        self.settle()
+        self.opened, self.before = opened, controls.values_of(opened.design)
+        self.settled = opened.document
+        self.now = Moment(self.rev, opened.document, self.design)
+
+    def _others_as_opened(self, path: str) -> bool:
+        above = path.rpartition(".")[0]
+        now = self.numbers
+        return all(
+            not controls.is_changed(key, self.before.get(other))
+            for other, key in now.items() if other != path and other.rpartition(".")[0] == above
+        )  # fmt: skip
+
+    def _with(self, document: Document, path: str, value: Any, design: Design) -> Document:
+        """The tree with one value put in; numbers as the design has them."""
+        key = self.numbers.get(path)
+        given: list[tuple[str, object]] = []
+        if key is not None and key.written_out and value is not None:
+            given += key.written_out
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            value = controls.written(design, key, path, float(value))
+        if isinstance(value, str) and len(value) > _LONGEST:
+            raise DesignError([Fault("E541", f"{path} has {len(value)} letters, {_LONGEST} are the most", path)])
+        if path == "title" and isinstance(value, str):
+            return _titled(document, value)
+        for one in (*given, (path, value)):
+            document = with_overrides(document, [one])
+        return document
+
+    def _become(self, document: Document) -> None:
+        self.rev += 1
+        try:
+            design = replace(design_of(document, other_values=True), source=document)
+        except DesignError as error:
+            self.now = Moment(self.rev, document, self.now.design, error.faults)
+            return
+        self.now = Moment(self.rev, document, design)
+
+
+def opened_template(name: str) -> Opened:
+    """A template as a design without a file of its own. Raises DesignError E177 for a name that is none."""
+    path = templates.path_of(name)
+    return opened_text(path.read_text(encoding="utf-8"), path.name)
+
+
+def _titled(document: Document, text: str) -> Document:
+    """The title is words, whatever they begin with."""
+    from slopekit.design.nodes import Place, cut, printable
+
+    place = Place("--set", 0, 0, cut(f"title={text}"))
+    return with_overrides(document, [("title", Node(printable(text), place, "title", place))])
+
+
+def different(one: Node | None, other: Node | None) -> list[str]:
+    """The paths at which two trees differ, each as high up as one of them has nothing or a value of another shape.
+
+    >>> from slopekit.design.nodes import document_from
+    >>> a, b = (document_from({"slope": {"height": h}, "water": "dry"}).root for h in (10, 12))
+    >>> different(a, b)
+    ['slope.height']
+    """
+    if one is other:
+        return []
+    if one is None or other is None:
+        there = one or other
+        return [there.path] if there is not None else []
+    if one.is_mapping and other.is_mapping:
+        keys = dict.fromkeys([*(key for key, _ in one.items()), *(key for key, _ in other.items())])
+        return [path for key in keys for path in different(one.get(key), other.get(key))]
+    if isinstance(one.value, list) and isinstance(other.value, list) and len(one.value) == len(other.value):
+        return [path for a, b in zip(one.value, other.value, strict=True) for path in different(a, b)]
+    return [] if one.plain() == other.plain() else [other.path or one.path]
+
+
+def _without_empty(node: Node, before: Node | None) -> Node:
+    """A tree without mappings that hold nothing and were not there before."""
+    if not node.is_mapping:
+        return node
+    made = {key: _without_empty(below, None if before is None else before.get(key)) for key, below in node.items()}
+    kept = {
+        key: below for key, below in made.items()
+        if below.value != {} or (before is not None and before.get(key) is not None)
+    }  # fmt: skip
+    return node if all(kept.get(key) is below for key, below in node.items()) else replace(node, value=kept)
+
+
+def at(root: Node, path: str) -> Node | None:
+    """The node at a dotted path; keys may have dots (of correlations)."""
+    node: Node | None = root
+    parts = path.split(".") if path else []
+    while parts and node is not None:
+        if isinstance(node.value, list):
+            part = parts.pop(0)
+            node = node.elements[int(part)] if part.isdigit() and int(part) < len(node.elements) else None
+            continue
+        for count in range(1, len(parts) + 1):
+            below = node.get(".".join(parts[:count]))
+            if below is not None:
+                node, parts = below, parts[count:]
+                break
+        else:
+            return None
+    return node
+
+
+__all__ = ["LIVE", "Moment", "Opened", "Session", "at", "different", "opened_file", "opened_template", "opened_text"]
