@@ -16,11 +16,11 @@ from slopekit.core.records import dataclass
 from slopekit.core.shown import Shown
 from slopekit.design.common import Design, Rule
 from slopekit.extents import Geometry
-from slopekit.findings import Findings
 from slopekit.preie.balance import Balance
 
 if TYPE_CHECKING:
     from slopekit.core.sheet import Column, Sheet, Table
+    from slopekit.findings import Findings
 
 #: Every status a block can have, as a sentence.
 STATUSES: Mapping[str, str] = {
@@ -384,7 +384,7 @@ class Result(Shown):
     acting: Arrows = field(repr=False)
     methods: Mapping[str, float | None] = field(default_factory=dict)
     series: tuple[ReductionStep, ...] = ()
-    findings: Findings | None = None
+    findings: "Findings | None" = None
     balance: Balance | None = None
     cohesion_under_moments: CohesionUnderMoments | None = None
     turns_over: str = ""

@@ -4,7 +4,8 @@ import copy
 import dataclasses
 import inspect
 import pickle
-from typing import ClassVar
+import re
+from typing import Any, ClassVar
 
 import pytest
 
@@ -101,3 +102,40 @@ def test_records_and_dataclasses_of_others_inherit() -> None:
         Raised(1.0, 2.0, [], 7, 3.0)  # type: ignore[misc]
     with pytest.raises(TypeError):
         dataclasses.dataclass(type("Written", (Point,), {"__annotations__": {"b": int}}))
+
+
+@pytest.mark.parametrize("before", [0, 50], ids=["the first", "after many"])
+@pytest.mark.parametrize("given", [
+    ((1,), {}), ((1, 2), {}), ((1,), {"north": 2, "up": 3}), ((), {"up": 3, "east": 1, "names": [4]}),
+    ((), {}), ((1, 2, [], 3), {}), ((1,), {"east": 1}), ((1,), {"west": 1}), ((1,), {"twice": 1}),
+])  # fmt: skip
+def test_the_first_records_are_what_the_compiled_ones_are(
+    before: int, given: tuple[tuple[int, ...], dict[str, int]]
+) -> None:
+    """Those of dataclasses, whose ``__init__`` is compiled at once, are the reference."""
+
+    def made_by(decorator: Any) -> Any:
+        @decorator(frozen=True)
+        class One:
+            east: float
+            north: float = 0.0
+            names: list[str] = dataclasses.field(default_factory=list)
+            up: float = dataclasses.field(default=5.0, kw_only=True)
+            twice: float = dataclasses.field(init=False)
+
+            def __post_init__(self) -> None:
+                object.__setattr__(self, "twice", 2 * self.east)
+
+        return One
+
+    ours, theirs = made_by(dataclass), made_by(dataclasses.dataclass)
+    for number in range(before):
+        assert ours(number).twice == 2 * number
+    args, named = given
+    try:
+        expected = repr(theirs(*args, **named))
+    except TypeError as error:
+        with pytest.raises(TypeError, match=f"^{re.escape(str(error))}$"):
+            ours(*args, **named)
+    else:
+        assert repr(ours(*args, **named)) == expected

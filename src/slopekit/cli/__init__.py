@@ -1,7 +1,10 @@
 """The command line: parse, call one function, print, exit code. Everything else loads only when a command runs."""
 
+import gc
 import os
 import sys
+from collections.abc import Mapping
+from importlib import import_module
 from typing import Annotated, Any, NoReturn, cast
 
 try:
@@ -9,7 +12,6 @@ try:
     from typer.core import TyperGroup
 
     from slopekit._version import __version__
-    from slopekit.cli import designs, outputs, tools
     from slopekit.cli.common import print_faults
     from slopekit.core.errors import DesignError, Fault, SlopekitError
     from slopekit.studies.protocol import STUDIES
@@ -21,18 +23,24 @@ except ModuleNotFoundError as error:
     print(said, file=sys.stderr)
     sys.exit(2)
 
-#: In the order of the help, studies after them and before the others; those of results and studies are made of their
-#: functions, when they are asked for.
+#: The first of the help; the studies follow, and the others.
 _FIRST = ("wedge", "run", "lint")
-_LAST = ("plot", "export", "report", "app", "templates", "doctor", "explain")
+#: Where the commands stand that are written by hand; those of results and studies are made of their functions.
+_WRITTEN: Mapping[str, str] = {
+    "lint": "designs", "plot": "outputs", "export": "outputs", "report": "outputs",
+    "app": "tools", "templates": "tools", "doctor": "tools", "explain": "tools",
+}  # fmt: skip
+#: How many objects may come before the garbage collector looks at them all: those of starting up are all there to stay,
+#: and Python's 700 has them gone through a hundred times (5 % of a cold wedge).
+_OBJECTS = 50_000
 
 
 class _Commands(TyperGroup):
-    """The commands, of which those of results and studies are made when they are asked for."""
+    """The commands; each is loaded and made when it is asked for."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
-        self.commands = cast(dict[str, Any], dict.fromkeys([*_FIRST, *STUDIES, *_LAST])) | dict(self.commands)
+        self.commands = cast(dict[str, Any], dict.fromkeys([*_FIRST, *STUDIES, *_WRITTEN]))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Their names, in order."""
@@ -41,12 +49,23 @@ class _Commands(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """A command by its name, None for another word."""
         if cmd_name in self.commands and self.commands[cmd_name] is None:
-            from slopekit.cli.study_command import command_of
-
-            one = typer.Typer(rich_markup_mode=None, add_completion=False)
-            one.command(cmd_name)(command_of(cmd_name))
-            self.commands[cmd_name] = typer.main.get_command(one)
+            self.commands[cmd_name] = typer.main.get_command(_app_of(cmd_name))
         return self.commands.get(cmd_name)
+
+
+def _app_of(name: str) -> typer.Typer:
+    """A command as an app of its own."""
+    if name in _WRITTEN:
+        made = getattr(import_module(f"slopekit.cli.{_WRITTEN[name]}"), name)
+    else:
+        from slopekit.cli.study_command import command_of
+
+        made = command_of(name)
+    if isinstance(made, typer.Typer):
+        return made
+    one = typer.Typer(rich_markup_mode=None, add_completion=False)
+    one.command(name)(made)
+    return one
 
 
 app = typer.Typer(
@@ -73,16 +92,6 @@ def _slopekit(
     """Rock wedges and slopes by rigid blocks (PRE-IE), checked against closed forms."""
 
 
-for command in (
-    designs.lint, outputs.plot, outputs.export, outputs.report,
-):  # fmt: skip
-    app.command()(command)
-app.add_typer(tools.templates, name="templates")
-app.command()(tools.app)
-app.command()(tools.doctor)
-app.command()(tools.explain)
-
-
 #: Two spellings of one option.
 _SPELLINGS = {"--accept-fos": "--accept", "--accept-pf": "--accept", "--target": "--fos"}
 
@@ -100,6 +109,7 @@ def _refuse_repeats(arguments: list[str]) -> None:
 
 def main() -> None:
     """Run the command line; exit codes: 0 done, 1 criterion not met, 2 bad input, 3 no block, 4 disagree, 5 a bug."""
+    gc.set_threshold(_OBJECTS, 20, 20)
     try:
         _refuse_repeats(sys.argv[1:])
         code = app(standalone_mode=False)

@@ -45,9 +45,10 @@ def command_of(name: str) -> Callable[..., None]:
     variants = {flag: function_of(flag) for flag, (of, _) in VARIANTS.items() if of == name}
     functions = [main, *variants.values()]
     declared: dict[str, inspect.Parameter] = {}
-    for function in functions:
-        for key, parameter in inspect.signature(function).parameters.items():
-            always = all(key in inspect.signature(other).parameters for other in functions)
+    signatures = [inspect.signature(function).parameters for function in functions]
+    for parameters in signatures:
+        for key, parameter in parameters.items():
+            always = all(key in others for others in signatures)
             for own in _on_command_line(key, parameter, always):
                 declared.setdefault(own.name, own)
     for flag, function in variants.items():

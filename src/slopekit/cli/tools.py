@@ -25,7 +25,7 @@ def _codes(incomplete: str) -> list[str]:
 _TEMPLATE = typer.Argument(help="A template, see list.", autocompletion=_template_names)
 _CODE = typer.Argument(help="A code such as E203.", metavar="CODE", autocompletion=_codes)
 
-templates = typer.Typer(help="Starter design files.", rich_markup_mode=None)
+templates = typer.Typer(name="templates", help="Starter design files.", rich_markup_mode=None, add_completion=False)
 
 
 @templates.callback(invoke_without_command=True)

@@ -13,11 +13,12 @@ from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 
 _COMPASS = ("N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW")
-_PAIR = re.compile(r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$")
-_QUADRANT = re.compile(r"^\s*[NSns]\s*\d+(\.\d+)?\s*[°]?\s*[EWew]|\d\s*[NESWnesw]{1,2}\s*$")
-_STRIKE = re.compile(r"^\s*(?:([NS])\s*(\d+(?:\.\d+)?)\s*°?\s*([EW])|(\d+(?:\.\d+)?)\s*°?)\s*$", re.IGNORECASE)
-_DIP_TO_SIDE = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*°?\s*([NESW]{1,3})\s*$", re.IGNORECASE)
-_DECIMALS = re.compile(r"\.\d\d")
+# texts: re compiles each when it is first used, and keeps it; a plain wedge uses the first
+_PAIR = r"^\s*([^/\s]+)\s*/\s*([^/\s]+)\s*$"
+_QUADRANT = r"^\s*[NSns]\s*\d+(\.\d+)?\s*[°]?\s*[EWew]|\d\s*[NESWnesw]{1,2}\s*$"
+_STRIKE = r"(?i)^\s*(?:([NS])\s*(\d+(?:\.\d+)?)\s*°?\s*([EW])|(\d+(?:\.\d+)?)\s*°?)\s*$"
+_DIP_TO_SIDE = r"(?i)^\s*(\d+(?:\.\d+)?)\s*°?\s*([NESW]{1,3})\s*$"
+_DECIMALS = r"\.\d\d"
 _QUARTER_TURN, _FULL_TURN = math.pi / 2.0 + 1e-4, 2.0 * math.pi + 1e-4  # in radians, rounded up
 
 
@@ -151,7 +152,7 @@ def parse_strike(text: str) -> float | None:
     >>> parse_strike("N25W"), parse_strike("S10E"), parse_strike("25"), parse_strike("W25N")
     (335.0, 170.0, 25.0, None)
     """
-    match = _STRIKE.match(text)
+    match = re.match(_STRIKE, text)
     if match is None:
         return None
     end, angle, turn, plain = match.groups()
@@ -172,7 +173,7 @@ def plane_by_side(strike_deg: float, dip: str, side: str = "") -> Plane | None:
     >>> print(plane_by_side(25.0, "45SE"), plane_by_side(205.0, "45", "E"), plane_by_side(25.0, "45NE"))
     45/115 45/115 None
     """
-    match = _DIP_TO_SIDE.match(f"{dip}{side}")
+    match = re.match(_DIP_TO_SIDE, f"{dip}{side}")
     toward = None if match is None else azimuth_of(match.group(2))
     if match is None or toward is None or float(match.group(1)) > 90.0:
         return None
@@ -213,7 +214,7 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         value = (value.dip_deg, value.dip_direction_deg)
     where = where or f"{name} = {value}"
     if isinstance(value, str):
-        match = _PAIR.match(value)
+        match = re.match(_PAIR, value)
         if match is None:
             raise DesignError([_not_a_plane(value, name, where)])
         parts: tuple[object, ...] = match.groups()
@@ -228,7 +229,11 @@ def parse_plane(value: object, name: str, where: str = "") -> Plane:
         except ValueError:
             raise DesignError([_not_a_plane(value, name, where)]) from None
     plane = _checked_plane(numbers[0], numbers[1], name, where)
-    if isinstance(value, str) and look_like_radians(*numbers) and all(_DECIMALS.search(str(part)) for part in parts):
+    if (
+        isinstance(value, str)
+        and look_like_radians(*numbers)
+        and all(re.search(_DECIMALS, str(part)) for part in parts)
+    ):
         meant = Plane(round(math.degrees(numbers[0]), 1), round(math.degrees(numbers[1]) % 360.0, 1))
         advice = f"In degrees that would be {meant}; if degrees are meant, write one decimal."
         raise DesignError([Fault("E113", f"{name} is {value}, that looks like radians", where, advice)])
@@ -264,7 +269,7 @@ def _not_a_plane(value: object, name: str, where: str) -> Fault:
     text = str(value)
     message = f"{name} is {text!r}, a plane is written dip/dip direction, for example 45/115"
     advice = ""
-    if _QUADRANT.search(text) or "strike" in text.lower():
+    if re.search(_QUADRANT, text) or "strike" in text.lower():
         meant = parse_quadrants(text)
         advice = (
             "This looks like a strike: dip direction = strike + 90 by the right-hand rule, - 90 by the left-hand rule."

@@ -2,7 +2,8 @@
 
 A command loads some 120 records and makes a third of them. dataclasses compiles six functions for each frozen one with
 slots (0.9 ms, Python 3.11): half of what a cold `slopekit wedge` took beyond the packages it imports. Here comparison,
-text and the guard against writing are shared by all records, and ``__init__`` is compiled when a record is first made.
+text and the guard against writing are shared by all records, and ``__init__`` is compiled when many of a record are
+made: that takes as long as filling thirty from their fields.
 `dataclasses.fields`, ``replace``, ``asdict``, pickle, copy and `inspect.signature` work as they do there. There are no
 slots: ``slots=True`` is taken and means nothing.
 """
@@ -12,6 +13,8 @@ from __future__ import annotations
 import dataclasses
 import reprlib
 from typing import TYPE_CHECKING, Any
+
+_FEW = 20  # records of a class that are made before its __init__ is compiled
 
 if TYPE_CHECKING:
     from dataclasses import dataclass as dataclass
@@ -56,13 +59,40 @@ def names_of(record: type) -> tuple[str, ...]:
 
 
 def _first_init(cls: type) -> Any:
-    """An ``__init__`` that puts the compiled one in its place when the first record of ``cls`` is made."""
+    """An ``__init__`` for the first few records of ``cls``, that puts the compiled one in its place for the others."""
+    plan, left = list[Any](), _FEW
 
     def __init__(self: Any, *args: Any, **named: Any) -> None:
-        _compiled(cls)(self, *args, **named)
+        nonlocal plan, left
+        if left == _FEW:  # put in its place whole: another thread may be at it
+            plan = [(f.name, f.init, f.kw_only, f.default, f.default_factory) for f in dataclasses.fields(cls)]
+        left -= 1
+        if left < 0 or not _filled(self.__dict__, plan, args, named):
+            _compiled(cls)(self, *args, **named)
+        elif hasattr(cls, "__post_init__"):
+            self.__post_init__()
 
     __init__.waits_for = cls  # type: ignore[attr-defined]
     return __init__
+
+
+def _filled(values: dict[str, Any], plan: list[Any], args: tuple[Any, ...], named: dict[str, Any]) -> bool:
+    """Write the values of a record by its fields; False where what is given does not fit: ``__init__`` says why."""
+    missing, placed, by_name = dataclasses.MISSING, 0, 0
+    for name, is_given, kw_only, default, factory in plan:
+        if is_given and not kw_only and placed < len(args):
+            values[name] = args[placed]
+            placed += 1
+        elif is_given and name in named:
+            values[name] = named[name]
+            by_name += 1
+        elif factory is not missing:
+            values[name] = factory()
+        elif default is not missing:
+            values[name] = default
+        elif is_given:
+            return False
+    return placed == len(args) and by_name == len(named)
 
 
 def _compiled(cls: type) -> Any:

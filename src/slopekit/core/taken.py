@@ -35,7 +35,8 @@ def checked(function: Function) -> Function:
 
 
 @cache
-def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
+def _takes(function: Callable[..., Any]) -> tuple[inspect.Signature, list[str], bool, dict[str, str]]:
+    """Its signature, its names, whether it takes others too, and older names of them: read when it is first called."""
     own = inspect.signature(function)
     by_name = [one.name for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
     open_ended = len(by_name) < len(own.parameters)
@@ -46,9 +47,14 @@ def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
         for flag in (*([how.flag] if how.flag else ()), *how.also)
         if flag.startswith("--") and flag.lstrip("-").replace("-", "_") not in own.parameters
     }
+    return own, by_name, open_ended, older
 
+
+@cache
+def _asking(function: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(function)
     def asked(*values: Any, **named: Any) -> Any:
+        own, by_name, open_ended, older = _takes(function)
         faults = Faults()
         for name in [name for name in named if name in older]:
             if older[name] in named:

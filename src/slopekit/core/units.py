@@ -38,7 +38,7 @@ _SPELLED = {
     "kn/m2": "kN/m2", "kn/m3": "kN/m3", "n/m3": "N/m3", "mn/m3": "MN/m3",
     "kn": "kN", "n": "N", "mn": "MN", "kpa/m": "kPa/m", "mpa/m": "MPa/m", "gpa/m": "GPa/m",
 }  # fmt: skip
-_QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$", re.IGNORECASE)
+_QUANTITY = r"(?i)^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?inf|nan)\s*(.*?)\s*$"  # compiled when first used
 
 
 def quantity(value: object, kind: str, name: str, where: str = "") -> float:
@@ -62,7 +62,7 @@ def quantity(value: object, kind: str, name: str, where: str = "") -> float:
     if isinstance(value, bool) or value is None:
         raise DesignError([Fault("E106", f"{name} is {value!r}, a number is needed", where)])
     text = value if isinstance(value, str) else _written(value)
-    match = _QUANTITY.match(text)
+    match = re.match(_QUANTITY, text)
     if match is None or re.match(r"^,\d", match.group(2)):
         comma = re.match(r"^\s*[+-]?\d+,\d+", text)
         advice = f"Decimals take a point: {text.replace(',', '.')}" if comma else ""
@@ -95,7 +95,7 @@ def unit_of(value: object) -> str:
     >>> unit_of("2600 kg/m3"), unit_of(26)
     ('kg/m3', '')
     """
-    match = _QUANTITY.match(value) if isinstance(value, str) else None
+    match = re.match(_QUANTITY, value) if isinstance(value, str) else None
     return _spelled(match.group(2)) if match else ""
 
 

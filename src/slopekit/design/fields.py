@@ -199,11 +199,12 @@ class Field:
 # -- declaring --------------------------------------------------------------------------------------------------------
 
 
-def _declared(made: Field, default: Any) -> Any:
-    made = replace(made, is_attribute=True)
+def _declared(path: str, measures: str, default: Any, *, may_lack: bool = False, **more: Any) -> Any:
     if default is MISSING:
-        return field(metadata={_KEY: replace(made, is_required=not made.may_lack)})
-    return field(default=default, metadata={_KEY: replace(made, default=default)})
+        made = Field(path, measures, is_attribute=True, is_required=not may_lack, may_lack=may_lack, **more)
+        return field(metadata={_KEY: made})
+    made = Field(path, measures, is_attribute=True, default=default, may_lack=may_lack, **more)
+    return field(default=default, metadata={_KEY: made})
 
 
 def number(
@@ -219,36 +220,36 @@ def number(
 ) -> Any:
     """A number with a unit; `above`, `below` are limits that are not taken themselves. `more` as `Field`."""
     low = least if above is None else above
-    given = ({"role": "coordinate"} if low == -inf else {}) | more
-    made = Field(path, measures, low, most if below is None else below, above is not None, below is not None, **given)
-    return _declared(made, default)
+    given = {"least": low, "most": most if below is None else below, "above": above is not None,
+             "below": below is not None} | ({"role": "coordinate"} if low == -inf else {}) | more  # fmt: skip
+    return _declared(path, measures, default, **given)
 
 
 def count(path: str, least: float, most: float, *, default: Any = MISSING, **more: Any) -> Any:
     """A whole number, which cannot scatter."""
     given = {"code": "E137", "role": "setting"} | more
-    return _declared(Field(path, "ratio", least, most, whole=True, scatters=False, **given), default)
+    return _declared(path, "ratio", default, least=least, most=most, whole=True, scatters=False, **given)
 
 
 def orientation(path: str, of: OrientationKind = "plane", *, default: Any = MISSING, **more: Any) -> Any:
     """A plane (dip / dip direction) or a line (trend / plunge)."""
-    return _declared(Field(path, of, **more), default)
+    return _declared(path, of, default, **more)
 
 
 def point(path: str, *, default: Any = MISSING, **more: Any) -> Any:
     """East, north, up in m."""
     given = {"example": "[0, -3, 6]"} | more
-    return _declared(Field(path, "point", role="coordinate", coordinates=1, **given), default)
+    return _declared(path, "point", default, role="coordinate", coordinates=1, **given)
 
 
 def text(path: str, *, default: Any = MISSING, **more: Any) -> Any:
     """A word: a name, a file, one of `words`."""
-    return _declared(Field(path, "text", **more), default)
+    return _declared(path, "text", default, **more)
 
 
 def group(path: str, of: type | None = None, *, default: Any = MISSING, **more: Any) -> Any:
     """A record of its own, or many of them; `forms` are other ways of writing one."""
-    return _declared(Field(path, "group", of=of, **more), default)
+    return _declared(path, "group", default, of=of, **more)
 
 
 def _remembered(function: F) -> F:

@@ -9,7 +9,6 @@ from slopekit.core.orientation import Plane
 from slopekit.core.records import dataclass
 from slopekit.design.common import Strength
 from slopekit.design.fields import Field, count
-from slopekit.design.named_files import beside
 from slopekit.design.nodes import Node
 from slopekit.design.reader import Reader
 from slopekit.design.sections import read_strength, standard_strength, strength_names
@@ -97,6 +96,8 @@ def _from_csv(reader: Reader, node: Node, count: int) -> list[GivenJoint]:
     file, pick, convention = node.get("csv"), node.get("pick"), node.get("convention")
     assert file is not None
     try:
+        from slopekit.design.named_files import beside
+
         survey = read_joints(beside(reader, file), convention.text if convention is not None else None)
     except DesignError as error:
         # a list that cannot be opened, or a convention that is none, is a slip in the design; a bad row is the list's

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 P = ParamSpec("P")
 D = TypeVar("D", bound=Design)
-_BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$")
+_BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$"  # a text: compiled when first used
 _LARGEST = 1e18
 _DRAWN = (
     "rock", "analysis", "loads.seismic", "loads.forces", "support", "slope", "joints", "strength", "water", "crack",
@@ -115,7 +115,7 @@ class Reader:
         if node.elements or isinstance(node.value, list):
             return [self.value(below) for below in node.elements]
         written = node.text
-        return float(written) if written is not None and _BARE_NUMBER.match(written) else written
+        return float(written) if written is not None and re.match(_BARE_NUMBER, written) else written
 
     def centre(self, node: Node) -> Any:
         """What a single run takes of a number that scatters, or of an orientation that is not written in one word."""
@@ -200,7 +200,7 @@ class Reader:
     def number(self, field: Field, node: Node, name: str = "") -> float | None:
         """A number with a unit, between the limits of its field."""
         written, name = node.text, name or field.in_words
-        if written is not None and _BARE_NUMBER.match(written) and not self.misshapen:
+        if written is not None and re.match(_BARE_NUMBER, written) and not self.misshapen:
             found = float(written)  # most numbers of ten thousand blocks are this
             if abs(found) <= _LARGEST and field.takes(found) and field.check is None:
                 return int(found) if field.whole else found

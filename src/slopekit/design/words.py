@@ -14,8 +14,8 @@ RULE_NAMES = (
     "fos", "fos.limit", "fos.closed_form", "fos.static_bound", "fos.all_pairs_failed", "fos.lowest", "fos.residual",
     "fos.fellenius", "fos.janbu", "fos.bishop", "fos.all_equilibrium",
 )  # fmt: skip
-_RULE = re.compile(r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$")
-_BARE_NUMBER = re.compile(r"^[+-]?(\d+\.?\d*|\.\d+)$")
+_RULE = r"^\s*([A-Za-z_.]+)\s*(>=|<=|>|<)\s*(\S+)\s*$"  # texts: compiled when first used
+_BARE_NUMBER = r"^[+-]?(\d+\.?\d*|\.\d+)$"
 
 
 def above_zero(value: object, kind: str, name: str, code: str, where: str) -> float:
@@ -45,7 +45,7 @@ def water(value: Any, where: str, has_crack: bool, has_basal: bool = False) -> W
     if text.startswith("u=") or (isinstance(value, Sequence) and not isinstance(value, str)):
         parts: Sequence[Any] = re.split(r"\s*,\s*", text[2:]) if text else value
         return pressures(parts, where, has_crack, has_basal)
-    if text and not text.endswith("%") and not _BARE_NUMBER.match(text):
+    if text and not text.endswith("%") and not re.match(_BARE_NUMBER, text):
         advice = "Write dry, full, 50%, u=9.8kPa or u=5kPa,8kPa."
         raise DesignError([Fault("E119", f"water is {value!r}, which is not understood", where, advice)])
     part = fill(value, where)
@@ -169,7 +169,7 @@ def rule(value: object, where: str) -> Rule:
     """An acceptance rule: `fos >= 1.5`, or the smallest factor of safety alone."""
     if isinstance(value, Rule):
         return value
-    if isinstance(value, str) and (match := _RULE.match(value)):
+    if isinstance(value, str) and (match := re.match(_RULE, value)):
         name = match.group(1).lower()
         if name not in RULE_NAMES:
             near = get_close_matches(name, RULE_NAMES, n=1)
@@ -177,7 +177,7 @@ def rule(value: object, where: str) -> Rule:
             raise DesignError([Fault("E169", f"{match.group(1)} is nothing that a rule can judge", where, advice)])
         relation: Any = match.group(2)
         return Rule(name, relation, above_zero(match.group(3), "ratio", "accept", "E127", where))
-    if isinstance(value, str) and not _BARE_NUMBER.match(value.strip()):
+    if isinstance(value, str) and not re.match(_BARE_NUMBER, value.strip()):
         advice = "A rule is written fos >= 1.5."
         raise DesignError([Fault("E169", f"the rule {value!r} is not understood", where, advice)])
     return Rule("fos", ">=", above_zero(value, "ratio", "accept", "E127", where))

@@ -12,6 +12,7 @@ at their limit disprove it.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,13 +20,15 @@ from slopekit.core.arrays import Bools, Floats, frozen
 from slopekit.core.records import dataclass
 from slopekit.geometry.interfaces import BEDROCK, NodePairs
 from slopekit.kinds.one_block_states import Scene, opening_pairs
-from slopekit.preie.cracked import CrackedBase, cracked_base
 from slopekit.preie.limit import LimitAnalysis, forces_only_limit, limit_analysis, limit_on_lines
 from slopekit.preie.model import Model
 from slopekit.preie.passes import Limit, Outcome
-from slopekit.preie.polygon_bed import PointForces, PolygonBed, bed_of
 from slopekit.preie.tolerances import MOMENTS
 from slopekit.result import ContactOpening
+
+if TYPE_CHECKING:  # only what moments open with cohesion pays for the cracked base
+    from slopekit.preie.cracked import CrackedBase
+    from slopekit.preie.polygon_bed import PointForces, PolygonBed
 
 _SAME_END = 0.05  # the end of a path that creeps about an edge lies so near the limit without the bond, or elsewhere
 
@@ -73,7 +76,7 @@ class CohesionLimit:
     analysis: LimitAnalysis
     change: float | None
     rules: CohesionRules
-    base: CrackedBase
+    base: "CrackedBase"
     without_bond: Limit | None
     motion: Limit
 
@@ -149,6 +152,9 @@ def limit_by_rules(
     without_bond, without_path = _bond_gone(model, analyse)
     if without_bond is None and before is not None:
         return before
+    from slopekit.preie.cracked import cracked_base
+    from slopekit.preie.polygon_bed import bed_of
+
     bed = bed_of(model, bedding.polygons, bedding.centroid)
     base = before.base if before is not None else cracked_base(bed, motion.factor or 1.0)
     cracked, bare = base.factor, None if without_bond is None else without_bond.factor
@@ -231,7 +237,7 @@ def _opens_bonds(limit: Limit, model: Model) -> Bools:
 
 
 def _on_its_pairs(
-    scene: Scene, bed: PolygonBed, base: CrackedBase, forces: PointForces, factor: float, motion: Limit
+    scene: Scene, bed: "PolygonBed", base: "CrackedBase", forces: "PointForces", factor: float, motion: Limit
 ) -> tuple[Scene, Limit]:
     """The points of the bed as node pairs, with a model of their own, and the limit on them."""
     assert scene.bedding is not None
@@ -260,7 +266,7 @@ def _on_its_pairs(
     return Scene(pairs, own, bedding), limit
 
 
-def _evidence(bed: PolygonBed, base: CrackedBase, model: Model, centroid: Floats) -> dict[int, ContactOpening]:
+def _evidence(bed: "PolygonBed", base: "CrackedBase", model: Model, centroid: Floats) -> dict[int, ContactOpening]:
     forces, out = base.forces, dict[int, ContactOpening]()
     if forces is None or base.opening is None:
         return out

@@ -44,7 +44,6 @@ from slopekit.kinds.secants import changed_laws, left_out_of_laws, secant_of
 from slopekit.kinds.solver_inputs import joint_stiffness
 from slopekit.loads import Loads
 from slopekit.notices import Facts, Interface, notices
-from slopekit.preie.all_pairs import AllPairsFailed, all_pairs_failed
 from slopekit.preie.balance import balance, of_one_block
 from slopekit.preie.bound import static_bound
 from slopekit.preie.equilibrium import Equilibrium, equilibrium
@@ -70,6 +69,7 @@ from slopekit.result import (
 if TYPE_CHECKING:
     from slopekit.kinds.closed_forms import OnArrays
     from slopekit.kinds.ladders import Ladder
+    from slopekit.preie.all_pairs import AllPairsFailed
 
 A = TypeVar("A")
 Ts = TypeVarTuple("Ts")
@@ -120,7 +120,7 @@ class Solved:
     change: float | None
     bound: float | None
     at_rest: Equilibrium | None
-    pairs: AllPairsFailed | None
+    pairs: "AllPairsFailed | None"
     series: tuple[ReductionStep, ...]
     rules: CohesionRules | None = None
     span: tuple[float | None, float | None] = (None, None)
@@ -287,6 +287,8 @@ def solve(design: Design, made: Cut, clock: Clock) -> Solved:
     pairs = None
     with clock("all_pairs"):
         if design.criterion == "all-pairs" and limit.factor:
+            from slopekit.preie.all_pairs import all_pairs_failed
+
             pairs = all_pairs_failed(model, stiffness)
     with clock("series"):
         series = series_of(model, design.factors, stiffness, bound)

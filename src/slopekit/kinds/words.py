@@ -21,7 +21,7 @@ BLOCKS_STATUSES: Mapping[str, str] = {
     "no_driving_force": "stands: every block stands without any strength",
 }
 WEIGHT_ONLY = "weight only: dry, no seismic, no forces, no bolts"
-_NUMBERS = re.compile(r"([0-9]+)")
+_NUMBERS = r"([0-9]+)"
 _FEW_BOLTS = 6
 _FEW_TRACES = 6
 
@@ -49,7 +49,7 @@ def _runs(names: list[str]) -> list[list[str]]:
     runs: list[list[str]] = []
     last: list[str] = []
     for name in names:
-        parts = _NUMBERS.split(name)
+        parts = re.split(_NUMBERS, name)
         if runs and _follows(last, parts):
             runs[-1].append(name)
         else:

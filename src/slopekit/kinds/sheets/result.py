@@ -1,12 +1,11 @@
 """The sheet of a result: one design on one screen, 100 columns, no colour needed. Never a bare factor of safety."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from slopekit._version import __version__
 from slopekit.core.orientation import line_of
 from slopekit.core.sheet import Section, Sheet
 from slopekit.kinds import dilates, kind_of
-from slopekit.kinds.sheets.many_blocks import sections_of_many
 from slopekit.kinds.sheets.shared import (
     Factor,
     accept,
@@ -37,7 +36,11 @@ def sheet_of(result: Result) -> Sheet:
     title = f"   {result.design.title}" if result.design.title else ""
     head = f"slopekit {__version__}   {result.kind}   sha {result.design.input_hash()[:6]}{title}"
     slope = tuple(kind_of(result.design).slope(result.design, result))
-    own = _sections(result) if result.findings is None else sections_of_many(result, result.findings)
+    own: Iterable[Section] = _sections(result)
+    if result.findings is not None:
+        from slopekit.kinds.sheets.many_blocks import sections_of_many
+
+        own = sections_of_many(result, result.findings)
     if result.design.partial is not None:
         from slopekit.kinds.sheets.partial_factors import partial_factors
 

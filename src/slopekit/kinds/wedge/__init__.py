@@ -17,7 +17,6 @@ from slopekit.extents import Scaled, WedgeGeometry
 from slopekit.geometry.cutting import Block, cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import CRACK, FACE, J1, J2, PLANE_NAMES, UPPER, RockMass, wedge_rock_mass
-from slopekit.kinds import ground_water, worst_crack
 from slopekit.kinds.closed_forms import Arguments, ClosedForms, OnArrays, SizesOfMany, force_on, passive_bolts
 from slopekit.kinds.held_bolts import Bounds, bounds_of, upward
 from slopekit.kinds.one_block import DILATES, Cut, kind_of_one_block
@@ -371,6 +370,8 @@ def with_worst_crack(design: WedgeDesign, place: str) -> WedgeDesign:
             message = "without the crack the block goes on without end: the worst place has no farthest"
             raise DesignError([Fault("E459", message, place, "Give its distance.")]) from None
         return whole  # which says the same where it is cut
+    from slopekit.kinds import worst_crack
+
     return worst_crack.with_worst_crack(design, ON_ARRAYS, at, reach, place)
 
 
