@@ -30,6 +30,7 @@ html_theme = "furo"
 html_math_renderer = "mathml"  # made here by docutils: browsers draw it, nothing is fetched
 html_title = f"slopekit {release}"
 html_show_sourcelink = False
+smartquotes = False  # --pf is two hyphens
 default_role = "code"  # docstrings write `name`
 
 myst_enable_extensions = ["dollarmath", "amsmath"]
@@ -51,11 +52,10 @@ def contents(index: str) -> str:
     parts = re.split(r"^#+ (.*)$", index, flags=re.MULTILINE)
     listed: list[str] = []
     seen: set[str] = set()
-    for head, text in zip(["", *parts[3::2]], parts[2::2], strict=True):
+    for head, text in zip(parts[3::2], parts[4::2], strict=True):
         pages = [page for page in re.findall(r"\]\(([\w/-]+)\.md\)", text) if not (page in seen or seen.add(page))]
         if pages:
-            caption = [f":caption: {head}"] if head else []
-            listed += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", *caption, "", *pages, "```"]
+            listed += ["", "```{toctree}", ":hidden:", ":maxdepth: 1", f":caption: {head}", "", *pages, "```"]
     return "\n".join([index, *listed, ""])
 
 

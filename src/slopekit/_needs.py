@@ -22,7 +22,7 @@ def said_of(error: ModuleNotFoundError) -> str:
 
 
 def wanted() -> dict[str, str]:
-    """The versions that this slopekit asks for, by `plain` names; none where it is not installed but lies on the path."""
+    """The versions that this slopekit asks for, by `plain` names; none where it is not installed."""
     try:
         lines = metadata.requires("slopekit") or []
     except metadata.PackageNotFoundError:

@@ -142,6 +142,6 @@ def _say_bug(error: Exception) -> NoReturn:
     sys.exit(5)
 
 
-def _said(error: typer.TyperException) -> str:
+def _said(error: "typer.TyperException") -> str:  # an older typer has none: `doctor` shall say that it is old
     format_message = getattr(error, "format_message", None)
     return str(format_message() if format_message else error)
