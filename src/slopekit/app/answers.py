@@ -80,7 +80,7 @@ def told(moment: Moment, result: Result, final: bool = True) -> Answer:
         "moments_govern": result.moments_govern, "accepted": result.accepted, "line": result.line,
         "governs": list(_governs(moment.design, result, keys)),
         "acceptance": [{"rule": str(rule), "met": result.judged(rule)} for rule in moment.design.rules],
-        "notices": [*_of_design(moment.design), *(notice_of(one) for one in result.warnings)],
+        "notices": [*_of_design(moment), *(notice_of(one) for one in result.warnings)],
         "words": [entry for section in slope[:1] for entry in section.entries if isinstance(entry, str)],
         "net": net_of(moment, result), "stale": False,
     }  # fmt: skip
@@ -91,7 +91,7 @@ def waiting(moment: Moment, final: bool, last: Answer | None) -> Answer:
     if moment.faults:
         return faulty(moment, moment.faults, final)
     stale = {"stale": True, "rev": moment.rev, "final": final, "net": net_of(moment, None), "faults": []}
-    return (_empty(moment, final) | {"notices": _of_design(moment.design)} if last is None else dict(last)) | stale
+    return (_empty(moment, final) | {"notices": _of_design(moment)} if last is None else dict(last)) | stale
 
 
 def scene_of(result: Result) -> dict[str, Any]:
@@ -151,8 +151,12 @@ def _every(node: Node) -> Iterator[Node]:
     yield node
 
 
-def _of_design(design: Design) -> list[dict[str, Any]]:
-    return []
+def _of_design(moment: Moment) -> list[dict[str, Any]]:
+    """What is to be known of the design itself."""
+    if not moment.cases:
+        return []
+    text = f"the load cases {', '.join(moment.cases)} stand aside here: slopekit run goes through them"
+    return [notice_of(Notice("W480", text))]
 
 
 def _governs(design: Design, result: Result, keys: Mapping[str, Key]) -> Iterator[dict[str, Any]]:

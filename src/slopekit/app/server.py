@@ -1,7 +1,7 @@
 """The server of the app: one user, this machine alone, a token in the address.
 
 What comes over the socket changes the design at once; a thread analyses it, and while it does only the newest request
-waits. The contract of messages stands in docs/app.md.
+waits. docs/howto/app.md lists the messages.
 """
 
 import asyncio
@@ -9,6 +9,7 @@ import json
 import secrets
 from collections.abc import Callable, Coroutine, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -256,8 +257,7 @@ class Desk:
             self.next.link.answer(self.next.message, {"superseded": True})
         self.next = Wanted(link, message, moment, final, more or {})
         if not self.working:
-            self.working = True
-            self.start(self._work())
+            self._analyse()
 
     opened_rev = 0
 
@@ -334,19 +334,25 @@ class Desk:
         self.tasks.add(task)
         task.add_done_callback(self.tasks.discard)
 
-    async def _work(self) -> None:
-        loop = asyncio.get_running_loop()
-        try:
-            while self.next is not None:
-                wanted, self.next = self.next, None
-                answer, result = await loop.run_in_executor(self.thread, _analysed, wanted.moment, wanted.final)
-                if result is not None:
-                    self.last, self.result, self.last_moment = answer, result, wanted.moment
-                    self.document = None
-                if wanted.link is not None:
-                    wanted.link.answer(wanted.message, {**self.also(answer), **wanted.more})
-        finally:
-            self.working = False
+    def _analyse(self) -> None:
+        """Give the thread what waits."""
+        wanted, self.next = self.next, None
+        self.working = wanted is not None
+        if wanted is not None:
+            done = asyncio.get_running_loop().run_in_executor(self.thread, _analysed, wanted.moment, wanted.final)
+            done.add_done_callback(partial(self._analysed, wanted))
+
+    def _analysed(self, wanted: Wanted, done: "asyncio.Future[tuple[answers.Answer, Result | None]]") -> None:
+        """Begin with the next, then answer this one."""
+        if done.cancelled():  # the server ends
+            return
+        answer, result = done.result()
+        if result is not None and wanted.moment.rev >= self.opened_rev:
+            self.last, self.result, self.last_moment = answer, result, wanted.moment
+            self.document = None
+        self._analyse()
+        if wanted.link is not None:
+            wanted.link.answer(wanted.message, {**self.also(answer), **wanted.more})
 
     def also(self, answer: answers.Answer) -> answers.Answer:
         """An answer with what the page needs to know of undo."""

@@ -47,7 +47,7 @@ class Opened:
     text : as the file has it, empty where there is none
     path : the file, None of a template and of text that has none yet
     digest : SHA-256 of the file's bytes when it was read
-    name : what it is called; where : the folder that its other files (meshes, joint lists) stand in
+    name : what it is called; cases : the names of its load cases, which `document` lacks
     """
 
     text: str
@@ -56,19 +56,21 @@ class Opened:
     name: str
     document: Document
     design: Design
+    cases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
     """A design at one moment: what an analysis is asked of, whatever is set meanwhile.
 
-    `design` is the last sound one where there are `faults`.
+    `design` is the last sound one where there are `faults`; `cases` are the load cases that stand aside.
     """
 
     rev: int
     document: Document
     design: Design
     faults: tuple[Fault, ...] = ()
+    cases: tuple[str, ...] = ()
 
 
 def digest_of(content: bytes) -> str:
@@ -87,7 +89,9 @@ def opened_text(text: str, name: str, path: Path | None = None, digest: str = ""
     document, faults = read_text(text, name, path)
     design = load_document_design(document, faults)
     assert design.source is not None
-    return Opened(text, path, digest, name, design.source, design)
+    cases = document.root.get("cases")
+    names = tuple(name for name, _ in cases.items()) if cases is not None else ()
+    return Opened(text, path, digest, name, design.source, design, names)
 
 
 def opened_file(path: Path) -> Opened:
@@ -121,7 +125,7 @@ class Session:
         self.rev += 1
         self.opened_rev = self.rev
         self.opened = opened
-        self.now = Moment(self.rev, opened.document, opened.design)
+        self.now = Moment(self.rev, opened.document, opened.design, cases=opened.cases)
         self.done: list[Document] = []
         self.undone: list[Document] = []
         self.settled = opened.document
@@ -284,7 +288,7 @@ class Session:
         self.settle()
         self.opened, self.before = opened, controls.values_of(opened.design)
         self.settled = opened.document
-        self.now = Moment(self.rev, opened.document, self.design)
+        self.now = Moment(self.rev, opened.document, self.design, cases=opened.cases)
 
     def _others_as_opened(self, path: str) -> bool:
         above = path.rpartition(".")[0]
@@ -315,9 +319,9 @@ class Session:
         try:
             design = replace(design_of(document, other_values=True), source=document)
         except DesignError as error:
-            self.now = Moment(self.rev, document, self.now.design, error.faults)
+            self.now = Moment(self.rev, document, self.now.design, error.faults, self.opened.cases)
             return
-        self.now = Moment(self.rev, document, design)
+        self.now = Moment(self.rev, document, design, cases=self.opened.cases)
 
 
 def opened_template(name: str) -> Opened:

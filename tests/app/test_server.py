@@ -1,0 +1,460 @@
+"""The server: who may ask, what is refused, newest wins, and that nothing that is sent brings it down."""
+
+import asyncio
+import gc
+import json
+import random
+import shlex
+
+import pytest
+
+from slopekit.app.server import HEADERS, LARGEST, LARGEST_SURVEY, Desk, parsed
+from slopekit.app.session import opened_file
+from slopekit.core.errors import DesignError
+from slopekit.design.templates import path_of
+from slopekit.kinds import analyse
+from slopekit.views.viewer_data import viewer_data
+from tests.app.pages import HOST, OWN, PORT, TOKEN, Page, desk_of, got
+from tests.commands import slopekit
+
+DIP = "joints.J1.plane.dip"
+OUTSIDE = ["evil.example", f"evil.example:{PORT}", "127.0.0.1", f"127.0.0.1:{PORT + 1}", f"127.0.0.1.evil:{PORT}", ""]
+
+
+@pytest.fixture
+def desk(tmp_path):
+    made = desk_of(tmp_path / "state")
+    yield made
+    made.close()
+
+
+# -- who may ask ------------------------------------------------------------------------------------------------------
+
+
+def test_the_page_and_its_files_come_with_headers_that_let_nothing_else_in(desk):
+    for path in (f"/{TOKEN}/", f"/{TOKEN}/static/viewer.js"):
+        status, head, body = asyncio.run(got(desk, path))
+        assert (status, bool(body)) == (200, True)
+        assert head["content-security-policy"].startswith("default-src 'none'; script-src 'self'")
+        assert "unsafe" not in head["content-security-policy"]
+        assert head["cache-control"] == "no-store"
+        assert head["referrer-policy"] == "no-referrer"
+        assert "set-cookie" not in head
+    assert "server" not in HEADERS
+
+
+@pytest.mark.parametrize("token", ["", "x", TOKEN[:-1], TOKEN + "x", TOKEN.upper(), "%00", "é"])
+def test_without_the_token_there_is_nothing(desk, token):
+    for path in (f"/{token}/", f"/{token}/static/viewer.js", f"/{token}/get/1", "/"):
+        assert asyncio.run(got(desk, path))[0] == 404
+    assert asyncio.run(refused(desk, f"/{token}/link", OWN)) == 4403
+
+
+@pytest.mark.parametrize("host", OUTSIDE)
+def test_another_host_is_refused(desk, host):
+    """A name that points here (DNS rebinding) is not this address."""
+    assert asyncio.run(got(desk, f"/{TOKEN}/", {"host": host}))[0] == 403
+    assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": host, "origin": f"http://{host}"})) == 4403
+
+
+@pytest.mark.parametrize("origin", [*(f"http://{host}" for host in OUTSIDE), f"https://{HOST}", "null", "file://"])
+def test_another_origin_is_refused(desk, origin):
+    assert asyncio.run(got(desk, f"/{TOKEN}/", {"host": HOST, "origin": origin}))[0] == 403
+    assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": HOST, "origin": origin})) == 4403
+
+
+def test_a_socket_without_an_origin_is_refused(desk):
+    assert asyncio.run(refused(desk, f"/{TOKEN}/link", {"host": HOST})) == 4403
+    assert asyncio.run(refused(desk, f"/{TOKEN}/link", OWN)) is None
+
+
+@pytest.mark.parametrize("name", ["..%2fserver.py", "server.py", "index.html.j2", "../server.py", "x.js", ".js"])
+def test_no_other_file_is_given_out(desk, name):
+    assert asyncio.run(got(desk, f"/{TOKEN}/static/{name}"))[0] == 404
+
+
+async def refused(desk, path, headers):
+    async with Page(desk, path, headers) as page:
+        return page.closed
+
+
+# -- messages ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "E541"), ("{", "E541"), ("[]", "E541"), ("1", "E541"), ('"set"', "E541"), ("null", "E541"),
+        ('{"id": 1, "do": NaN}', "E541"), ('{"do": "set", "values": {"a": Infinity}}', "E541"),
+        ("[" * 100_000, "E543"), ('{"a":' * 13 + "1" + "}" * 13, "E543"),
+        ('{"a": ' + "[" * 20 + "]" * 20 + "}", "E543"),
+        ('{"a": "' + "x" * LARGEST + '"}', "E543"), ('{"do": "survey", "a": "' + "x" * LARGEST_SURVEY + '"}', "E543"),
+        ('{"a": "survey", "do": "set", "b": "' + "x" * LARGEST + '"}', "E543"), ("9" * 5000, "E541"),
+    ],
+)  # fmt: skip
+def test_what_is_no_message_is_refused_by_code(text, code):
+    with pytest.raises(DesignError) as error:
+        parsed(text)
+    assert error.value.codes == (code,)
+
+
+def test_a_survey_may_be_large():
+    assert parsed('{"do": "survey", "text": "' + "x" * (2 * LARGEST) + '"}')["do"] == "survey"
+
+
+WRONG = [
+    ({"do": "zap"}, "E542"), ({}, "E542"), ({"do": ["set"]}, "E542"), ({"do": "set"}, "E541"),
+    ({"do": "set", "values": {}}, "E541"), ({"do": "set", "values": [1]}, "E541"),
+    ({"do": "set", "values": {DIP: [1]}}, "E541"), ({"do": "set", "values": {DIP: True}}, "E541"),
+    ({"do": "set", "values": {DIP: {"dist": "normal"}}}, "E541"), ({"do": "set", "values": {"": 1}}, "E160"),
+    ({"do": "set", "values": {"slope.height": "{"}}, "E160"), ({"do": "set", "values": {"joints.3.x.y": 1}}, "E142"),
+    ({"do": "reset"}, "E541"), ({"do": "open"}, "E541"), ({"do": "open", "template": "../x"}, "E177"),
+    ({"do": "open", "yaml": "kind: ["}, "E150"), ({"do": "open", "yaml": "kind: wedge"}, "E143"),
+    ({"do": "open", "pair": 0}, "E548"), ({"do": "open", "unsaved": "x"}, "E548"), ({"do": "start"}, "E541"),
+    ({"do": "start", "job": "rm"}, "E541"), ({"do": "cancel"}, "E541"), ({"do": "cancel", "job": 7}, "E544"),
+    ({"do": "survey", "text": 1}, "E541"), ({"do": "survey", "text": ""}, "E190"), ({"do": "add_bolts"}, "E548"),
+    ({"do": "save"}, "E541"), ({"do": "save", "seen": ""}, "E547"), ({"do": "diff", "file": "a.txt"}, "E547"),
+    ({"do": "handover"}, "E541"), ({"do": "handover", "what": "exe"}, "E541"),
+]  # fmt: skip
+
+
+def test_every_verb_says_by_code_what_it_lacks(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            for message, code in WRONG:
+                found = await page.ask(**message)
+                assert found["faults"], message
+                assert code in [fault["code"] for fault in found["faults"]], (message, found["faults"])
+                if message.get("do") == "set":
+                    await page.ask(do="undo")
+
+    asyncio.run(scene())
+
+
+def test_ten_thousand_messages_of_any_kind_leave_it_standing(desk):
+    """Mostly broken ones; each is answered, none by a bug, and nothing piles up."""
+    generator = random.Random(20)
+    paths = [DIP, "slope.height", "strength.weak.phi", "title", "a.b", "", "joints.J1.plane", "water.mode", "x" * 300]
+    values = [45, 1e308, -1, "50 kPa", "", "{", "[1", "null", None, "é", "\ud800", "nan", 2**70, {"a": 1}, True]
+    words = ["set", "undo", "redo", "save", "diff", "reset", "zap", "cancel", "add_bolts", 3, None]
+
+    def message(k):
+        kind = generator.random()
+        if kind < 0.35:
+            return "".join(chr(generator.randrange(32, 0x2FF)) for _ in range(generator.randrange(12)))
+        if kind < 0.6:
+            good = json.dumps({"id": k, "do": "set", "values": {DIP: 50}})
+            return good[: generator.randrange(len(good))]
+        if kind < 0.97:
+            return json.dumps({"id": k, "do": generator.choice(words[5:]), "values": generator.choice(values)})
+        return json.dumps({
+            "id": k, "do": generator.choice(words), "path": generator.choice(paths), "seen": "", "final": k % 2 == 0,
+            "values": {generator.choice(paths): generator.choice(values)},
+        })  # fmt: skip
+
+    async def scene():
+        sizes = []
+        async with Page(desk) as page:
+            await page.begin()
+            for batch in range(10):
+                texts = [message(k) for k in range(1000)]
+                for k, text in enumerate(texts):
+                    page.say(text)
+                    if k % 100 == 99:
+                        await page.ask(do="zap")  # all before it are answered
+                for said in page.events:
+                    assert all(fault["code"] != "E599" for fault in said.get("faults", [])), said["faults"]
+                page.events.clear()
+                await page.ask(do="open", template="wedge")
+                if batch in (2, 5, 9):
+                    gc.collect()
+                    sizes.append(len(gc.get_objects()))
+            assert (await page.ask(do="set", values={DIP: 50}))["lead"] is not None
+        assert max(sizes) - min(sizes) < 3000, sizes  # objects, of some two hundred thousand
+
+    asyncio.run(scene())
+
+
+# -- the design under one's hands -------------------------------------------------------------------------------------
+
+
+def test_a_page_is_greeted_with_the_design_and_its_answer(desk):
+    async def scene():
+        async with Page(desk) as page:
+            return await page.begin()
+
+    hello, design, answer = asyncio.run(scene())
+    assert [one["of"] for one in (hello, design, answer)] == ["hello", "design", "answer"]
+    assert ("wedge", "wedge") in [(one["name"], one["kind"]) for one in hello["templates"]]
+    assert (design["kind"], design["live"], design["file"]) == ("wedge", "drag", None)
+    result = analyse(desk.session.design)
+    assert answer["fos"] == {name: getattr(result.fos, name) for name in ("limit", "closed_form", "static_bound")}
+    assert answer["scene"] == json.loads(json.dumps(viewer_data(result.to_dict())))
+    assert answer["net"]["planes"][0] == {"name": "J1", "dip": 45.0, "dip_direction": 115.0,
+                                          "path": "joints.J1.plane"}  # fmt: skip
+
+
+def test_set_is_answered_with_the_number_that_the_library_gives(desk):
+    from slopekit.design.files import load
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            return await page.ask(do="set", values={DIP: 52, "strength.weak.c": "1 kPa"}, final=True)
+
+    found = asyncio.run(scene())
+    own = analyse(load(path_of("wedge"), [(DIP, 52), ("strength.weak.c", "1 kPa")]))
+    assert found["fos"]["limit"] == own.fos.limit
+    assert found["status_words"] == own.status_text
+    assert found["values"][DIP] == {"value": 52.0, "text": "52°", "given": True, "is_default": False, "changed": True}
+    assert found["acceptance"] == [{"rule": "fos >= 1.5", "met": own.fos.limit >= 1.5}]
+
+
+def test_while_it_works_only_the_newest_waits(desk):
+    """Every message is answered; those between are superseded, and no value that was set is lost."""
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            numbers = [page.send(do="set", values={DIP: 40 + 0.1 * k}, final=False) for k in range(30)]
+            numbers.append(page.send(do="set", values={"slope.height": 60}, final=True))
+            found = {}
+            while len(found) < len(numbers):
+                said = await page.hear()
+                if "id" in said:
+                    found[said["id"]] = said
+            return [found[number] for number in numbers]
+
+    found = asyncio.run(scene())
+    superseded = [one.get("superseded", False) for one in found]
+    assert superseded[0] is False  # it was being worked on
+    assert all(superseded[1:-1])
+    assert found[-1]["final"]
+    assert desk.session.design.joints[0].dip_deg == pytest.approx(42.9)
+    assert desk.session.design.height_m == 60.0
+    assert found[-1]["fos"]["limit"] == analyse(desk.session.design).fos.limit
+    assert len(desk.session.done) == 1
+
+
+def test_faults_are_words_with_the_control_they_are_of_and_the_net_stands(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            bad = await page.ask(do="set", values={DIP: 95})
+            none = await page.ask(do="set", values={DIP: 21, "joints.J2.plane.dip": 20, "slope.face.dip": 15})
+            back = [await page.ask(do="undo") for _ in range(2)]
+            return bad, none, back
+
+    bad, none, back = asyncio.run(scene())
+    assert (bad["lead"], bad["scene"]) == (None, None)
+    assert (bad["faults"][0]["code"], bad["faults"][0]["path"]) == ("E101", DIP)
+    assert "a dip lies between 0 and 90" in bad["status_words"]
+    assert len(bad["net"]["planes"]) == 2
+    assert none["faults"][0]["code"].startswith("E20")
+    assert none["net"]["planes"][0]["dip"] == 21.0
+    assert back[-1]["lead"] == "1.5574"
+
+
+def test_kinds_that_take_long_are_answered_when_the_slider_is_let_go(tmp_path):
+    desk = desk_of(tmp_path, "blocks")
+
+    async def scene():
+        async with Page(desk) as page:
+            first = (await page.begin())[-1]
+            path = "strength.joint.phi"
+            held = await page.ask(do="set", values={path: 28}, final=False)
+            gone = await page.ask(do="set", values={path: 28}, final=True)
+            return first, held, gone
+
+    first, held, gone = asyncio.run(scene())
+    assert (held["stale"], held["fos"]) == (True, first["fos"])
+    assert gone["stale"] is False
+    assert gone["fos"]["limit"] < first["fos"]["limit"]
+    desk.close()
+
+
+def test_controls_are_sent_again_where_there_are_others(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            await page.ask(do="set", values={DIP: 50})
+            same = list(page.events)
+            await page.ask(do="set", values={"rock.gravity": 9.8})
+            return same, page.events
+
+    same, other = asyncio.run(scene())
+    assert same == []
+    assert [one["of"] for one in other] == ["design"]
+
+
+def test_another_page_hears_what_was_opened(desk):
+    async def scene():
+        async with Page(desk) as page, Page(desk) as other:
+            await page.begin()
+            await other.begin()
+            await page.ask(do="open", template="plane")
+            return await other.hear()
+
+    heard = asyncio.run(scene())
+    assert (heard["of"], heard["kind"]) == ("design", "plane")
+
+
+# -- saving and handing over ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def on_disk(tmp_path):
+    file = tmp_path / "north wall; 'quoted'.yaml"
+    file.write_bytes(path_of("wedge").read_bytes())
+    made = Desk(opened_file(file), TOKEN, tmp_path / "state")
+    made.port = PORT
+    yield made
+    made.close()
+
+
+def test_saving_goes_by_what_was_seen(on_disk):
+    async def scene():
+        async with Page(on_disk) as page:
+            await page.begin()
+            await page.ask(do="set", values={"slope.height": 70})
+            change = await page.ask(do="diff")
+            assert change["lines"] == 1
+            refused_one = await page.ask(do="save", seen="something else")
+            saved = await page.ask(do="save", seen=change["diff"])
+            after = await page.hear()
+            return refused_one, saved, after
+
+    refused_one, saved, after = asyncio.run(scene())
+    assert refused_one["faults"][0]["code"] == "E546"
+    assert saved["file"] == str(on_disk.session.opened.path)
+    assert (after["of"], after["changed"]) == ("design", [])
+    assert "height: 70 m" in on_disk.session.opened.path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {DIP: 50, "strength.weak.phi": 24, "water.fill": 0.25},
+        {"rock.unit_weight": 26, "title": "it's {new}", "water.mode": "full"},
+        {"loads.seismic.k": 0.05, "slope.upper.dip": 4, "strength.weak.c": "20 kPa", "water.pressures.J1": 3},
+    ],
+)
+def test_the_command_line_gives_the_same_numbers(on_disk, values):
+    async def scene():
+        async with Page(on_disk) as page:
+            await page.begin()
+            answer = await page.ask(do="set", values=values)
+            return answer, (await page.ask(do="handover", what="command"))["text"]
+
+    answer, text = asyncio.run(scene())
+    name, *words = shlex.split(text)
+    assert name == "slopekit"
+    ran = slopekit(*words, "--json")
+    found = json.loads(ran.stdout)
+    assert ran.returncode in (0, 1)
+    assert found["fos"]["limit"] == answer["fos"]["limit"]
+    assert found["fos"]["closed_form"] == answer["fos"]["closed_form"]
+    assert found["title"] == on_disk.session.design.title
+    assert found["input_sha256"] == on_disk.session.design.input_hash()
+
+
+def test_what_is_handed_over_is_the_design_on_the_page(on_disk):
+    async def scene():
+        async with Page(on_disk) as page:
+            await page.begin()
+            answer = await page.ask(do="set", values={DIP: 50})
+            files = {}
+            for what in ("yaml", "json", "page", "dxf"):
+                where = (await page.ask(do="handover", what=what))["address"]
+                files[what] = await got(on_disk, where)
+            return answer, files, await got(on_disk, f"/{TOKEN}/get/none")
+
+    answer, files, missing = asyncio.run(scene())
+    assert missing[0] == 404
+    for status, head, body in files.values():
+        assert status == 200
+        assert body
+        assert head["content-disposition"].startswith("attachment; filename*=UTF-8''north%20wall")
+    assert json.loads(files["json"][2])["fos"]["limit"] == answer["fos"]["limit"]
+    assert b"J1: {plane: 50/115" in files["yaml"][2]
+    assert f"{answer['fos']['limit']:.4f}".encode() in files["page"][2]
+    assert files["dxf"][2].lstrip().startswith(b"0")
+    assert [path.suffix for path in on_disk.session.opened.path.parent.glob("*.*")] == [".yaml"]
+
+
+SURVEY = "name,dip,dip_direction,set\nA,45,115,1\nB,45,245,2\nC,80,350,2\nD,95,1,2\n"
+
+
+def test_a_survey_is_read_and_a_pair_opened_as_the_design(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            found = await page.ask(do="survey", name="../joints.csv", text=SURVEY)
+            answer = await page.ask(do="open", pair=found["pairs"][0]["n"])
+            none = await page.ask(do="open", pair=99)
+            return found, answer, none
+
+    found, answer, none = asyncio.run(scene())
+    assert found["name"] == "joints.csv"
+    assert [one["name"] for one in found["planes"]] == ["A", "B", "C"]
+    assert len(found["left_out"]) == 1
+    assert found["notices"][0]["code"] == "W481"
+    assert [(one["name"], one["count"]) for one in found["sets"]] == [("1", 1), ("2", 2)]
+    assert [one["names"] for one in found["pairs"]] == [["A", "B"]]
+    assert answer["fos"]["limit"] == pytest.approx(found["pairs"][0]["fos"], rel=1e-9)
+    assert desk.session.design.title == "A and B of joints.csv"
+    assert none["faults"][0]["code"] == "E548"
+
+
+def test_a_survey_is_drawn_without_a_slope_too(tmp_path):
+    desk = desk_of(tmp_path, "footing")
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            return await page.ask(do="survey", name="a.csv", text=SURVEY)
+
+    found = asyncio.run(scene())
+    assert len(found["planes"]) == 3
+    assert (found["pairs"], found["faults"][0]["code"]) == ([], "E548")
+    desk.close()
+
+
+def test_what_is_not_saved_is_offered_to_the_next_session(tmp_path):
+    first = desk_of(tmp_path)
+
+    async def change(desk):
+        async with Page(desk) as page:
+            await page.begin()
+            await page.ask(do="set", values={"slope.height": 70})
+
+    asyncio.run(change(first))
+    first.close()  # as Ctrl-C does
+
+    async def go_on(desk):
+        async with Page(desk) as page:
+            hello = (await page.begin())[0]
+            answer = await page.ask(do="open", unsaved=hello["unsaved"]["id"])
+            return hello, answer
+
+    second = desk_of(tmp_path)
+    hello, answer = asyncio.run(go_on(second))
+    assert hello["unsaved"]["title"] == "The paper's symmetric wedge"
+    assert answer["changed"] == ["slope.height"]
+    second.close()
+
+
+def test_load_cases_are_said_to_stand_aside(tmp_path):
+    text = path_of("wedge").read_text(encoding="utf-8") + "cases: {wet: {set: {water.mode: full}}}\n"
+    desk = desk_of(tmp_path)
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            return await page.ask(do="open", yaml=text, name="cases.yaml")
+
+    found = asyncio.run(scene())
+    assert "W480" in [notice["code"] for notice in found["notices"]]
+    assert found["lead"] == "1.5574"
+    desk.close()
