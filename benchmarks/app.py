@@ -1,7 +1,7 @@
 """How long the app takes from a slider to its answer, over the socket, beside the library's own time.
 
 `python -m benchmarks.app` starts a server as `slopekit app` does, drags one slider of each kind of design, and prints
-the median and the 95th percentile; `python -m benchmarks.app docs` prints the table of docs/app.md.
+the median and the 95th percentile; `python -m benchmarks.app docs` writes the table of docs/howto/app.md.
 """
 
 import asyncio
@@ -13,30 +13,25 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from slopekit.design.files import load, with_values
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
 
+PAGE = Path(__file__).parents[1] / "docs/howto/app.md"
+_BEGIN, _END = "<!-- benchmarks.app -->", "<!-- end -->"
 #: By kind: the template, the slider, where it begins and what is added each time, how often.
 DRAGGED: Mapping[str, tuple[str, str, float, float, int]] = {
     "wedge": ("wedge", "joints.J1.plane.dip", 42.0, 0.05, 150),
     "plane": ("plane", "joints.J1.plane.dip", 32.0, 0.03, 150),
     "footing": ("footing", "weak_plane.dip", 38.0, 0.03, 150),
-    "topple": ("topple", "strength.bases.phi", 34.0, 0.1, 30),
+    "topple": ("topple", "strength.bedding.phi", 34.0, 0.1, 30),
     "blocks": ("blocks", "strength.joint.phi", 28.0, 0.1, 40),
-    "surface": ("surface", "strength.soil.phi", 27.0, 0.1, 25),
+    "surface": ("surface", "strength.shear zone.phi", 27.0, 0.1, 25),
     "bench": ("bench", "strength.joint.phi", 39.0, 0.1, 6),
 }
-
-
-def slider(template: str, wanted: str) -> str:
-    """The slider that is wanted, or the first friction angle."""
-    from slopekit.app.controls import values_of
-
-    known = values_of(load(path_of(template)))
-    return wanted if wanted in known else next(path for path in known if path.endswith(".phi"))
 
 
 def library(template: str, path: str, values: list[float]) -> list[float]:
@@ -76,7 +71,7 @@ class Page:
 async def measured(page: Page, kind: str) -> tuple[list[float], str, list[float]]:
     """Seconds from a slider to its answer."""
     template, wanted, first, step, times = DRAGGED[kind]
-    path = slider(template, wanted)
+    path = wanted
     answer = await page.ask(do="open", template=template)
     values, seconds = [first + step * k for k in range(times)], []
     if kind == "bench":
@@ -127,13 +122,19 @@ def main(arguments: list[str]) -> None:
         finally:
             server.terminate()
             server.wait()
-    if "docs" in arguments:
-        print("| kind | slider | median, ms | 95 %, ms | library alone, ms |\n|---|---|---:|---:|---:|")
-        form = "| {} | `{}` | {:.0f} | {:.0f} | {:.1f} |"
-    else:
-        form = "{:<8} {:<24} p50 {:7.1f}  p95 {:7.1f}  library {:7.1f}  ms"
     for row in rows:
-        print(form.format(*row))
+        print("{:<8} {:<24} p50 {:7.1f}  p95 {:7.1f}  library {:7.1f}  ms".format(*row))
+    if "docs" in arguments:
+        keep(rows)
+
+
+def keep(rows: list[tuple[str, str, float, float, float]]) -> None:
+    """Write the table of the page."""
+    head = "| kind | slider | median, ms | 95 %, ms | library alone, ms |\n|---|---|---:|---:|---:|\n"
+    table = head + "".join("| {} | `{}` | {:.0f} | {:.0f} | {:.1f} |\n".format(*row) for row in rows)
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(_BEGIN)
+    after = rest.partition(_END)[2]
+    PAGE.write_text(f"{before}{_BEGIN}\n{table}{_END}{after}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -72,7 +72,7 @@ class Page:
 
     async def hear(self) -> dict[str, Any]:
         """The next message."""
-        found = await asyncio.wait_for(self.back.get(), 120)
+        found = await asyncio.wait_for(self.back.get(), 60)
         assert found["type"] == "websocket.send", found
         said: dict[str, Any] = json.loads(found["text"])
         return said

@@ -70,13 +70,10 @@ def test_a_design_with_faults_is_not_opened(tmp_path):
     assert run.stderr.startswith("E1")
 
 
-def test_without_the_extra_it_says_what_to_install(monkeypatch):
-    for name in [
-        name for name in sys.modules if name.partition(".")[0] == "starlette" or name == "slopekit.app.server"
-    ]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "starlette", None)
+@pytest.mark.parametrize("gone", ["starlette", "uvicorn", "websockets", "jinja2"])
+def test_without_the_extra_it_says_what_to_install(monkeypatch, gone):
+    monkeypatch.setitem(sys.modules, gone, None)
     run = slopekit("app", "--no-browser")
     assert run.returncode == 2
-    assert run.stderr.startswith("E140 the app needs the extra app")
+    assert run.stderr.startswith(f"E140 the app needs the extra app ({gone})")
     assert "slopekit[app]" in run.stderr

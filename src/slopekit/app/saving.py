@@ -361,7 +361,7 @@ class Autosave:
                 "name": opened.name, "path": None if opened.path is None else str(opened.path.absolute()),
                 "digest": opened.digest, "opened": opened.text, "text": edited(opened, session.now.document),
             }  # fmt: skip
-            self.folder.mkdir(parents=True, exist_ok=True)
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             fresh = self.file.with_suffix(".new")
             fresh.write_text(json.dumps(record), encoding="utf-8")
             fresh.replace(self.file)

@@ -7,8 +7,9 @@ waits. docs/howto/app.md lists the messages.
 import asyncio
 import json
 import secrets
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import AsyncIterator, Callable, Coroutine, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -662,6 +663,11 @@ VERBS: dict[str, Callable[[Link, Message], None]] = {
 def application(desk: Desk) -> Guard:
     """The server of a desk, for uvicorn and for tests."""
 
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        desk.close()  # by SIGTERM too, which ends the process behind this
+
     async def page(request: Request) -> Response:
         return Response(_page(), media_type="text/html", headers=HEADERS)
 
@@ -696,7 +702,7 @@ def application(desk: Desk) -> Guard:
         Route("/{token}/", page), Route("/{token}/static/{name}", asset), Route("/{token}/get/{number}", get),
         WebSocketRoute("/{token}/link", socket),
     ]  # fmt: skip
-    return Guard(Starlette(routes=routes), desk.token, lambda: desk.port)
+    return Guard(Starlette(routes=routes, lifespan=lifespan), desk.token, lambda: desk.port)
 
 
 def _page() -> str:
@@ -752,7 +758,7 @@ def serve(opened: Opened, port: int, ready: Callable[[str], None]) -> None:
     desk.port = sock.getsockname()[1]
     config = uvicorn.Config(
         application(desk), log_level="error", access_log=False, server_header=False, ws_max_size=LARGEST_SURVEY * 4,
-        ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="off",
+        ws="websockets-sansio" if _has_sansio() else "websockets", ws_per_message_deflate=False, lifespan="on",
         ws_ping_interval=None, ws_ping_timeout=None,  # nothing lies between: a page that sleeps is no page that is gone
         timeout_graceful_shutdown=1,
     )  # fmt: skip

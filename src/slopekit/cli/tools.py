@@ -75,6 +75,15 @@ def new_template(
     typer.echo(f"wrote {path}; try: slopekit run {path}")
 
 
+def _is_there(name: str) -> bool:
+    from importlib.util import find_spec
+
+    try:
+        return find_spec(name) is not None
+    except ValueError:  # what was put out of reach
+        return False
+
+
 def app(
     design: Annotated[str | None, typer.Argument(help="A design file (YAML) [the paper's wedge].")] = None,
     port: Annotated[int, typer.Option(help="Port to listen on; 0: any that is free.")] = 0,
@@ -83,13 +92,12 @@ def app(
     """The design under your hands, in the browser; this machine alone (extra: app)."""
     if not 0 <= port <= 65535:
         raise DesignError([Fault("E106", f"--port is {port}, a port lies between 0 and 65535", f"--port {port}")])
-    try:
-        from slopekit.app.server import serve
-    except ImportError as error:
-        if (error.name or "").partition(".")[0] == "slopekit":
-            raise
-        advice = "Install it with pip install 'slopekit[app]'."
-        raise DesignError([Fault("E140", "the app needs the extra app", "slopekit app", advice)]) from None
+    missing = [name for name in ("starlette", "uvicorn", "websockets", "jinja2") if not _is_there(name)]
+    if missing:
+        advice = "pip install 'slopekit[app]', or in slopekit's folder: pip install '.[app]'"
+        message = f"the app needs the extra app ({', '.join(missing)})"
+        raise DesignError([Fault("E140", message, "slopekit app", advice)])
+    from slopekit.app.server import serve
     from slopekit.app.session import opened_file, opened_template
 
     def ready(address: str) -> None:
