@@ -12,8 +12,8 @@ from selenium.webdriver.chrome.service import Service
 
 ARGUMENTS = (
     "--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--window-size=1200,900",
+    "--disable-component-update", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--window-size=1120,700", "--disable-gpu-rasterization", "--disable-extensions", "--disable-sync",
 )  # fmt: skip
 _CODES = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Home": 36, "Enter": 13}
 
@@ -34,13 +34,13 @@ def started(chromium: str, driver: str, profile: Path) -> Any:
 class Page:
     """The app's page, open in a browser."""
 
-    def __init__(self, browser: Any, address: str, width: int = 1200, height: int = 900) -> None:
+    def __init__(self, browser: Any, address: str, width: int = 1120, height: int = 700) -> None:
         self.browser, self.address = browser, address
         self.wide(width, height)
         browser.get(address)
         self.until(lambda: self.fos() not in ("", "…"), 30)
 
-    def wide(self, width: int, height: int = 900) -> None:
+    def wide(self, width: int, height: int = 700) -> None:
         """As wide as that, in pixels of CSS."""
         self.command(
             "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False

@@ -4,7 +4,7 @@ import { on, tell } from "./link.js";
 import { goTo } from "./controls.js";
 import { runJob } from "./jobs.js";
 
-let design = null, shown = null, spoken = "";
+let design = null, shown = null, spoken = "", unfolded = window.innerWidth >= 1120;
 
 const tone = (answer) => {
   if (answer.lead === null) { return answer.faults.length ? "bad" : "plain"; }
@@ -66,14 +66,14 @@ export function show(answer) {
       el("div", { class: "badges" }, badge(answer), answer.acceptance.map((one) =>
         el("span", { class: `badge ${one.met ? "good" : "bad"}` }, `${one.rule} ${one.met ? "met" : "not met"}`)))),
     faulty ? el("section", { class: "faults", "aria-label": "Why there is no answer" }, answer.faults.map(faultCard),
-      answer.scene ? null : el("p", { class: "soft" }, "The dimmed view is the last design that could be analysed.")) : null,
+      byId("view").classList.contains("blank") ? null : el("p", { class: "soft" }, "The dimmed view is the last design that could be analysed.")) : null,
     stale(answer), numbers(answer),
     answer.agree_words && answer.agree !== null ? el("p", { class: "soft small" }, answer.agree_words.replace(/\s{2,}/g, " · ")) : null,
     governs(answer),
     answer.notices.length ? el("section", { class: "notices" }, el("h3", {}, "Notices"), answer.notices.map((one) =>
       el("p", {}, el("code", {}, one.code), " ", one.text,
         one.path ? el("button", { type: "button", class: "link", onclick: () => goTo(one.path) }, "show") : null))) : null,
-    answer.words.length ? el("details", { class: "words", open: true }, el("summary", {}, "The slope in words"), answer.words.map((line) => el("p", {}, line))) : null,
+    answer.words.length ? el("details", { class: "words", open: unfolded, ontoggle: (event) => { unfolded = event.target.open; } }, el("summary", {}, "The slope in words"), answer.words.map((line) => el("p", {}, line))) : null,
     answer.ms && answer.ms.all ? el("p", { class: "soft small ms" }, `analysed in ${answer.ms.analysis.toFixed(1)} ms, all ${answer.ms.all.toFixed(1)} ms`) : null);
   if (focused >= 0) { box.querySelectorAll("button")[focused]?.focus(); }
   const words = faulty ? `No answer: ${answer.faults[0].message}` : answer.lead === null ? answer.status_words :

@@ -21,22 +21,26 @@ const net = netIn(byId("net"), byId("planes"), (plane, final) => {
   for (const [path, value] of Object.entries(values)) { controls.take(path, { value, text: `${Number(value.toFixed(4))}°` }); }
   change(values, final);
 });
-let waitingScene = null;
+let waitingScene = null, own = "", drawn = "", renamed = false;  // the design, and whose scene is drawn
 
 function showScene(scene) {
   if (byId("screen-design").hidden) { waitingScene = scene; return; }  // drawn when it is seen
   waitingScene = null;
+  drawn = own;
   if (view.works) { view.show(scene); }
 }
 
 on("answer", (given) => {
   const began = performance.now();
   if (given.net) {
-    byId("orientations").hidden = !given.net.planes.length && !given.net.face;
+    const bare = !given.net.planes.length && !given.net.face;
+    byId("orientations").hidden = bare;
+    byId("view").classList.toggle("alone", bare);
     net.show(given.net);
   }
   if (given.scene && !given.stale) { showScene(given.scene); }
   byId("view").classList.toggle("dimmed", given.faults.length > 0 || given.stale);
+  byId("view").classList.toggle("blank", drawn !== own && !waitingScene);  // of another design: nothing is better
   byId("undo").disabled = !given.can_undo;
   byId("redo").disabled = !given.can_redo;
   document.documentElement.dataset.shown = given.rev;
@@ -44,6 +48,8 @@ on("answer", (given) => {
 });
 on("design", (design) => {
   document.documentElement.dataset.live = design.live;
+  own = `${design.kind} ${design.name}`;
+  if (renamed) { drawn = own; renamed = false; }
   byId("title").textContent = design.title || design.name || design.kind;
   byId("file").textContent = design.file || `${design.kind}, not in a file yet`;
   byId("file").title = design.file || "";
@@ -52,7 +58,7 @@ on("design", (design) => {
   byId("redo").disabled = !design.can_redo;
 });
 on("touched", (values) => { if (typeof values.title === "string") { byId("title").textContent = values.title; } });
-on("saved", (back) => { byId("file").textContent = back.file; });
+on("saved", (back) => { byId("file").textContent = back.file; renamed = true; });
 
 // -- screens ----------------------------------------------------------------------------------------------------------
 const tabs = [...document.querySelectorAll('[role="tab"]')];

@@ -140,6 +140,13 @@ export function take(path, given) {
 function build(design) {
   rows.clear();
   groups = design.groups;
+  for (const group of groups) {  // several of one name say whose they are
+    const names = group.controls.map((own) => own.label);
+    group.controls.forEach((own, k) => {
+      const parts = own.path.split(".");
+      if (names.indexOf(names[k]) !== names.lastIndexOf(names[k]) && parts.length > 2) { own.label = `${own.label} of ${parts[parts.length - 2]}`; }
+    });
+  }
   if (!folded) { folded = new Set(["analysis", "title"]); }
   fill(byId("controls"), groups.map((group) => {
     const large = group.controls.length > MOST, body = el("div", { class: "group-body" }, large ? null : group.controls.map(rowOf));
