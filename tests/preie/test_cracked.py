@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import Counter
 from itertools import pairwise
 
 import numpy as np
@@ -16,8 +17,8 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.loads import Loads
 from slopekit.preie import cracked
 from slopekit.preie.cracked import cracked_base, cracked_limit
-from slopekit.preie.limit import limit_analysis
-from slopekit.preie.model import JointStrength, build_model
+from slopekit.preie.limit import LimitAnalysis, limit_analysis, limit_on_lines
+from slopekit.preie.model import JointStrength, Model, build_model
 from slopekit.preie.polygon_bed import BedSprings, PolygonBed, bed_of
 from slopekit.result import Result
 from tests.preie.cracked_oracle import Block, springs_on
@@ -339,6 +340,20 @@ def test_a_block_that_moves_and_rests_again_says_so(opened) -> None:
     farther = float(re.search(r"up to a factor of (\S+): the first motion is its limit", said)[1])
     assert 0.5 < farther <= found.range[1] * (1.0 + 1e-3)
     assert "W398" not in [notice.code for notice in sk.wedge(**turning_on_two_edges()).warnings]
+
+
+def test_no_model_is_solved_twice_in_one_analysis(monkeypatch) -> None:
+    """By mechanism, with the bond gone and by the path: what is asked again is remembered."""
+    asked = Counter[bytes]()
+
+    def counted(model: Model) -> LimitAnalysis:
+        asked[b"".join(part.tobytes() for part in (model.rows, model.load, model.cohesion, model.tan_friction))] += 1
+        return limit_on_lines(model)
+
+    monkeypatch.setattr("slopekit.preie.limit.limit_on_lines", counted)
+    sk.wedge(**turning_on_two_edges())
+    assert len(asked) > 3
+    assert max(asked.values()) == 1
 
 
 def test_a_wedge_that_opens_nothing_asks_for_no_rule(monkeypatch) -> None:

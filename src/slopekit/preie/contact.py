@@ -100,25 +100,46 @@ def tractions(
     Joints that dilate take a constant k_t (k₁ γ_w where Clough-Duncan was asked for): on the hyperbola more normal
     traction would mean less elastic slip, so more dilation, so more normal traction, without end.
     """
-    k_n = stiffness.normal
+    return reduced_law(stiffness, cohesion, tan_friction, tan_dilation, reduction, debonded)(relative)
+
+
+def reduced_law(
+    stiffness: JointStiffness,
+    cohesion: Floats,
+    tan_friction: Floats,
+    tan_dilation: Floats,
+    reduction: float,
+    debonded: Bools,
+) -> Callable[[Floats], Tractions]:
+    """`tractions` of one strength by the relative displacement: what does not depend on that is made once."""
+    law, k_n = stiffness.tangential, stiffness.normal
+    mu, c = tan_friction / reduction, np.where(debonded, 0.0, cohesion / reduction)
+    psi = np.minimum(tan_dilation, mu) if tan_dilation.any() else None
+    give = law.modulus_number * law.water_unit_weight if isinstance(law, CloughDuncan) else law
+
+    def at(relative: Floats) -> Tractions:
+        return _tractions(relative, stiffness.debonded, law if psi is None else give, give, k_n, mu, c, psi, debonded)
+
+    return at
+
+
+def _tractions(
+    relative: Floats, open_spring: float, law: float | CloughDuncan, give: float, k_n: float, mu: Floats, c: Floats,
+    psi: Floats | None, debonded: Bools,
+) -> Tractions:  # fmt: skip
     opening, tangential = relative[:, 0], relative[:, 1:]
     slip = np.sqrt((tangential * tangential).sum(axis=1))
     away = np.where(slip > 0.0, slip, 1.0)
     direction = tangential / away[:, None]
-    mu, c = tan_friction / reduction, np.where(debonded, 0.0, cohesion / reduction)
-    law = stiffness.tangential
-    give = law.modulus_number * law.water_unit_weight if isinstance(law, CloughDuncan) else law
-    dilates = bool(tan_dilation.any())
 
     normal = -k_n * opening
     open_: Bools = debonded & (normal < 0.0)
-    shear, elastic_slopes = _tangential(slip, np.maximum(normal, 0.0), give if dilates else law)
+    shear, elastic_slopes = _tangential(slip, np.maximum(normal, 0.0), law)
     strength = np.maximum(line(c, mu, normal), 0.0)
     yields: Bools = (shear > strength) & ~open_
     softer: Floats | float = 1.0
     lifting: Floats | float = 0.0
-    if dilates:
-        psi = np.minimum(tan_dilation, mu)
+    if psi is not None:
         # plastic slip closes the joint: σ = σ_elastic + k_n tan ψ (s - strength(σ) / k_t), linear in σ
         softer = np.where(yields, 1.0 / (1.0 + k_n * psi * mu / give), 1.0)
         lifting = np.where(yields, k_n * psi * softer, 0.0)
@@ -127,14 +148,14 @@ def tractions(
     # shear as a function of normal traction and slip: the strength where the pair yields, else the elastic law
     force = np.where(open_, 0.0, np.where(yields, strength, shear))
     out = np.empty_like(relative)
-    out[:, 0] = np.where(open_, -stiffness.debonded * opening, normal)
+    out[:, 0] = np.where(open_, -open_spring * opening, normal)
     out[:, 1:] = -force[:, None] * direction
 
     def slopes_of() -> Floats:
         by_slip, by_normal = elastic_slopes()
         slope_normal = np.where(open_, 0.0, np.where(yields, np.where(strength > 0.0, mu, 0.0), by_normal))
         slope_slip = np.where(open_ | yields, 0.0, by_slip) + slope_normal * lifting
-        by_opening = np.where(open_, -stiffness.debonded, -k_n * softer)
+        by_opening = np.where(open_, -open_spring, -k_n * softer)
         secant = np.where(open_, 0.0, np.where(slip > 0.0, force / away, by_slip))
         slopes = np.empty((len(slip), 3, 3))
         slopes[:, 0, 0] = by_opening

@@ -12,7 +12,7 @@ import numpy as np
 
 from slopekit.core.arrays import Bools, Floats, Ints, frozen
 from slopekit.core.records import dataclass
-from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
+from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, reduced_law
 from slopekit.preie.model import Model
 from slopekit.preie.tolerances import EQUILIBRIUM, SHORTEST_STRIDE, TINY
 
@@ -136,14 +136,14 @@ def _newton(
 ) -> tuple[Floats, Tractions, float]:
     bolts = model.bolt_capacity / factor
     stretch = model.bolt_capacity * (model.length_scale / BOLT_GIVE_M)
-    weight = physical.area / model.force_scale
+    weight, rows = physical.area / model.force_scale, model.flat_rows
+    tractions = reduced_law(
+        stiffness, physical.cohesion, model.tan_friction, model.tan_dilation, factor, debonded
+    )  # fmt: skip
 
     def unbalanced(at: Floats) -> tuple[Floats, Tractions]:
-        relative = model.relative(at) * model.length_scale
-        law = tractions(
-            relative, stiffness, physical.cohesion, model.tan_friction, model.tan_dilation, factor, debonded
-        )
-        out = (law.tractions * weight[:, None]).ravel() @ model.flat_rows + model.load
+        law = tractions((rows @ at).reshape(-1, 3) * model.length_scale)
+        out = (law.tractions * weight[:, None]).ravel() @ rows + model.load
         if len(bolts):
             out = out + np.minimum(np.maximum(-stretch * (model.bolt_rows @ at), 0.0), bolts) @ model.bolt_rows
         return out, law
@@ -154,7 +154,7 @@ def _newton(
         if size <= EQUILIBRIUM * 1e-3:
             break
         slopes = law.slopes * (weight * model.length_scale)[:, None, None]
-        matrix = model.flat_rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
+        matrix = rows.T @ np.matmul(slopes, model.rows).reshape(-1, model.unknowns)
         if len(bolts):
             pull = -stretch * (model.bolt_rows @ scaled)
             springs = np.where((pull > 0.0) & (pull < bolts), stretch, 0.0)
