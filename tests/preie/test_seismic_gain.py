@@ -46,6 +46,7 @@ def test_one_block_on_a_plane_gains_by_cos_of_dip_less_phi_over_cos_phi(dip, phi
     b, f = math.radians(dip), math.radians(phi)
     _, gain, _ = _both(sk.load(_column(dip, phi, cohesion)))
     assert gain.factor == pytest.approx(math.cos(b - f) / math.cos(f), rel=1e-12)
+    assert gain.first is None  # the modes have it by themselves
 
 
 def test_a_column_that_tips_by_hand() -> None:
@@ -100,7 +101,7 @@ def test_columns_as_goodman_and_bray_s_recursion_with_inertia(seed) -> None:
     design = sk.load(_columns(seed))
     at, ours, closed = _both(design)
     assert ours.factor == pytest.approx(closed.factor, rel=1e-10)
-    assert ours.block == closed.block
+    assert (ours.block, ours.first) == (closed.block, None)
     assert at.runs is None
 
 
@@ -142,11 +143,11 @@ def _bench(**changes) -> dict:
 
 
 def test_where_contacts_change_just_above_the_limit_the_factor_above_is_taken() -> None:
-    """A bench whose side joint presses with next to nothing: the equation of motion has never the limit's factor."""
+    """A bench whose side joint presses with next to nothing: the equation of motion never has the limit's factor."""
     design = sk.load(_bench(height=4, face="65/180"))
     found = sk.quake(design, "sine:0.3g,2Hz")
     ours = found.yields[0]
-    assert ours.first_factor > 1.05 * ours.factor
+    assert abs(ours.first_factor / ours.factor - 1.0) > 0.02
     assert rate_above(design, ours.factor_of, 0.0023) == pytest.approx(ours.factor, rel=0.01)
     assert [notice.code for notice in found.warnings] == ["W470"]
 
