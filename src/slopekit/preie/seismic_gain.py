@@ -195,7 +195,7 @@ def _modes(bed: Bed, v: Floats, limit: BlocksLimit, still: float, used_up: bool)
     touching = (normal > _PRESSES * float(normal.max(initial=0.0))) & (opening < none)
     moves: Bools = size > none
     carried = np.sqrt((friction * friction).sum(axis=1))
-    summed = np.bincount(bed.group_of_pair, normal, bed.groups)
+    summed: Floats = np.bincount(bed.group_of_pair, normal, bed.groups).astype(np.float64)
     full = carried >= bed.drive.strength * line(bed.cohesion, bed.friction, summed) * (1.0 - still)
     along = np.where(moves[:, None], slip, -friction)
     direction = along / np.maximum(np.sqrt((along * along).sum(axis=1)), TINY)[:, None]

@@ -410,7 +410,7 @@ def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[
 def _of_six(found: InSix | None) -> list[Notice]:
     """What did not come to rest, and what hangs on the node pairs."""
     in_six = () if found is None else found.shaken
-    hangs = [] if found is None or found.change < _HANGS else [
+    hangs = [] if found is None or (found.change or 0.0) < _HANGS else [
         Notice("W471", f"the last refinement of the node pairs, to {found.pairs}, still moved what slides by "
                f"{found.change:.2g} of it: where joints open it hangs on them")
     ]  # fmt: skip

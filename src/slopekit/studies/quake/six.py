@@ -106,13 +106,14 @@ class InSix:
     Attributes
     ----------
     shaken : each record in both polarities; motion : in the one that slides farthest
-    pairs : node pairs; change : what the last refinement of them did to the strongest record's sliding, in parts of it
+    pairs : node pairs; change : what the last refinement of them did to the strongest record's sliding, in parts of
+        it, None where none was made
     """
 
     shaken: tuple[Shaking, ...]
     motion: SixMotion
     pairs: int
-    change: float
+    change: float | None
 
 
 def six_block(static: Design, records: int, across: Record | None, vertical: Record | None) -> SixBlock:
@@ -154,7 +155,7 @@ def shaken_in_six(
     return InSix(tuple(found), most[1], len(block.area), change)
 
 
-def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float]:
+def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
     """The block on node pairs that finer ones no longer change, its motions, and what the last refinement did.
 
     Where a joint opens at a corner the pair there loses the cohesion of all its area: few pairs lose too much or too
@@ -164,12 +165,16 @@ def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake
     def shaken(block: ShakenBlock) -> dict[str, Shake]:
         return {way: shake(block, _STEP, sign * pushes) for way, sign in WAYS.items()}
 
-    block, motions, change = of.block, shaken(of.block), 0.0
+    block, motions = of.block, shaken(of.block)
+    change: float | None = None
     for level in range(of.made.refine + 1, of.made.most_refined + 1):
         finer = of.finer(level)
         if finer is None or not len(block.area) < len(finer.area) <= _MOST_PAIRS:
             break
-        before, motions, block = motions, shaken(finer), finer
+        after = shaken(finer)
+        if any(one.ended == "refused" for one in after.values()):
+            break
+        before, motions, block = motions, after, finer
         slid = [(_slid(one[way], block) for one in (before, motions)) for way in WAYS]
         change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
         opens = any(one.opened or one.debonded for one in motions.values())
