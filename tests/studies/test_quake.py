@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import slopekit as sk
 from slopekit.design.templates import path_of
 from slopekit.studies.quake.records import record_of
 from slopekit.studies.quake.regressions import REGRESSIONS, median_m
+from slopekit.studies.quake.six import _in_space
 from slopekit.studies.quake.sliding import slide
 from tests.commands import slopekit
 
@@ -346,6 +348,39 @@ def test_designs_that_take_no_shaking_say_what_is_missing(name, arguments, said)
     assert said in done.stderr
     assert "loads.seismic.k=" not in done.stderr
     assert max(map(len, done.stderr.splitlines())) <= 100
+
+
+def test_node_pairs_are_made_finer_until_the_sliding_stays(wedge) -> None:
+    """0.3 g across as well: on the 8 pairs of the analysis a corner opens with an eighth of a joint, and 9.5 % more."""
+    sine = "sine:0.3g,2Hz"
+    alone = sk.quake(wedge.design, sine, six=True)
+    both = sk.quake(wedge.design, sine, six=True, across=sine)
+    assert alone.in_six.pairs < both.in_six.pairs
+    assert both.in_six.pairs > 100
+    assert both.in_six.change < 0.01
+    assert both.six[0].slid_m == pytest.approx(alone.six[0].slid_m, rel=1e-2)
+    assert both.to_dict()["six_pairs"] == {"pairs": both.in_six.pairs, "change": both.in_six.change}
+    assert f"{both.in_six.pairs} node pairs" in str(both)
+    assert both.warnings == ()
+
+
+def test_turning_is_in_degrees_about_the_axis_of_a_section() -> None:
+    """x and z of a section that runs north and up, and the angle about the third axis."""
+    axes = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    out = SimpleNamespace(times=np.array([0.0, 1.0]), motion=np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.5]]))
+    record = SimpleNamespace(name="any")
+    found = _in_space(record, "reversed", out, SimpleNamespace(translations=2), SimpleNamespace(axes=axes))
+    assert found.moved[-1] == pytest.approx([0.0, 3.0, 4.0])
+    assert found.turned_deg[-1] == pytest.approx([-90.0 / math.pi, 0.0, 0.0])
+
+
+def test_what_hangs_on_node_pairs_is_said(wedge, monkeypatch) -> None:
+    """No finer ones than 20: 0.5 g across as well still changes by a fifth."""
+    monkeypatch.setattr("slopekit.studies.quake.six._MOST_PAIRS", 20)
+    found = sk.quake(wedge.design, "sine:0.5g,1Hz", six=True, across="sine:0.5g,1Hz")
+    assert found.in_six.pairs == 20
+    assert found.in_six.change > 0.1
+    assert [notice.code for notice in found.warnings] == ["W471"]
 
 
 def test_six_degrees_of_freedom(tmp_path) -> None:

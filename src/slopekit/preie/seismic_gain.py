@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slopekit.core.arrays import Floats, Ints
+from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
 from slopekit.preie.assembly import AssemblyModel
 from slopekit.preie.bed import Bed, BedForces, Drive
@@ -24,6 +24,7 @@ from slopekit.preie.blocks import Basis, BlocksLimit, load_limit
 from slopekit.preie.path_limit import BORDERED
 from slopekit.preie.ravelling import Part
 from slopekit.preie.tolerances import MOVES, NO_MOTION, OPENS_ROUGHLY, TINY
+from slopekit.strength.mohr_coulomb import line
 
 _PRESSES = 1e-9  # of the largest normal force: less is rounding of an open pair
 _SAME = 10.0  # times what is no motion: the null vector of the modes is the mechanism
@@ -122,37 +123,43 @@ def _of_all(model: AssemblyModel, mass: Floats, limit: BlocksLimit) -> tuple[flo
     """The gain at a limit, and the moving block that goes farthest."""
     assert limit.factor is not None
     still = NO_MOTION if limit.basis is Basis.LIMIT else OPENS_ROUGHLY
-    return _of_motion(model, mass, limit.velocity, limit.normal_force, limit.bond, limit.factor, still)
+    bed = Bed(model, Drive(model.load.ravel(), model.live.ravel(), 1.0 / limit.factor), limit.bond)
+    tried = (_of_motion(bed, mass, limit, still, used_up) for used_up in (True, False))
+    return next((found for found in tried if found is not None), None)
 
 
 def _of_movers(model: AssemblyModel, mass: Floats, limit: BlocksLimit) -> tuple[float, int] | None:
     """The same with those held that do not move."""
     fast = np.abs(limit.velocity).max(axis=1)
     movers: Ints = np.flatnonzero(fast > MOVES * float(fast.max()))
-    few, _, pairs, _ = model.among(movers)
+    few, _, pairs, groups = model.among(movers)
     if few.load.size > BORDERED:
         return None
     own = replace(
-        limit, velocity=limit.velocity[movers], normal_force=limit.normal_force[pairs], bond=limit.bond[pairs]
+        limit,
+        velocity=limit.velocity[movers],
+        normal_force=limit.normal_force[pairs],
+        bond=limit.bond[pairs],
+        friction=limit.friction[groups],
     )
     found = _of_all(few, mass[movers], own)
     return None if found is None else (found[0], int(movers[found[1]]))
 
 
-def _of_motion(
-    model: AssemblyModel, mass: Floats, velocity: Floats, normal: Floats, bond: Floats, factor: float, still: float
-) -> tuple[float, int] | None:  # fmt: skip
+def _of_motion(bed: Bed, mass: Floats, limit: BlocksLimit, still: float, used_up: bool) -> tuple[float, int] | None:
     """The gain with the modes of a motion, and the moving block that goes farthest; None where they do not have it.
 
-    `still` is what is no motion, in parts of the fastest.
+    Parameters
+    ----------
+    still : what is no motion, in parts of the fastest
+    used_up : contacts that do not move but have used up their strength are on the point of slipping; else they stick
     """
-    bed = Bed(model, Drive(model.load.ravel(), model.live.ravel(), 1.0 / factor), bond)
-    v = velocity.ravel() / float(np.abs(velocity).max())
+    v = limit.velocity.ravel() / float(np.abs(limit.velocity).max())
     across = bed.viscous(v)
     along = float(across @ v)
     matrix = np.zeros((bed.size + 1, bed.size + 1))
-    matrix[:-1, :-1] = bed.stiffness.dense(bed.tangent(_modes(bed, v, normal, still), 1.0, turning=False))
-    matrix[:-1, -1] = -model.live.ravel()
+    matrix[:-1, :-1] = bed.stiffness.dense(bed.tangent(_modes(bed, v, limit, still, used_up), 1.0, turning=False))
+    matrix[:-1, -1] = -bed.drive.working
     matrix[-1, :-1] = across
 
     def solved(right: Floats, last: float) -> Floats | None:
@@ -167,7 +174,7 @@ def _of_motion(
         return None  # several motions at one load, or none
     motions = motion[:-1].reshape(len(mass), -1)
     priced = solved(-np.matmul(mass, motions[:, :, None]).ravel(), 0.0)
-    moves = motions[:, : 2 if model.unknowns == 3 else 3]
+    moves = motions[:, : 2 if bed.tangents == 1 else 3]
     speeds = np.sqrt((moves * moves).sum(axis=1))
     alike = speeds > (1.0 - still) * speeds.max()
     fastest = int(np.argmax(np.where(alike, mass[:, 0, 0], 0.0)))  # the heaviest of them
@@ -176,16 +183,32 @@ def _of_motion(
     return float(speeds[fastest]) / float(priced[-1]), fastest
 
 
-def _modes(bed: Bed, v: Floats, normal: Floats, still: float) -> BedForces:
-    """Contact modes of a motion (N,), the fastest 1: what presses and does not open touches, what moves slips."""
+def _modes(bed: Bed, v: Floats, limit: BlocksLimit, still: float, used_up: bool) -> BedForces:
+    """Contact modes of a motion (N,), the fastest 1.
+
+    What presses and does not open touches; what moves slips, and, where `used_up`, what has used up its strength.
+    """
+    normal, friction = limit.normal_force, limit.friction
     opening, slip = bed.motion(v, 0.0)
     size = np.sqrt((slip * slip).sum(axis=1))
     none = still * max(float(np.abs(opening).max()), float(size.max()))
     touching = (normal > _PRESSES * float(normal.max(initial=0.0))) & (opening < none)
-    holds = np.bincount(bed.group_of_pair, touching, bed.groups) > 0.0
-    slips = (size > none) | (~holds & (bed.cohesion == 0.0))
-    direction = slip / np.maximum(size, TINY)[:, None]
+    moves: Bools = size > none
+    carried = np.sqrt((friction * friction).sum(axis=1))
+    summed: Floats = np.bincount(bed.group_of_pair, normal, bed.groups).astype(np.float64)
+    full = carried >= bed.drive.strength * line(bed.cohesion, bed.friction, summed) * (1.0 - still)
+    along = np.where(moves[:, None], slip, -friction)
+    direction = along / np.maximum(np.sqrt((along * along).sum(axis=1)), TINY)[:, None]
     nothing = np.zeros((bed.groups, bed.tangents))
     return BedForces(
-        normal, nothing, np.zeros(bed.groups), touching, slips, direction, size, np.zeros(bed.size), 1.0, 0.0
+        normal,
+        nothing,
+        np.zeros(bed.groups),
+        touching,
+        moves | (full & used_up),
+        direction,
+        size,
+        np.zeros(bed.size),
+        1.0,
+        0.0,
     )

@@ -27,7 +27,7 @@ from slopekit.notices import means_taken
 from slopekit.studies.protocol import DESK, ADesign, Argument, Desk, Jobs, Option, Outcome, study
 from slopekit.studies.quake.records import Record, read_record, read_records
 from slopekit.studies.quake.regressions import LEAST_K, REGRESSIONS, median_m
-from slopekit.studies.quake.six import Shaking, SixMotion, shaken_in_six, six_block
+from slopekit.studies.quake.six import InSix, Shaking, SixMotion, shaken_in_six, six_block
 from slopekit.studies.quake.sliding import Slide, slide
 from slopekit.studies.quake.yielding import KEY, Yield, check_stands, other_way, shown_k, static_design, yields_of
 from slopekit.studies.running import checked_crew
@@ -37,6 +37,7 @@ _MOST_DRAWN = 2000  # points of a motion in JSON
 _ON = 40  # of them on the way to rest after the end of the record
 _PGA = (1e-4, 10.0)  # g
 _SPREAD = 7  # records that a 16th and an 84th percentile ask for: of fewer they lie on the first and the last
+_HANGS = 0.02  # of what slides in six degrees of freedom: more hangs on the node pairs
 _MOVES_ON = 0.01  # of a displacement, beyond the end of the record
 Way = Literal["as recorded", "reversed"]
 
@@ -106,8 +107,8 @@ class Quake(Outcome):
     yields : by PRE-IE, then by the closed form where there is one
     shaken : record by record; motion : of the one that moves it most, None where none does
     scale_pga : the peak that all records were scaled to, g
-    six : in six degrees of freedom, each record in both polarities; empty where that was not asked for
-    six_motion : of the one of these that slides farthest; beside_six : the motion one way in the same record
+    in_six : in six degrees of freedom, where that was asked for
+    beside_six : the motion one way in the record that slides farthest there
     """
 
     name: ClassVar[str] = "quake"
@@ -118,10 +119,14 @@ class Quake(Outcome):
     motion: Motion | None
     scale_pga: float | None
     warnings: tuple[Notice, ...] = ()
-    six: tuple[Shaking, ...] = ()
-    six_motion: SixMotion | None = None
+    in_six: InSix | None = None
     beside_six: Motion | None = None
     seconds: float = field(default=0.0, compare=False)
+
+    @property
+    def six(self) -> tuple[Shaking, ...]:
+        """In six degrees of freedom each record in both polarities; empty where that was not asked for."""
+        return () if self.in_six is None else self.in_six.shaken
 
     @property
     def coefficient(self) -> float | None:
@@ -160,7 +165,7 @@ class Quake(Outcome):
     @property
     def charts(self) -> tuple[str, ...]:
         """Acceleration, velocity and displacement; displacement and turning in six degrees of freedom."""
-        return (*(["motion"] if self.motion is not None else []), *(["six"] if self.six_motion is not None else []))
+        return (*(["motion"] if self.motion is not None else []), *(["six"] if self.in_six is not None else []))
 
     @property
     def has_spread(self) -> bool:
@@ -234,7 +239,8 @@ class Quake(Outcome):
             "regressions": self.compared(),
             "six": [one.to_dict() for one in self.six] or None,
             "motion": None if self.motion is None else self.motion.to_dict(),
-            "six_motion": None if self.six_motion is None else _six_dict(self.six_motion, self.beside_six),
+            "six_pairs": None if self.in_six is None else {"pairs": self.in_six.pairs, "change": self.in_six.change},
+            "six_motion": None if self.in_six is None else _six_dict(self.in_six.motion, self.beside_six),
             "timing_s": {"total": self.seconds},
             **self.words(),
         }  # fmt: skip
@@ -351,13 +357,13 @@ def quake(
     with desk.bar("evaluations and records", _ABOUT + (3 if six else 1) * len(taken)) as advance:
         yields = yields_of(static, checked_crew(jobs), advance)
         shaken, motion = _shaken(static, yields[0], taken, advance)
-        in_six, moves = ((), None) if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
+        in_six = None if block is None else shaken_in_six(block, taken, others[0], others[1], advance)
         out = other_way(static, yields[0], advance)
     warnings = (*_into(static, yields[0], out), *_notices(static, yields, shaken), *_of_six(in_six))
     trend = static.seismic.trend_deg
-    beside = None if moves is None else _beside(moves, static, yields[0], taken)
+    beside = None if in_six is None else _beside(in_six.motion, static, yields[0], taken)
     return Quake(
-        static, trend, yields, shaken, motion, scale_pga, warnings, in_six, moves, beside, time.perf_counter() - began
+        static, trend, yields, shaken, motion, scale_pga, warnings, in_six, beside, time.perf_counter() - began
     )
 
 
@@ -420,10 +426,15 @@ def _into(static: Design, ours: Yield, out: tuple[float, float] | None) -> list[
                    f"pushes out of it, k_y is below {shown_k(out[1])}: --toward {away}")]  # fmt: skip
 
 
-def _of_six(in_six: Sequence[Shaking]) -> list[Notice]:
-    """What did not come to rest."""
+def _of_six(found: InSix | None) -> list[Notice]:
+    """What did not come to rest, and what hangs on the node pairs."""
+    in_six = () if found is None else found.shaken
+    hangs = [] if found is None or (found.change or 0.0) < _HANGS else [
+        Notice("W471", f"the last refinement of the node pairs, to {found.pairs}, still moved what slides by "
+               f"{found.change:.2g} of it: where joints open it hangs on them")
+    ]  # fmt: skip
     said = {"refused": "a step did not settle however short, nothing of it was taken", "moves": "it still moves"}
-    return [
+    return hangs + [
         Notice("W466", f"{one.record}, {one.way}, in six degrees of freedom: at {one.until_s:.4g} s {said[one.ended]}")
         for one in in_six if one.ended in said
     ]  # fmt: skip

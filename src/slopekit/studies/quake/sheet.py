@@ -174,11 +174,17 @@ def _six_notes(found: Quake) -> list[str]:
     work = most.work_kj
     off = abs(work.unbalanced) / max(abs(work.put_in), 1e-300)
     steps, halved = sum(one.steps for one in found.six), sum(one.halved for one in found.six)
+    assert found.in_six is not None
+    pairs, change = found.in_six.pairs, found.in_six.change
+    settled = "finer ones gave no answer"
+    if change is not None:
+        settled = f"the last refinement moved what slides by {change * 100.0:.2g} % at most"
     return [
         f"work in {most.record} ({most.way}), MJ: put in {work.put_in / 1e3:.5g} = friction {work.friction / 1e3:.5g}"
         f" + stored {work.stored / 1e3:.3g} + kinetic {work.kinetic / 1e3:.3f} + damped {work.damped / 1e3:.4g},"
         f" to {max(off, _EXACT):.0e}",
         f"{springs_in_words(found.design)}; {steps} steps, {halved} halved; the geometry stays as it is",
+        f"{pairs} node pairs; {settled}",
     ]
 
 

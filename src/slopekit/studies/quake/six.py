@@ -21,6 +21,9 @@ from slopekit.studies.quake.yielding import KEY
 
 _STEP = 0.005  # s: springs of joints follow and do not ring, and the block slides to some 1e-3
 _SAME_VOLUME = 1e-6
+_SETTLED = 0.01  # of what slides, that finer node pairs may still change
+_SLIDES = 1e-3  # m: what slides less does not ask for finer ones
+_MOST_PAIRS = 2000
 #: Polarities by their names.
 WAYS = {"as recorded": 1.0, "reversed": -1.0}
 
@@ -85,11 +88,32 @@ class SixMotion:
 
 @dataclass(frozen=True, slots=True)
 class SixBlock:
-    """The block of a design, and the ways (translations,) that its shaking pushes: toward, to the right of that, up."""
+    """The block of a design, and the ways (translations,) that its shaking pushes: toward, to the right of that, up.
+
+    `finer` makes its node pairs finer: None where there are none, or it does not come to rest on them.
+    """
 
     block: ShakenBlock
     made: Cut
     ways: tuple[Floats, Floats, Floats]
+    finer: Callable[[int], ShakenBlock | None]
+
+
+@dataclass(frozen=True, slots=True)
+class InSix:
+    """What the records do to the block in six degrees of freedom.
+
+    Attributes
+    ----------
+    shaken : each record in both polarities; motion : in the one that slides farthest
+    pairs : node pairs; change : what the last refinement of them did to the strongest record's sliding, in parts of
+        it, None where none was made
+    """
+
+    shaken: tuple[Shaking, ...]
+    motion: SixMotion
+    pairs: int
+    change: float | None
 
 
 def six_block(static: Design, records: int, across: Record | None, vertical: Record | None) -> SixBlock:
@@ -112,21 +136,56 @@ def six_block(static: Design, records: int, across: Record | None, vertical: Rec
 def shaken_in_six(
     of: SixBlock, records: Sequence[Record], across: Record | None, vertical: Record | None,
     advance: Callable[[int], None],
-) -> tuple[tuple[Shaking, ...], SixMotion]:  # fmt: skip
-    """Every record in both polarities, and the motion in the one that slides farthest."""
+) -> InSix:  # fmt: skip
+    """Every record in both polarities, on node pairs that are fine enough for the strongest of them."""
+    strongest = max(records, key=lambda one: one.pga_g)
+    block, known, change = _settled(of, _components(strongest, across, vertical, of.ways))
     found: list[Shaking] = []
     most: tuple[float, SixMotion] | None = None
     for record in records:
         pushes = _components(record, across, vertical, of.ways)
         for way, sign in WAYS.items():
-            out = shake(of.block, _STEP, sign * pushes)
-            motion = _in_space(record, way, out, of.block, of.made)
+            out = known[way] if record is strongest else shake(block, _STEP, sign * pushes)
+            motion = _in_space(record, way, out, block, of.made)
             found.append(_said(motion, out))
             if most is None or found[-1].slid_m > most[0]:
                 most = found[-1].slid_m, motion
             advance(1)
     assert most is not None  # there is a record
-    return tuple(found), most[1]
+    return InSix(tuple(found), most[1], len(block.area), change)
+
+
+def _settled(of: SixBlock, pushes: Floats) -> tuple[ShakenBlock, dict[str, Shake], float | None]:
+    """The block on node pairs that finer ones no longer change, its motions, and what the last refinement did.
+
+    Where a joint opens at a corner the pair there loses the cohesion of all its area: few pairs lose too much or too
+    little.
+    """
+
+    def shaken(block: ShakenBlock) -> dict[str, Shake]:
+        return {way: shake(block, _STEP, sign * pushes) for way, sign in WAYS.items()}
+
+    block, motions = of.block, shaken(of.block)
+    change: float | None = None
+    for level in range(of.made.refine + 1, of.made.most_refined + 1):
+        finer = of.finer(level)
+        if finer is None or not len(block.area) < len(finer.area) <= _MOST_PAIRS:
+            break
+        after = shaken(finer)
+        if any(one.ended == "refused" for one in after.values()):
+            break
+        before, motions, block = motions, after, finer
+        slid = [(_slid(one[way], block) for one in (before, motions)) for way in WAYS]
+        change = max(abs(a - b) / max(a, b, _SLIDES) for a, b in slid)
+        opens = any(one.opened or one.debonded for one in motions.values())
+        if change < _SETTLED and (level > of.made.refine + 1 or not opens):
+            break
+    return block, motions, change
+
+
+def _slid(out: Shake, block: ShakenBlock) -> float:
+    last = out.motion[-1, : block.translations]
+    return math.sqrt(float(last @ last))
 
 
 def _components(
@@ -179,13 +238,18 @@ def _block_of(static: Design) -> SixBlock:
         friction[keys] = np.tan(np.radians([one.friction_angle_deg for one in left]))
         residual = cohesion, friction
     mass = weight / static.gravity_m_s2
-    block = shaken_block(model, mass, inertia * (mass / volume), _springs(static), residual)
+
+    def on_pairs(level: int) -> ShakenBlock | None:
+        finer = model if level == made.refine else made.scene_at(level).model
+        return shaken_block(finer, mass, inertia * (mass / volume), _springs(static), residual)
+
+    block = on_pairs(made.refine)
     if block is None:
         raise _none("on its springs it does not come to rest without an earthquake")
     toward = (shaken.loads.parts["seismic"] - made.loads.parts["seismic"]) / weight
     right, up = np.array([toward[1], -toward[0], 0.0]), np.array([0.0, 0.0, 1.0])
     in_plane = [0, 2] if block.translations == 2 else [0, 1, 2]
-    return SixBlock(block, made, (toward[in_plane], right[in_plane], up[in_plane]))
+    return SixBlock(block, made, (toward[in_plane], right[in_plane], up[in_plane]), on_pairs)
 
 
 def _springs(static: Design) -> JointStiffness:
