@@ -30,6 +30,7 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, with_blocks
+from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, Search
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
 from slopekit.kinds.one_block import Cut
@@ -38,7 +39,7 @@ from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.preie.assembly import section_axes
 from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
 from slopekit.preie.model import Model, local_axes
-from slopekit.result import ElasticBlocks, ElasticPairs, OnElasticJoint, Result
+from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2
