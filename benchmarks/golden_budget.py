@@ -6,6 +6,7 @@ stored: what those load in turn is their own affair, and so is the standard libr
 """
 
 import json
+import os
 import re
 import statistics
 import subprocess
@@ -119,16 +120,25 @@ def differences(name: str) -> list[Difference]:
     return found
 
 
+def packages_of(name: str) -> list[str]:
+    """The packages that a command loads beside slopekit and the standard library."""
+    return sorted(top for top in by_package(loaded(name)) if top not in ("slopekit", "(standard library)"))
+
+
 def cold(name: str, packages: list[str], repeat: int = REPEAT) -> tuple[float, float, float]:
-    """Median seconds of a command, of importing its packages alone, and the median of their paired ratios."""
+    """Median seconds of a command, of importing its packages alone, and the median of their paired ratios.
+
+    Compiled modules are kept even where the environment asks for none, as containers do: else every run compiles ours.
+    """
     command = [sys.executable, "-m", "slopekit.cli", *arguments(name)]
     imports = ", ".join("ruamel.yaml" if one == "ruamel" else one for one in packages)  # ruamel alone is empty
     bare = [sys.executable, "-c", f"import {imports}"]
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     ours, theirs = [], []
     for turn in range(repeat + 1):  # in turn, so that the machine's mood hits both; the first fills the caches
         for work, times in ((command, ours), (bare, theirs)):
             began = time.perf_counter()
-            subprocess.run(work, capture_output=True, check=False)
+            subprocess.run(work, capture_output=True, check=False, env=environment)
             if turn:
                 times.append(time.perf_counter() - began)
     ratio = statistics.median(a / b for a, b in zip(ours, theirs, strict=True))
@@ -143,10 +153,8 @@ def main(words: list[str]) -> None:
         print(f"{len(lines)} lines stored")
         return
     print("modules loaded, by package, beyond a bare Python")
-    needs: dict[str, list[str]] = {}
     for name in COMMANDS:
         counts = by_package(loaded(name))
-        needs[name] = sorted(top for top in counts if top not in ("slopekit", "(standard library)"))
         print(f"  {name:<18}{sum(counts.values()):5d}  " + "  ".join(f"{top} {n}" for top, n in counts.most_common()))
         for one in differences(name):
             print(f"    {one.key}: new {one.old.removeprefix('without ')}; gone {one.new.removeprefix('without ')}")
@@ -158,6 +166,7 @@ def main(words: list[str]) -> None:
         print(f"  {room.removeprefix('src '):<18}{now}{was}")
     print(f"cold, median of {REPEAT} runs in turn with importing alone what the command loads of other packages")
     for name in list(COMMANDS)[:2]:
-        ours, theirs, ratio = cold(name, needs[name])
-        bare = f"import {', '.join(needs[name])} {theirs * 1e3:.0f} ms"
+        needs = packages_of(name)
+        ours, theirs, ratio = cold(name, needs)
+        bare = f"import {', '.join(needs)} {theirs * 1e3:.0f} ms"
         print(f"  {name:<18}{ours * 1e3:6.0f} ms  {bare}  ratio {ratio:.2f}")

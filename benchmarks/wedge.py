@@ -6,8 +6,6 @@ Speed against error: ``python -m benchmarks wedge``.
 
 import json
 import statistics
-import subprocess
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -15,6 +13,8 @@ from collections.abc import Callable
 import numpy as np
 
 import slopekit as sk
+from benchmarks.golden_budget import cold as seconds_cold
+from benchmarks.golden_budget import packages_of
 from slopekit.kinds import cut
 from slopekit.kinds.wedge import closed_form
 from slopekit.kinds.wedge.design import wedge_design
@@ -23,7 +23,6 @@ from slopekit.preie.limit import limit_analysis
 from tests.support import random_wedge
 
 PAPER = {"dips": ("45/115", "45/245")}
-REFERENCE = "import numpy, scipy.sparse, manifold3d, clarabel, typer"
 
 
 def median_ms(work: Callable[[], object], repeat: int = 101) -> float:
@@ -58,24 +57,10 @@ def stages() -> None:
 
 
 def cold() -> None:
-    print("\n## Cold command against the bare imports")
-
-    def command() -> None:
-        subprocess.run([sys.executable, "-m", "slopekit.cli", "wedge", "--dips", *PAPER["dips"]],
-                       capture_output=True, check=True)  # fmt: skip
-
-    def bare() -> None:
-        subprocess.run([sys.executable, "-c", REFERENCE], capture_output=True, check=True)
-
-    command(), bare()
-    ours, theirs = [], []
-    for _ in range(15):  # alternately, so that the machine's mood hits both
-        for work, times in ((command, ours), (bare, theirs)):
-            began = time.perf_counter()
-            work()
-            times.append(time.perf_counter() - began)
-    a, b = statistics.median(ours), statistics.median(theirs)
-    print(f"slopekit wedge {a * 1e3:.0f} ms, {REFERENCE!r} {b * 1e3:.0f} ms, ratio {a / b:.2f}")
+    print("\n## Cold command against the bare imports of what it loads")
+    packages = packages_of("wedge")
+    ours, theirs, ratio = seconds_cold("wedge", packages)
+    print(f"slopekit wedge {ours * 1e3:.0f} ms, import {', '.join(packages)} {theirs * 1e3:.0f} ms, ratio {ratio:.2f}")
 
 
 def random_wedges(count: int = 2000, seed: int = 2000) -> None:

@@ -15,14 +15,14 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from slopekit.closed_form.given import Floats
 from slopekit.closed_form.rotation import Ground, panels
 from slopekit.closed_form.tolerances import BALANCED, LEAST_GRIP, SMALL
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 
-Floats = NDArray[np.float64]
 _COUNT = 12  # nodes between two changes, in either direction
 _PASSES = 200
 _STEPS = 60

@@ -13,13 +13,13 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from slopekit.closed_form.given import Floats
 from slopekit.closed_form.tolerances import ON_CIRCLE, SMALL
 from slopekit.core.errors import Fault, GeometryError
 from slopekit.core.records import dataclass
 
-Floats = NDArray[np.float64]
 _COUNT = 16  # slices between two changes of kind
 
 

@@ -3,10 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from slopekit.closed_form.given import Bools, Floats
+
 _LEAST, _MOST = 1e-6, 1e6
 _STEPS = 2001  # over the whole range: 1.4 % each
 _PARTS = 65

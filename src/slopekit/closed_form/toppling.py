@@ -12,17 +12,15 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from slopekit.closed_form.given import Bools, Floats
 from slopekit.closed_form.search import first_loss
 from slopekit.closed_form.tolerances import HOLDS, ROUNDING
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
 
 _MOST_ANCHOR = 1e3  # times all the weight: more than any column is worth holding with
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -115,18 +115,10 @@ def cut_convex(normals: Floats, offsets: Floats, outline: Floats) -> Block:
     GeometryError
         E208 nothing lies below all of them.
     """
-    lowest, highest = outline.min(axis=0), outline.max(axis=0)
-    centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
-    scaled = normals * half
-    lengths = np.sqrt((scaled**2).sum(axis=1))
-    at = (offsets - normals @ centre) / lengths
-    piece = far_box(1.5, _FAR)
-    for plane, (normal, offset) in enumerate(zip(scaled / lengths[:, None], at, strict=True)):
-        piece = piece.split(half_space(normal, float(offset), plane, _CUTTER_BACK))[1]
-    mesh = piece.to_mesh64()
-    if piece.is_empty() or int(np.asarray(mesh.face_id).max()) >= _FAR:
+    block = half_spaces_cut(dict(enumerate(normals)), dict(enumerate(offsets)), outline)
+    if block is None:
         raise GeometryError([Fault("E208", "the planes enclose no block")])
-    return _block(mesh, normals, offsets, centre, half)
+    return block
 
 
 def half_spaces_cut(normals: Mapping[int, Floats], offsets: Mapping[int, float], outline: Floats) -> Block | None:
@@ -143,14 +135,14 @@ def half_spaces_cut(normals: Mapping[int, Floats], offsets: Mapping[int, float],
     """
     lowest, highest = outline.min(axis=0), outline.max(axis=0)
     centre, half = (lowest + highest) / 2.0, (highest - lowest) / 2.0
-    rows, at = np.zeros((max(normals) + 1, 3)), np.zeros(max(normals) + 1)
+    planes, rows, at = list(normals), np.zeros((max(normals) + 1, 3)), np.zeros(max(normals) + 1)
+    rows[planes], at[planes] = list(normals.values()), [offsets[plane] for plane in planes]
+    scaled = rows[planes] * half
+    lengths = np.sqrt((scaled**2).sum(axis=1))
+    away = (at[planes] - rows[planes] @ centre) / lengths
     piece = far_box(1.5, _FAR)
-    for plane, normal in normals.items():
-        rows[plane], at[plane] = normal, offsets[plane]
-        scaled = normal * half
-        size = math.sqrt(float(scaled @ scaled))
-        offset = (offsets[plane] - float(normal @ centre)) / size
-        piece = piece.split(half_space(scaled / size, offset, plane, _CUTTER_BACK))[1]
+    for plane, normal, offset in zip(planes, scaled / lengths[:, None], away, strict=True):
+        piece = piece.split(half_space(normal, float(offset), plane, _CUTTER_BACK))[1]
     if piece.is_empty():
         raise GeometryError([Fault("E208", "the planes enclose no block")])
     mesh = piece.to_mesh64()

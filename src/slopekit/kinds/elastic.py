@@ -31,6 +31,7 @@ from slopekit.elastic.meshing import (
     split_evenly,
 )
 from slopekit.elastic.model import ElasticModel, dense_or_sparse, on_bedrock, with_blocks
+from slopekit.elastic.outcome import ElasticBlocks, ElasticPairs, OnElasticJoint
 from slopekit.elastic.rest import Rest, Search
 from slopekit.geometry import rockmass, section
 from slopekit.kinds.many_blocks_scene import AssemblyScene, scene_loads
@@ -40,7 +41,7 @@ from slopekit.kinds.solver_inputs import joint_stiffness, joint_strength
 from slopekit.preie.assembly import section_axes
 from slopekit.preie.contact import SHEAR_TO_NORMAL, CloughDuncan, JointStiffness
 from slopekit.preie.model import Model, local_axes
-from slopekit.result import ElasticBlocks, ElasticPairs, OnElasticJoint, Result
+from slopekit.result import Result
 
 MODULUS_KPA, POISSON = 2e7, 0.25
 ORDER = 2

@@ -5,8 +5,9 @@ from collections.abc import Callable
 from operator import itemgetter
 
 from slopekit.core.sheet import Column, Entry, Table, factor_text
+from slopekit.elastic.outcome import ElasticBlocks, OnElasticJoint
 from slopekit.kinds.words import size_number
-from slopekit.result import ElasticBlocks, OnElasticJoint, Result
+from slopekit.result import Result
 
 
 def elastic_entries(result: Result) -> list[Entry]:

@@ -31,7 +31,8 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
     Raises
     ------
     GeometryError
-        E207 the crack is not so deep, E391 a joint has a corner inside the rock away from the crack.
+        E207 the crack is not so deep, E391 a joint has a corner inside the rock away from the crack, or the crack has
+        no edge on the slope.
     """
     if not depth:
         return {}
@@ -41,6 +42,9 @@ def pushes(block: Block, joints: Sequence[int], crack: int, depth: float, unit_w
         any(_on(block.faces[other], corner, size) for other in block.faces if other not in (*joints, crack))
         for corner in polygon
     ])  # fmt: skip
+    if not free.any():
+        message = "the crack ends inside the rock, below the slope: how high water stands in it is not told"
+        raise GeometryError([Fault("E391", message, "", "Give the mean pressures: water: {pressures: ...}.")])
     lowest = float(polygon[:, 2].min())
     holds = float(polygon[free, 2].min()) - lowest
     if depth > holds * (1.0 + _BRIM):

@@ -1,0 +1,74 @@
+"""What elastic blocks come to, beside the rigid ones: the records of a result and its JSON."""
+
+from collections.abc import Mapping
+from dataclasses import field
+
+from slopekit.core.arrays import Floats
+from slopekit.core.records import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class OnElasticJoint:
+    """A joint of elastic blocks beside the same of rigid ones: kPa from the lowest to the highest, compression +."""
+
+    elastic_kpa: tuple[float, float]
+    rigid_kpa: tuple[float, float]
+    opened_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class ElasticPairs:
+    """Node pairs of elastic blocks: places (n, 3) in the user's coordinates, m² and kPa, and which were pulled open."""
+
+    points_m: Floats
+    joint: tuple[str, ...]
+    normals: Floats
+    control_areas_m2: Floats
+    elastic_kpa: Floats
+    rigid_kpa: Floats
+    opened: tuple[bool, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ElasticBlocks:
+    """Elastic blocks beside the rigid ones.
+
+    Attributes
+    ----------
+    limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
+        what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
+    bracket : the last factor at which the elastic blocks come to rest and the first tried at which they do not;
+        `limit_at_bracket` : the limit without what is open there; None where it was not asked for
+    factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
+    opened_share, rigid_opened_share : of the area of all contacts; joints : by name
+    displacement_m, rigid_displacement_m : (3,) mean of the block, of many blocks of the one that moves most: `block`
+    modulus_kpa, poisson, edge_m, order : the rock and its elements; taken : which of them were not given
+    bedrock : `rigid` or `elastic`
+    unknowns : of the finite elements, with three a pair and those of the blocks; cells : the finite elements
+    residual : of balance and displacements, in parts; steps : of Newton's method, in all
+    """
+
+    limit: float | None
+    rigid_limit: float | None
+    bracket: tuple[float, float] | None
+    limit_at_bracket: float | None
+    factor: float
+    opened_share: float
+    rigid_opened_share: float
+    joints: Mapping[str, OnElasticJoint]
+    displacement_m: Floats
+    rigid_displacement_m: Floats
+    block: str | None
+    failed_pairs: int
+    node_pairs: int
+    unknowns: int
+    cells: int
+    modulus_kpa: float
+    poisson: float
+    edge_m: float
+    order: int
+    bedrock: str
+    taken: tuple[str, ...]
+    residual: float
+    steps: int
+    pairs: ElasticPairs = field(repr=False)
