@@ -7,8 +7,9 @@ import pytest
 
 from slopekit.preie import rests, undilated
 from slopekit.preie.assembly import AssemblyModel
-from slopekit.preie.bed import Bed, Drive
+from slopekit.preie.bed import Bed, Drive, NewtonStep
 from slopekit.preie.bounds import static_bound
+from slopekit.preie.flow import Flow
 from slopekit.preie.rests import JUST, rests_before
 from slopekit.preie.undilated import rest_without_dilation
 from tests.preie.block_scenes import random_bench
@@ -91,3 +92,37 @@ def test_large_assemblies_come_to_rest_that_way(monkeypatch) -> None:
     flow, gap = rests_before(bed, LIMIT, 5e-2)
     assert flow.ended == "rest"
     assert gap <= JUST
+
+
+def test_smaller_steps_where_larger_ones_lose_their_way(monkeypatch) -> None:
+    """What more than a fifth of the blocks are out of balance at is not settled block by block."""
+    model = model_of_bench(monkeypatch, 1.6)
+    bed, hasty, calm = bed_of(model), (0.2, 3, 1), undilated._CALMER[-1]
+    seen = []
+    settled = undilated._settled
+    monkeypatch.setattr(undilated, "_settled", lambda *args: seen.append(1) or settled(*args))
+    monkeypatch.setattr(undilated, "_CALMER", (hasty,))
+    assert rest_without_dilation(bed, 1.0 / 0.63) is None
+    assert seen == []
+    monkeypatch.setattr(undilated, "_CALMER", (hasty, calm))
+    rest = rest_without_dilation(bed, 1.0 / 0.63)
+    assert rest is not None
+    assert len(seen) == 1
+    forces = bed.forces(rest.at, 1.0 / 0.63)
+    admissible(model, 0.63, forces.normal, forces.friction, forces.strength)
+
+
+def test_a_rest_of_its_own_near_a_limit_where_no_way_leads_there(monkeypatch) -> None:
+    """Blocks in thousands that do not come from a tenth before a limit to nearer than a twentieth."""
+    model = model_of_bench(monkeypatch, 1.6)
+    bed = bed_of(model)
+    monkeypatch.setattr(rests, "_THOUSANDS", 0)
+    nowhere = Flow(bed.elastic_displacement, bed.forces(bed.elastic_displacement, 1.0), "slow", np.zeros(bed.size), 1.0)
+    monkeypatch.setattr(rests, "relaxed", lambda *args, **kwargs: nowhere)
+    monkeypatch.setattr(rests, "stepped", lambda bed, at, *rest: NewtonStep(at, 1.0, nowhere.forces, False, 0))
+    flow, gap = rests_before(bed, LIMIT, 0.05)
+    assert flow.ended == "rest"
+    assert gap == pytest.approx(0.04)
+    factor = LIMIT * (1.0 - gap)
+    forces = bed.forces(flow.at, 1.0 / factor)
+    admissible(model, factor, forces.normal, forces.friction, forces.strength)

@@ -39,7 +39,7 @@ from slopekit.preie.tolerances import (
 )
 from slopekit.strength.mohr_coulomb import line
 
-_STEPS = 150  # of the interior-point method; it settles in 60 if it does
+_STEPS, _STEPS_OF_MANY = 150, 80  # of the interior-point method; it settles in 60 if it does
 _FEW, _MOST_PROGRAMS = 10, 600  # moving blocks in space: fewer settle at once as a rule, more take minutes
 _HARDLY = 1e-3  # of the elastic energy of the program: the bound needs hardly any
 _CLEANED = 1500  # unknowns up to which a motion is cleaned onto its exact kinematics
@@ -55,7 +55,8 @@ def static_bound(model: AssemblyModel) -> StaticBound:
             return exact_bound
     program = BlockProgram(model)
     program.elastic *= _HARDLY
-    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, _STEPS)
+    most = _STEPS if model.unknowns == 3 or size <= _MOST_PROGRAMS else _STEPS_OF_MANY
+    at_once = program.solve(Strengths(model.tan_dilation, normality=1.0), program.start, CLOSE, most)
     at, steps = at_once.at, at_once.steps
     if _is_lifted(at_once):
         return StaticBound(None, True, False, program.release(), at.normal, steps)
@@ -75,7 +76,7 @@ def static_bound(model: AssemblyModel) -> StaticBound:
     else:
         summed = model.by_group(program.start.normal)
         dilating = Strengths(model.tan_friction, line(program.cohesion, model.tan_friction, summed), summed)
-        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, _STEPS))
+        lifted = _is_lifted(program.solve(dilating, program.start, CLOSE, most))
     return StaticBound(None, lifted, False, program.release() if lifted else at.velocity, at.normal, steps)
 
 

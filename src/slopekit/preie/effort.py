@@ -1,6 +1,6 @@
 """How much work the limit of many blocks may take: counted, not timed, so that every machine ends at the same place.
 
-The unit is about 0.1 µs of one core: a factorisation of n unknowns counts n^1.5 and 10⁴ for what stands about it,
+The unit is about 0.07 µs of one core: a factorisation of n unknowns counts n^1.5 and 10⁴ for what stands about it,
 whichever way it is done; a cone program counts as a hundred of them.
 
 >>> with allowed(3e4):
@@ -16,10 +16,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-#: Of one round of many blocks: some five minutes. A bench of 944 blocks with cohesion takes half of it.
-MOST = 3e9
+#: Of one round of many blocks: some six minutes.
+MOST = 5e9
 
-SECOND = 1e7  # units of a second
+SECOND = 1.5e7  # units of a second
 PROGRAM = 100.0  # factorisations that a cone program counts as
 _ABOUT = 1e4  # units that stand about a factorisation
 

@@ -17,6 +17,7 @@ from slopekit.preie.undilated import rest_without_dilation
 
 _FIRST, _CLOSER, JUST = 0.1, 0.5, 1e-3  # gaps to a factor at which all have to come to rest: first, ratio, last
 _THOUSANDS = 4000  # unknowns from which on that first rest is looked for by way of joints that dilate
+_OF_NEAR = 0.8  # of how near a rest has to be to be an answer, where one of its own is looked for
 _CLOSE_BY = 0.8  # ratio from which on viscous flow is tried
 _OF_LEFT = 0.7  # of the work that is left
 _TO_REST, _LET_GO, _BEYOND = 250, 600, 1e-2  # factorisations to come to rest, and to run; how far beyond a limit
@@ -54,7 +55,8 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
     """The last rest each time, and how near to the factor it is; at the end what `rests_before` returns."""
     gap = _FIRST
     strong = 1.0 / (factor * (1.0 - gap))
-    at_once = rest_without_dilation(bed, strong) if bed.size > _THOUSANDS else None
+    many = bed.size > _THOUSANDS
+    at_once = rest_without_dilation(bed, strong) if many else None
     flow = at_once or relaxed(bed, bed.elastic_displacement, strong, 1.0, runs_at=RUNS, patience=_TO_REST)
     stride, moved, width = _CLOSER, np.zeros(bed.size), gap  # `moved` on the way from the gap + `width`
     yield flow, gap
@@ -69,8 +71,14 @@ def _nearer_rests(bed: Bed, factor: float, near: float) -> Iterator[tuple[Flow, 
             continue
         else:
             ahead_of_it = relaxed(bed, flow.at, parameter, THICK, runs_at=RUNS, patience=_TO_REST)
-        if ahead_of_it.ended in ("slow", "lost") and gap < near:
-            return
+        if ahead_of_it.ended in ("slow", "lost"):
+            if gap < near:
+                return
+            if many and gap > (nearer := _OF_NEAR * near):  # no way from here: a rest of its own there
+                at_once = rest_without_dilation(bed, 1.0 / (factor * (1.0 - nearer)), True)
+                many = False
+                if at_once is not None:
+                    ahead_of_it, trial = at_once, nearer
         moved, width = ahead_of_it.at - flow.at, gap - trial
         flow, gap, stride = ahead_of_it, trial, max(stride * stride, _CLOSER)
         yield flow, gap

@@ -21,8 +21,10 @@ from slopekit.preie.flow import Flow, relaxed
 
 _CONVEX, _HALVINGS, _FLAT = 60, 12, 0.5  # Newton steps of joints that dilate, trials of a length, part of the slope
 _LESS, _NONE = 0.9, 2e-3  # dilation from step to step, and what is taken away beside
-_CALM, _WAITS = 0.2, 3  # mean unbalance up to which dilation goes on falling, or after so many steps
-_STEPS, _AFTER = 150, 60  # Newton steps in all, and after dilation has gone
+_WAITS = 3  # steps after which dilation goes on falling in any case
+#: Mean unbalance up to which it falls at once; steps in all, and after it has gone.
+_CALMER = ((0.2, 150, 60), (0.1, 400, 150), (0.05, 600, 200))
+_LOST = 0.2  # part of the blocks out of balance: more are not settled by themselves
 _FEW = 0.05  # part of the blocks out of balance from which on they are settled by themselves
 _VISCOUS, _THINNEST, _THICKEST = 0.03, 1e-7, 0.3  # viscosity by what is out of balance, its least, its most
 _GREW, _UP, _DOWN = 1.15, 2.0, 0.6  # what is out of balance grows by more: viscosity times these
@@ -31,10 +33,14 @@ _ENOUGH = 0.3  # of what may stay unbalanced
 _ROUNDS, _ALONE, _PATIENCE = 9, 25, 150  # of settling blocks by themselves; steps, factorisations for it
 
 
-def rest_without_dilation(bed: Bed, parameter: float) -> Flow | None:
+def rest_without_dilation(bed: Bed, parameter: float, calmly: bool = False) -> Flow | None:
     """All blocks at rest at one strength λ; None where they do not come to rest this way.
 
     Only for joints that do not dilate, without bolts.
+
+    Parameters
+    ----------
+    calmly : with the smallest steps at once
     """
     say("rest of all blocks, strength divided by", 1.0 / parameter)
     if bed.dilates or bed.bolted is not None:
@@ -42,8 +48,13 @@ def rest_without_dilation(bed: Bed, parameter: float) -> Flow | None:
     begun = _dilated(bed, parameter)
     if begun is None:
         return None
-    at = _eased(bed, begun, parameter)
-    return _settled(bed, at, parameter)
+    for calm, most, after in _CALMER[-1:] if calmly else _CALMER:
+        at = _eased(bed, begun, parameter, calm, most, after)
+        if (_out(bed, bed.forces(at, parameter)) > 1.0).mean() < _LOST:
+            rest = _settled(bed, at, parameter)
+            if rest is not None:
+                return rest
+    return None
 
 
 def _out(bed: Bed, there: BedForces) -> Floats:
@@ -76,14 +87,19 @@ def _dilated(bed: Bed, parameter: float) -> Floats | None:
     return None
 
 
-def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
-    """From joints that dilate to joints that do not: a displacement (N,) with few blocks out of balance."""
+def _eased(bed: Bed, at: Floats, parameter: float, calm: float, most: int, most_after: int) -> Floats:
+    """From joints that dilate to joints that do not: a displacement (N,) with few blocks out of balance.
+
+    Parameters
+    ----------
+    calm : mean unbalance up to which dilation goes on falling; most, most_after : steps, and those without dilation
+    """
     control = _ViscosityControl(bed)
     part, waits, after = 1.0, 0, 0
     last = _out(bed, bed.dilating(part, parameter).forces(at, parameter))
-    for _ in range(_STEPS):
-        calm = float(np.sqrt((control.share(last, 1.0) ** 2).mean())) < _CALM
-        if part > 0.0 and (calm or waits == _WAITS):
+    for _ in range(most):
+        unbalance = float(np.sqrt((control.share(last, 1.0) ** 2).mean()))
+        if part > 0.0 and (unbalance < calm or waits == _WAITS):
             part, waits = max(_LESS * part - _NONE, 0.0), 0
         else:
             waits += 1
@@ -92,7 +108,7 @@ def _eased(bed: Bed, at: Floats, parameter: float) -> Floats:
         if part == 0.0:
             after += 1
             out = int((_out(bed, there) > 1.0).sum())
-            if (out <= _FEW * len(last) and control.steady) or after > _AFTER:
+            if (out <= _FEW * len(last) and control.steady) or after > most_after:
                 break
         trial = control.step(now, at, there, parameter)
         if trial is None:
