@@ -117,7 +117,7 @@ PARTS: tuple[tuple[str, tuple[Picture, ...]], ...] = (
         Picture("motion", "Acceleration, velocity and displacement in the record that moves the block most.",
                 ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 -o quake --quiet", _plot("quake", "motion"))),
         Picture("six", "How the block goes in six degrees of freedom: beside the sliding one way, its parts, turning.",
-                ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 --six -o shaken --quiet", _plot("shaken", "six"))),
+                ("slopekit quake templates/wedge.yaml sine:0.5g,1Hz,3 --six -o six --quiet", _plot("six", "six"))),
     )),
     ("Checks", (
         Picture("speed-error", "What an accuracy costs: every rung of the ladder of `check`.",
