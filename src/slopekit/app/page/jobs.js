@@ -3,11 +3,27 @@ import { el, fill } from "./dom.js";
 import { ask, on } from "./link.js";
 
 const under = new Map();
+let current = null;  // the server does one job at a time
 const early = new Map();  // ends that came before their beginning was known
 
 /** Start a job and show it in a box; the promise holds its result, null where it was cancelled or could not be. */
 export async function runJob(job, given, box) {
+  if (current?.what === "curve") {  // it is drawn by itself: what is asked for goes first
+    if (current.number !== null) { ask("cancel", { job: current.number }); }
+    await current.end;
+  }
+  let finish = null;
+  const mine = { what: job, number: null, end: new Promise((done) => { finish = done; }) };
+  current = mine;
+  const found = await begun(job, given, box, mine);
+  if (current === mine) { current = null; }
+  finish();
+  return found;
+}
+
+async function begun(job, given, box, mine) {
   const back = await ask("start", { job, ...given });
+  mine.number = back.job ?? null;
   if (back.faults) { faults(box, back.faults); return null; }
   const bar = el("progress", { "aria-label": "progress" }), words = el("span", { class: "soft" }, "started");
   fill(box, el("div", { class: "progress" }, bar, words,
