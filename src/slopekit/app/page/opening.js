@@ -8,7 +8,6 @@ async function take(given, dialog) {
   const back = await ask("open", given);
   if (back.faults && !back.fos) { tell("say", back.faults.map((fault) => fault.message).join(" ")); return; }
   dialog?.close();
-  byId("offered").hidden = true;
   tell("goto", "design");
 }
 
@@ -35,7 +34,7 @@ export function start() {
     const box = byId("offered");
     box.hidden = !own.unsaved;
     if (own.unsaved) {
-      fill(box, `Not saved last time: ${own.unsaved.title} (${own.unsaved.when}). `,
+      fill(box, `Not saved: ${own.unsaved.title} (${own.unsaved.when}). `,
         el("button", { type: "button", onclick: () => take({ unsaved: own.unsaved.id }) }, "Take it up again"),
         el("button", { type: "button", onclick: () => { box.hidden = true; } }, "Not now"));
     }
