@@ -453,9 +453,13 @@ def test_load_cases_are_said_to_stand_aside(tmp_path):
     async def scene():
         async with Page(desk) as page:
             await page.begin()
-            return await page.ask(do="open", yaml=text, name="cases.yaml")
+            found = await page.ask(do="open", yaml=text, name="cases.yaml")
+            return found, await page.ask(do="handover", what="command")
 
-    found = asyncio.run(scene())
+    found, line = asyncio.run(scene())
+    (tmp_path / "cases.yaml").write_text(text, encoding="utf-8")
+    ran = slopekit(*shlex.split(line["text"].replace("cases.yaml", str(tmp_path / "cases.yaml")))[1:], "--json")
+    assert json.loads(ran.stdout)["fos"]["limit"] == found["fos"]["limit"]
     assert "W480" in [notice["code"] for notice in found["notices"]]
     assert found["lead"] == "1.5574"
     desk.close()
@@ -536,3 +540,14 @@ def test_a_kind_on_a_button_is_not_called_old_where_nothing_has_changed(tmp_path
     first, then = asyncio.run(begun())
     assert (first["stale"], then["stale"]) == (False, True)
     desk.close()
+
+
+def test_what_is_refused_comes_with_what_the_design_has(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            return await page.ask(do="set", values={"slope.height": "{", "no.such": 1})
+
+    found = asyncio.run(scene())
+    assert found["faults"]
+    assert {path: one["text"] for path, one in found["kept"].items()} == {"slope.height": "64.89 m"}

@@ -81,6 +81,7 @@ def command_of(session: Session) -> str:
     words = ["slopekit", "run", str(_file(session))]
     if session.opened.path is not None or _template(session) is not None:
         words += [word for one in settings(session) for word in ("--set", one)]
+    words += ["--set", "cases=null"] if session.opened.cases else []  # they stand aside on the page too
     return shlex.join(words)
 
 
