@@ -426,7 +426,7 @@ class Link:
     def refuse(self, message: Message, faults: tuple[Fault, ...]) -> None:
         """Say what is wrong with a message."""
         root = self.desk.session.now.document.root
-        said = {"of": _word(message.get("do")), "faults": [answers.fault_of(fault, root) for fault in faults]}
+        said: Message = {"of": _word(message.get("do")), "faults": [answers.fault_of(fault, root) for fault in faults]}
         values = message.get("values")
         if said["of"] == "set" and isinstance(values, dict):  # nothing was changed: what the boxes hold then
             said["kept"] = self.desk.session.values_at(list(values)[:_MOST_VALUES])
