@@ -155,3 +155,14 @@ def test_a_design_that_is_not_from_a_file_has_controls_too():
     bare = replace(design, source=None)
     with pytest.raises(DesignError, match="E280"):
         controls_of(bare, bare)
+
+
+@pytest.mark.parametrize("water", ["50 %", {"fill": 0.5}, {"pressures": {"J1": 3}}])
+def test_a_word_that_does_not_count_says_what_does(water):
+    design = load({"slopekit": 1, "kind": "wedge", "joints": {"J1": {"plane": "45/115"}, "J2": {"plane": "45/245"}},
+                   "water": water})  # fmt: skip
+    mode = controls_of(design, design)["water.mode"]
+    assert (mode["value"], mode["instead"]) == (
+        None,
+        "pressures" if isinstance(water, dict) and "pressures" in water else "fill",
+    )

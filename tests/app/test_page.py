@@ -207,6 +207,40 @@ def test_a_box_takes_units_and_says_what_it_does_not_know(page) -> None:
     assert "parsec" in page.script("return document.querySelector('.fault').innerText")
 
 
+def test_nothing_refused_and_nothing_old_stands_beside_a_number(page) -> None:
+    page.type("rock.density", "{")
+    page.quiet()
+    assert page.fos() == "no answer"
+    assert page.script("return document.querySelectorAll('#answer .numbers, #answer .badge').length") == 0
+    assert page.script("return document.getElementById('c-rock.density-box').value") == "2600 kg/m3"
+    page.type("water.fill", "70 %")
+    page.quiet()
+    assert page.script("return document.getElementById('c-water.mode').selectedOptions[0].textContent") == "by fill"
+    page.tab("support")
+    page.script("document.getElementById('support-run').click()")
+    page.until(lambda: page.script("return !!document.getElementById('add-bolts')"), 60)
+    page.tab("curve")
+    page.until(lambda: page.script("return !!document.querySelector('#screen-curve .dot .name')"), 60)
+    marked = "return [...document.querySelectorAll('.earlier')].map(e => e.parentElement.id)"
+    assert page.script(marked) == []
+    page.type("joints.J1.plane.dip", "95")
+    page.quiet()
+    assert sorted(page.script(marked)) == ["screen-curve", "screen-support"]
+
+
+def test_a_wrong_file_is_said_in_the_dialog_that_asked_for_it(page, tmp_path) -> None:
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text(DESIGN.replace("45/115", "95/115").replace("density", "densty"), encoding="utf-8")
+    page.script("document.getElementById('open').click()")
+    page.browser.find_element("css selector", "dialog input[type=file]").send_keys(str(wrong))
+    page.until(lambda: page.script("return document.querySelectorAll('dialog .fault').length") == 2)
+    said = page.script("return document.querySelector('dialog').innerText")
+    assert "densty" in said
+    assert "wrong.yaml:6" in said
+    page.script("document.querySelector('dialog').close()")
+    assert page.fos() == "1.5574"
+
+
 def test_what_governs_leads_to_its_slider(page) -> None:
     page.script("[...document.querySelectorAll('.governs button')].find(b => b.textContent.includes('φ')).click()")
     assert page.script("return document.activeElement.id") == f"c-{PHI}"

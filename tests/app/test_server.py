@@ -8,8 +8,9 @@ import shlex
 
 import pytest
 
+from slopekit.app.answers import answer_of
 from slopekit.app.server import HEADERS, LARGEST, LARGEST_SURVEY, Desk, parsed
-from slopekit.app.session import opened_file
+from slopekit.app.session import Session, opened_file
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
 from slopekit.kinds import analyse
@@ -452,9 +453,101 @@ def test_load_cases_are_said_to_stand_aside(tmp_path):
     async def scene():
         async with Page(desk) as page:
             await page.begin()
-            return await page.ask(do="open", yaml=text, name="cases.yaml")
+            found = await page.ask(do="open", yaml=text, name="cases.yaml")
+            return found, await page.ask(do="handover", what="command")
 
-    found = asyncio.run(scene())
+    found, line = asyncio.run(scene())
+    (tmp_path / "cases.yaml").write_text(text, encoding="utf-8")
+    ran = slopekit(*shlex.split(line["text"].replace("cases.yaml", str(tmp_path / "cases.yaml")))[1:], "--json")
+    assert json.loads(ran.stdout)["fos"]["limit"] == found["fos"]["limit"]
     assert "W480" in [notice["code"] for notice in found["notices"]]
     assert found["lead"] == "1.5574"
     desk.close()
+
+
+def test_no_other_page_keeps_a_number_of_an_earlier_design(desk):
+    async def scene():
+        async with Page(desk) as page, Page(desk) as other:
+            await page.begin()
+            await other.begin()
+            own = await page.ask(do="set", values={DIP: 50})
+            return own, await other.hear()
+
+    own, heard = asyncio.run(scene())
+    assert heard["of"] == "answer"
+    assert "id" not in heard
+    assert (heard["lead"], heard["values"][DIP]["value"]) == (own["lead"], 50.0)
+
+
+def test_bolts_of_an_earlier_design_are_refused(desk):
+    desk.bolts = (desk.session.now, [{"force": 100.0, "toward": "0/-5", "acts": "active", "head": [0, 3, 6]}])
+
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            await page.ask(do="set", values={DIP: 50})
+            return await page.ask(do="add_bolts")
+
+    assert asyncio.run(scene())["faults"][0]["code"] == "E549"
+    assert not desk.session.now.design.bolts
+
+
+def test_the_command_line_is_not_given_where_it_would_give_other_numbers(on_disk):
+    async def asked(**before):
+        async with Page(on_disk) as page:
+            await page.begin()
+            if before:
+                await page.ask(**before)
+            return await page.ask(do="handover", what="command")
+
+    assert asyncio.run(asked())["note"] == ""
+    file = on_disk.session.opened.path
+    file.write_text(file.read_text(encoding="utf-8").replace("phi: 20", "phi: 30"), encoding="utf-8")
+    assert asyncio.run(asked())["faults"][0]["code"] == "E545"
+    text = path_of("wedge").read_text(encoding="utf-8").replace("phi: 20", "phi: 21")
+    assert "pair.yaml" in asyncio.run(asked(do="open", yaml=text, name="pair.yaml"))["note"]
+    assert "faults" in asyncio.run(asked(do="set", values={DIP: 95}))
+
+
+def test_what_is_not_saved_is_kept_when_another_design_is_opened(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            await page.ask(do="set", values={DIP: 50})
+            await page.ask(do="open", template="plane")
+            await page.ask(do="zap")  # all before it has been said
+            hello = next(one for one in page.events if one["of"] == "hello")
+            page.events.clear()
+            answer = await page.ask(do="open", unsaved=hello["unsaved"]["id"])
+            await page.ask(do="zap")
+            return hello, answer, next(one for one in page.events if one["of"] == "hello")
+
+    hello, answer, again = asyncio.run(scene())
+    assert hello["unsaved"]["title"] == "The paper's symmetric wedge"
+    assert again["unsaved"] is None
+    assert answer["changed"] == [DIP]
+
+
+def test_a_kind_on_a_button_is_not_called_old_where_nothing_has_changed(tmp_path):
+    desk = desk_of(tmp_path, "bench")
+    moment = desk.session.now
+    desk.last, desk.last_moment = answer_of(Session.of_template("wedge").now), moment
+
+    async def begun():
+        async with Page(desk) as page:
+            return (await page.begin())[-1], await page.ask(do="set", values={"slope.height": 11})
+
+    first, then = asyncio.run(begun())
+    assert (first["stale"], then["stale"]) == (False, True)
+    desk.close()
+
+
+def test_what_is_refused_comes_with_what_the_design_has(desk):
+    async def scene():
+        async with Page(desk) as page:
+            await page.begin()
+            return await page.ask(do="set", values={"slope.height": "{", "no.such": 1})
+
+    found = asyncio.run(scene())
+    assert found["faults"]
+    assert {path: one["text"] for path, one in found["kept"].items()} == {"slope.height": "64.89 m"}

@@ -157,3 +157,21 @@ def test_load_cases_stand_aside():
     assert session.now.faults == ()
     with pytest.raises(DesignError, match="E474"):
         opened_text(text.replace("water.mode", "kind"), "cases.yaml")
+
+
+def test_a_plane_typed_for_its_dip_is_the_plane_and_nonsense_can_be_typed_over():
+    session = Session.of_template("wedge")
+    session.set({"joints.J1.plane.dip": "46/116"}, final=True)
+    first = session.design.joints[0]
+    assert (first.dip_deg, first.dip_direction_deg) == (46.0, 116.0)
+    session.set({"joints.J1.plane.dip": "46/116/3"}, final=True)
+    assert session.now.faults
+    session.set({"joints.J1.plane.dip": "47"}, final=True)
+    assert not session.now.faults
+    assert (session.design.joints[0].dip_deg, session.design.joints[0].dip_direction_deg) == (47.0, 116.0)
+
+
+def test_the_box_of_what_is_no_number_holds_what_was_typed():
+    session = Session.of_template("wedge")
+    session.set({"rock.density": "<b>"}, final=True)
+    assert session.values_at(["rock.density"])["rock.density"]["text"] == "<b>"

@@ -21,7 +21,7 @@ from slopekit.design.common import Design
 from slopekit.design.distributions import Distribution, Fisher
 from slopekit.design.fields import Field, every_field, field_at, in_degrees, words_of
 from slopekit.design.nodes import Document, Node
-from slopekit.design.overrides import spread
+from slopekit.design.overrides import ALTERNATIVES, spread
 from slopekit.design.structure import WRITTEN, orientation_kind
 from slopekit.studies.keys import Key, keys_of
 
@@ -290,13 +290,28 @@ def _words(design: Design, opened: Design) -> Iterator[Control]:
             continue
         value, before = text_at(design.source, path), text_at(opened.source, path)
         default = field.default if isinstance(field.default, str) else None
+        instead = None if value is not None else _instead(design, path)
         yield {
             "path": path, "label": field.axis or path.rpartition(".")[2].replace("_", " "), "doc": field.doc,
             "example": field.example, "type": "words" if told else "text", "unit": "",
-            "value": value if value is not None else default, "text": value or "", "low": None, "high": None,
+            "value": value if value is not None else None if instead else default, "instead": instead,
+            "text": value or "", "low": None, "high": None,
             "step": None, "log": False, "words": list(told), "given": value is not None, "is_default": value is None,
             "changed": value != before, "opened": before, "scatter": None, "period": None,
         }  # fmt: skip
+
+
+def _instead(design: Design, path: str) -> str | None:
+    """The key that the design has in place of one that it excludes: `fill`, where `mode` says nothing then."""
+    assert design.source is not None
+    above, _, key = path.rpartition(".")
+    keys, holder = ALTERNATIVES.get(above, ()), design.source.root.get(above)
+    if key not in keys or holder is None:
+        return None
+    others = [one for one in keys if one != key]
+    if not holder.is_mapping:  # water: 50 %
+        return next((one for one in others if text_at(design.source, f"{above}.{one}") is not None), None)
+    return next((one for one in others if holder.get(one) is not None), None)
 
 
 def _is_there(design: Design, path: str) -> bool:

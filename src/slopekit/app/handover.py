@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from slopekit.app.saving import edited, in_brackets
+from slopekit.app.saving import digest_of_file, edited, in_brackets
 from slopekit.app.session import Session, at, different
 from slopekit.core.errors import DesignError, Fault
 from slopekit.core.records import dataclass
@@ -81,7 +81,27 @@ def command_of(session: Session) -> str:
     words = ["slopekit", "run", str(_file(session))]
     if session.opened.path is not None or _template(session) is not None:
         words += [word for one in settings(session) for word in ("--set", one)]
+    words += ["--set", "cases=null"] if session.opened.cases else []  # they stand aside on the page too
     return shlex.join(words)
+
+
+def note_of(session: Session) -> str:
+    """What has to be done, or known, before the command line gives these numbers; empty where it is nothing.
+
+    Raises
+    ------
+    DesignError
+        The faults of the design; E545 where its file changed on the disk: the line would give other numbers.
+    """
+    opened = session.opened
+    if session.now.faults:
+        raise DesignError(session.now.faults)
+    if opened.path is not None and digest_of_file(opened.path) != opened.digest:
+        advice = "Open it again, or save under another name: the command line would give other numbers."
+        raise DesignError([Fault("E545", f"{opened.name} changed on the disk since it was read", "", advice)])
+    if opened.path is None and _template(session) is None:
+        return f"First save the design as {opened.name}, or download its YAML: the line reads that file."
+    return ""
 
 
 def _file(session: Session) -> Path:

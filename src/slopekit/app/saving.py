@@ -239,7 +239,7 @@ def change_of(session: Session, file: str | None = None) -> Change:
     name = opened.name if target is None else target.name
     lines = list(difflib.unified_diff(_lines(opened.text), _lines(text), opened.name, name, n=2, lineterm=""))
     new = sum(line.startswith("+") for line in lines[2:])
-    moved = target is not None and _same(target, opened.path) and _digest(target) != opened.digest
+    moved = target is not None and _same(target, opened.path) and digest_of_file(target) != opened.digest
     return Change(target, text, "\n".join(lines), new, moved)
 
 
@@ -260,7 +260,8 @@ def _same(one: Path, other: Path | None) -> bool:
     return other is not None and os.path.realpath(one) == os.path.realpath(other)
 
 
-def _digest(path: Path) -> str:
+def digest_of_file(path: Path) -> str:
+    """SHA-256 of what is on the disk now; empty where nothing can be read."""
     try:
         return digest_of(path.read_bytes())
     except OSError:
@@ -342,6 +343,10 @@ class Autosave:
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = state_folder() if folder is None else folder
+        self.number = secrets.token_hex(8)
+
+    def begin(self) -> None:
+        """Keep another design from now on; what was kept stays where it is."""
         self.number = secrets.token_hex(8)
 
     @property

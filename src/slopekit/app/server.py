@@ -202,7 +202,7 @@ class Desk:
         self.waiting = 0
         self.files: dict[str, handover.File] = {}
         self.survey: surveys.Dropped | None = None
-        self.bolts: list[dict[str, Any]] | None = None
+        self.bolts: tuple[Moment, list[dict[str, Any]]] | None = None
         self.document: Mapping[str, Any] | None = None
         self.keeping: asyncio.TimerHandle | None = None
         self.token = token
@@ -252,7 +252,11 @@ class Desk:
         moment, live = self.session.now, self.session.live
         if moment.faults or live == "button" or (live == "release" and not final):
             last = None if self.last is None or self.last["rev"] < self.opened_rev else self.last
-            link.answer(message, {**self.also(answers.waiting(moment, final, last)), **(more or {})})
+            said = answers.waiting(moment, final, last)
+            analysed = None if self.last_moment is None else self.last_moment.document
+            if last is not None and not moment.faults and analysed is moment.document:  # nothing has changed since
+                said = last | {"rev": moment.rev, "final": final, "stale": False}
+            self.tell_all(link, message, said, more or {})
             return
         if self.next is not None and self.next.link is not None:
             self.next.link.answer(self.next.message, {"superseded": True})
@@ -273,11 +277,25 @@ class Desk:
             if link is not but:
                 link.send(message)
 
+    def tell_all(self, link: "Link", message: Message, answer: answers.Answer, more: Mapping[str, Any]) -> None:
+        """Answer a page, and the others too: no number of an earlier design stays on one of them."""
+        said = {**self.also(answer), **more}
+        link.answer(message, said)
+        if message.get("do") is not None:
+            self.also_send(link, {**said, "of": "answer"})
+
     def changed(self) -> None:
         """Keep what is not saved, when nothing has changed for a moment."""
         if self.keeping is not None:
             self.keeping.cancel()
         self.keeping = asyncio.get_running_loop().call_later(_KEPT_AFTER_S, self.autosave.keep, self.session)
+
+    def set_aside(self) -> None:
+        """Keep what is not saved of the design that another takes the place of: it is offered again."""
+        if self.keeping is not None:
+            self.keeping.cancel()
+        self.autosave.keep(self.session)
+        self.autosave.begin()
 
     def close(self) -> None:
         """Keep what is not saved, end what runs."""
@@ -353,7 +371,7 @@ class Desk:
             self.document = None
         self._analyse()
         if wanted.link is not None:
-            wanted.link.answer(wanted.message, {**self.also(answer), **wanted.more})
+            self.tell_all(wanted.link, wanted.message, answer, wanted.more)
 
     def also(self, answer: answers.Answer) -> answers.Answer:
         """An answer with what the page needs to know of undo."""
@@ -408,7 +426,10 @@ class Link:
     def refuse(self, message: Message, faults: tuple[Fault, ...]) -> None:
         """Say what is wrong with a message."""
         root = self.desk.session.now.document.root
-        said = {"of": _word(message.get("do")), "faults": [answers.fault_of(fault, root) for fault in faults]}
+        said: Message = {"of": _word(message.get("do")), "faults": [answers.fault_of(fault, root) for fault in faults]}
+        values = message.get("values")
+        if said["of"] == "set" and isinstance(values, dict):  # nothing was changed: what the boxes hold then
+            said["kept"] = self.desk.session.values_at(list(values)[:_MOST_VALUES])
         number = message.get("id")
         self.send({"id": number, **said} if isinstance(number, int | float | str) else said)
 
@@ -466,6 +487,7 @@ def _set(link: Link, message: Message) -> None:
     if not desk.session.now.faults and (shape := desk.structure()) != desk.shape:
         desk.shape = shape
         link.send(desk.design())
+        desk.also_send(link, desk.design())
     desk.ask(link, message, final, {"values": desk.session.values_at(values)})
 
 
@@ -508,18 +530,22 @@ def _open(link: Link, message: Message) -> None:
             raise _wrong("pair needs the number of a pair")
         opened = opened_text(desk.survey.design_of_pair(number), "pair.yaml")
     elif "unsaved" in message:
+        desk.set_aside()
         desk.autosave.taken(text_of(message, "unsaved"), desk.session)
         _forget(desk)
         _changed(link, message)
+        link.send(desk.hello())
         return
     else:
         raise _wrong("open needs a template, a yaml, a pair or what was not saved")
     take(desk, opened)
     _changed(link, message)
+    link.send(desk.hello())
 
 
 def take(desk: Desk, opened: Opened) -> None:
     """Work on another design."""
+    desk.set_aside()
     desk.session.open(opened)
     _forget(desk)
 
@@ -562,9 +588,10 @@ def _of_job(link: Link, what: str, moment: Moment, event: Message) -> None:
         if found["document"] is not None and answer["rev"] >= desk.opened_rev:
             desk.last, desk.result, desk.document, desk.last_moment = answer, None, found["document"], moment
         answer["stale"] = desk.session.now.document is not moment.document
+        desk.also_send(link, desk.also(answer) | {"of": "answer"})
         event = event | {"result": desk.also(answer)}
     if what == "support" and (found := event.get("result")) is not None:
-        desk.bolts = found["bolts"]
+        desk.bolts = (moment, found["bolts"]) if found["bolts"] else None
     link.send(event)
     if event["of"] == "done" and event.get("cancelled"):
         desk.warm_up()
@@ -604,7 +631,10 @@ def _add_bolts(link: Link, message: Message) -> None:
     desk = link.desk
     if not desk.bolts:
         raise _wrong("there are no bolts to add: none were looked for, or none give the factor", "", "E548")
-    desk.session.put("support.bolts", desk.bolts)
+    found_for, bolts = desk.bolts
+    if found_for.document is not desk.session.now.document:
+        raise _wrong("the bolts were found for an earlier design", "Find them again.", "E549")
+    desk.session.put("support.bolts", bolts)
     _changed(link, message)
 
 
@@ -635,7 +665,8 @@ def _save(link: Link, message: Message) -> None:
 def _handover(link: Link, message: Message) -> None:
     desk, what = link.desk, text_of(message, "what")
     if what == "command":
-        link.answer(message, {"text": handover.command_of(desk.session)})
+        text, note = handover.command_of(desk.session), handover.note_of(desk.session)
+        link.answer(message, {"text": text, "note": note})
         return
 
     def work() -> Message:

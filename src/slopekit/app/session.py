@@ -13,6 +13,7 @@ before is kept for undo. Nothing here is analysed.
 """
 
 import hashlib
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -27,6 +28,7 @@ from slopekit.design.document import read_text
 from slopekit.design.files import design_of, load_document_design
 from slopekit.design.nodes import Document, Node
 from slopekit.design.overrides import ALTERNATIVES, with_overrides
+from slopekit.design.structure import WRITTEN
 from slopekit.studies.keys import Key
 
 #: What is answered while a slider is dragged, when it is let go, and when a button is pressed.
@@ -35,6 +37,8 @@ LIVE: Mapping[str, str] = {
     "bench": "button",
 }  # fmt: skip
 _MOST_UNDONE = 500
+_ANGLES = frozenset(angle for angles in WRITTEN.values() for angle in angles)
+_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d{1,2})?(?![\d,.e])", re.IGNORECASE)
 _LONGEST = 2000  # letters of one value
 
 
@@ -198,13 +202,20 @@ class Session:
 
     def values_at(self, paths: Iterable[str]) -> dict[str, dict[str, Any]]:
         """Numbers as they stand now, by path; of paths that are numbers."""
-        numbers, document = self.numbers, self.now.document
+        numbers = self.numbers
         return {
             path: {
-                "value": key.value, "text": controls.shown(key, controls.text_at(document, path)), "given": key.given,
+                "value": key.value, "text": self._text_of(path, key), "given": key.given,
                 "is_default": not key.given, "changed": controls.is_changed(key, self.before.get(path)),
             } for path in paths if (key := numbers.get(path)) is not None
         }  # fmt: skip
+
+    def _text_of(self, path: str, key: Key) -> str:
+        """What stands in the box of a number: of what cannot be read as one, what was written."""
+        written = controls.text_at(self.now.document, path)
+        if written and self.now.faults and not _NUMBER.match(written):
+            return written
+        return controls.shown(key, written)
 
     # -- changes ------------------------------------------------------------------------------------------------------
 
@@ -310,9 +321,24 @@ class Session:
             raise DesignError([Fault("E541", f"{path} has {len(value)} letters, {_LONGEST} are the most", path)])
         if path == "title" and isinstance(value, str):
             return _titled(document, value)
+        document, path = self._oriented(document, path, value)
         for one in (*given, (path, value)):
             document = with_overrides(document, [one])
         return document
+
+    def _oriented(self, document: Document, path: str, value: Any) -> tuple[Document, str]:
+        """Where an angle is put: 45/115 is the whole plane; beside what is no pair, the last sound one."""
+        above, _, angle = path.rpartition(".")
+        node = at(document.root, above) if angle in _ANGLES else None
+        if node is None or node.text is None:
+            return document, path
+        if isinstance(value, str) and "/" in value:
+            return document, above
+        if node.text.count("/") != 1 and self.design.source is not None:
+            last = at(self.design.source.root, above)
+            if last is not None and last.text is not None:
+                return with_overrides(document, [(above, last.text)]), path
+        return document, path
 
     def _become(self, document: Document) -> None:
         self.rev += 1

@@ -85,5 +85,8 @@ export function show(answer) {
 export function start() {
   on("design", (own) => { design = own; });
   on("answer", show);
-  on("refused", (message) => { if (shown) { show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], notices: [] }); } });
+  on("refused", (message) => { if (shown) { 
+    show({ ...shown, faults: message.faults, lead: null, stale: false, governs: [], notices: [], acceptance: [], agree: null,
+      fos: { limit: null, closed_form: null, static_bound: null } });
+  } });
 }

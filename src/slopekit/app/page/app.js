@@ -5,6 +5,7 @@ import { change } from "./live.js";
 import * as answer from "./answer.js";
 import * as controls from "./controls.js";
 import * as curve from "./curve.js";
+import * as fresh from "./fresh.js";
 import * as handover from "./handover.js";
 import * as jobs from "./jobs.js";
 import { netIn } from "./net.js";
@@ -140,6 +141,6 @@ on("down", () => {
 });
 
 dress();
-for (const part of [controls, answer, jobs, curve, probability, support, survey, handover, saving, opening]) { part.start(); }
+for (const part of [fresh, controls, answer, jobs, curve, probability, support, survey, handover, saving, opening]) { part.start(); }
 goTo("design");
 connect();

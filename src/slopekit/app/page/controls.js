@@ -69,7 +69,8 @@ function wordsRow(own) {
   const box = el("select", { id: `c-${own.path}`, "aria-label": own.label, onchange: () => {
     take(own.path, { value: box.value, text: box.value });
     change({ [own.path]: box.value }, true);
-  } }, own.words.includes(own.value) || own.value === null ? null : el("option", { value: own.value }, own.value),
+  } }, own.instead ? el("option", { value: "", disabled: true, selected: true }, `by ${own.instead.replaceAll("_", " ")}`) : null,
+  own.words.includes(own.value) || own.value === null ? null : el("option", { value: own.value }, own.value),
   own.words.map((word) => el("option", { value: word }, word)));
   return { box, line: [box] };
 }
@@ -207,6 +208,12 @@ export function goTo(path) {
 export function start() {
   on("design", build);
   on("values", (values) => { for (const [path, given] of Object.entries(values)) { take(path, given); } });
+  on("kept", (values) => {  // refused: the boxes go back to what the design has
+    for (const [path, given] of Object.entries(values)) {
+      const row = rows.get(path);
+      if (row) { Object.assign(row.own, given); row.box.value = given.text; refresh(row); }
+    }
+  });
   on("answer", (answer) => {
     if (!answer.changed) { return; }
     for (const row of rows.values()) {

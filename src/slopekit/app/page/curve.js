@@ -3,6 +3,7 @@ import { byId, el, factor, figure, fill, svg } from "./dom.js";
 import { on } from "./link.js";
 import { change, quiet } from "./live.js";
 import { control, numbers, take } from "./controls.js";
+import { leave, now, watch } from "./fresh.js";
 import { runJob } from "./jobs.js";
 import { broken, paper } from "./plot.js";
 
@@ -40,11 +41,11 @@ async function run() {
   if (running) { again = true; return; }
   running = true; again = false;
   await quiet();
-  const asked = path;
+  const asked = path, of = now();
   const found = await runJob("curve", { path, low: Number(parts.low.value), high: Number(parts.high.value),
     points: Number(parts.points.value) }, parts.job);
   running = false;
-  if (found && asked === path) { curve = found; draw(); }
+  if (found && asked === path) { curve = found; draw(); watch(parts.chart, of, "The curve is of an earlier design: draw it again.", curve.path); }
   if (again) { run(); }
 }
 
@@ -101,7 +102,7 @@ const visible = () => !byId("screen-curve").hidden;
 export function start() {
   let others = false;
   build();
-  on("design", (design) => { live = design.live; curve = null; dot = null; fill(parts.chart); list(); others = true; if (visible()) { run(); } });
+  on("design", (design) => { live = design.live; curve = null; dot = null; leave(parts.chart); fill(parts.chart); list(); others = true; if (visible()) { run(); } });
   on("touched", (values) => { others = others || Object.keys(values).some((one) => one !== curve?.path); });
   on("values", () => { if (curve) { move(); } });
   on("answer", (given) => {

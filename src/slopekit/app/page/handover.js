@@ -3,6 +3,7 @@ import { byId, el, fill } from "./dom.js";
 import { ask, on } from "./link.js";
 import { quiet } from "./live.js";
 import { faults } from "./jobs.js";
+import { now } from "./fresh.js";
 
 const OFFERS = [["page", "Report page", "One self-contained page: the answer, its check, the scene to turn, inputs and defaults."],
   ["dxf", "Drawing (DXF)", "Blocks, joints and bolts for CAD."], ["json", "Numbers (JSON)", "Every number of the result, by stable keys."],
@@ -11,11 +12,12 @@ const OFFERS = [["page", "Report page", "One self-contained page: the answer, it
 async function make(what, box) {
   await quiet();
   fill(box, el("p", { class: "soft" }, "making …"));
-  const back = await ask("handover", { what });
+  const of = now(), back = await ask("handover", { what });
+  if (of !== now()) { fill(box, el("p", { class: "soft" }, "The design has changed meanwhile: ask again.")); return; }
   if (back.faults) { faults(box, back.faults); return; }
   if (back.text !== undefined && !back.address) {
     const said = el("span", { class: "soft", role: "status" }), line = el("pre", { tabindex: 0 }, back.text);
-    fill(box, line, el("button", { type: "button", onclick: async () => {
+    fill(box, back.note ? el("p", {}, back.note) : null, line, el("button", { type: "button", onclick: async () => {
       try { await navigator.clipboard.writeText(back.text); said.textContent = " copied"; }
       catch { getSelection().selectAllChildren(line); said.textContent = " selected: copy it with Ctrl+C"; }
     } }, "Copy"), said);

@@ -36,6 +36,7 @@ async function begun(job, given, box, mine) {
 
 export function faults(box, list) {
   fill(box, list.map((fault) => el("div", { class: "fault" }, el("p", { class: "what" }, fault.code ? el("code", {}, fault.code) : null, " ", fault.message),
+    fault.where ? el("p", { class: "soft mono" }, fault.where) : null,
     fault.advice ? el("p", { class: "advice" }, fault.advice) : null)));
 }
 

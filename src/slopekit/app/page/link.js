@@ -43,7 +43,10 @@ export function connect() {
 
 function heard(message) {
   const done = waiting.get(message.id);
-  if (message.fos) { tell("answer", message); }
+  if (message.fos) {
+    if (!done && message.values) { tell("touched", message.values); tell("values", message.values); }  // by another page
+    tell("answer", message);
+  }
   else if (!done) { tell(message.of, message); }
   if (done) {
     waiting.delete(message.id);

@@ -29,6 +29,6 @@ async function send() {
   const back = await ask("set", { values, final });
   under = false;
   if (back.values) { tell("values", back.values); }
-  if (back.faults && !back.fos) { tell("refused", back); }
+  if (back.faults && !back.fos) { tell("kept", back.kept || {}); tell("refused", back); }
   if (Object.keys(pending).length) { send(); } else { idle.splice(0).forEach((done) => done()); }
 }

@@ -3,11 +3,12 @@ import { byId, el, figure, fill, svg } from "./dom.js";
 import { on } from "./link.js";
 import { quiet } from "./live.js";
 import { control, numbers } from "./controls.js";
+import { leave, now, outdate, watch } from "./fresh.js";
 import { runJob } from "./jobs.js";
 import { paper } from "./plot.js";
 
 const rows = new Map();  // by path: its distribution
-let parts = null, kind = null;
+let parts = null, kind = null, changes = 0;  // of what scatters, of samples and seed
 const known = ["normal", "lognormal", "uniform", "triangular"];
 const bare = (path) => path.replace(/\.mean$/, "");
 
@@ -24,6 +25,7 @@ function add(path, given) {
   const start = given && known.includes(given.dist) ? { ...given } : first(own, "normal");
   delete start.mean; delete start.mode;
   rows.set(path, start);
+  otherwise();
   draw();
 }
 
@@ -32,10 +34,15 @@ function slider(own, of, name, low, high) {
   const text = el("output", {}, unitful(of[name]));
   const input = el("input", { type: "range", min: low, max: high, step: (high - low) / 200, value: of[name],
     "aria-label": `${own.label}: ${name === "sd" ? "standard deviation" : name}`,
-    oninput: () => { of[name] = Number(Number(input.value).toPrecision(4)); text.textContent = unitful(of[name]); shape(); } });
+    oninput: () => { of[name] = Number(Number(input.value).toPrecision(4)); otherwise(); text.textContent = unitful(of[name]); shape(); } });
   function shape() { input.style.setProperty("--part", `${100 * (of[name] - low) / (high - low || 1)}%`); }
   shape();
   return el("label", { class: "slot3" }, el("span", { class: "soft" }, name === "sd" ? "sd" : name), input, text);
+}
+
+function otherwise() {
+  changes += 1;
+  outdate(parts.found);
 }
 
 function draw() {
@@ -44,12 +51,12 @@ function draw() {
     if (!own) { return null; }
     const reach = of.sd !== undefined ? Math.max(3 * of.sd, own.unit === "°" ? 10 : 0.4 * Math.abs(own.value)) : 0;
     const far = Math.max(Math.abs(of.max - own.value || 0), Math.abs(own.value - of.min || 0)) * 2;
-    const pick = el("select", { "aria-label": `${own.label}: distribution`, onchange: () => { rows.set(path, first(own, pick.value)); draw(); } },
+    const pick = el("select", { "aria-label": `${own.label}: distribution`, onchange: () => { rows.set(path, first(own, pick.value)); otherwise(); draw(); } },
       known.map((name) => el("option", { value: name }, name)));
     pick.value = of.dist;
     return el("div", { class: "scatter", "data-path": path }, el("div", { class: "head" }, el("strong", {}, own.label),
       el("span", { class: "soft" }, own.text || figure(own.value)), pick,
-      el("button", { type: "button", class: "back", "aria-label": `${own.label} does not scatter`, onclick: () => { rows.delete(path); draw(); } }, "×")),
+      el("button", { type: "button", class: "back", "aria-label": `${own.label} does not scatter`, onclick: () => { rows.delete(path); otherwise(); draw(); } }, "×")),
     of.sd !== undefined ? slider(own, of, "sd", reach / 200, reach) :
       [slider(own, of, "min", Math.max(own.value - far, own.low ?? -Infinity), own.value), slider(own, of, "max", own.value, own.value + far)]);
   }), rows.size ? null : el("p", { class: "soft" }, "Nothing scatters yet: choose a value below."));
@@ -86,9 +93,13 @@ async function run() {
     scatter[bare(path)] = of.dist === "triangular" ? { ...of, mode: control(path).value } : of.sd !== undefined ? { ...of, mean: control(path).value } : { ...of };
   }
   parts.run.disabled = true;
+  const of = now(), drawn = changes;
   const found = await runJob("probability", { samples: Number(parts.samples.value), seed: Number(parts.seed.value), scatter }, parts.job);
   parts.run.disabled = false;
-  if (found) { show(found); }
+  if (!found) { return; }
+  show(found);
+  watch(parts.found, of, "These numbers are of an earlier design, or of another scatter: run again.");
+  if (drawn !== changes) { outdate(parts.found); }
 }
 
 const percent = (p) => (p === null || p === undefined ? "–" : p === 0 ? "0 %" : `${figure(100 * p, 3)} %`);
@@ -114,8 +125,8 @@ function show(found) {
 function build() {
   const box = el("div", { class: "rows" }), job = el("div", { class: "job" }), found = el("div", { class: "chart-box" });
   const pick = el("select", { "aria-label": "a value that scatters", id: "scatter-pick", onchange: () => { if (pick.value) { add(pick.value); } } });
-  const samples = el("input", { type: "number", class: "box", min: 10, max: 200000, value: 2000 });
-  const seed = el("input", { type: "number", class: "box", min: 0, value: 1 });
+  const samples = el("input", { type: "number", class: "box", min: 10, max: 200000, value: 2000, oninput: otherwise });
+  const seed = el("input", { type: "number", class: "box", min: 0, value: 1, oninput: otherwise });
   const button = el("button", { type: "button", class: "main", id: "prob-run", onclick: run }, "Run");
   fill(byId("screen-probability"), el("h2", {}, "What scatters"), box, pick,
     el("div", { class: "form" }, el("label", {}, "samples ", samples), el("label", {}, "seed ", seed), button), job, found);
@@ -128,7 +139,7 @@ export function start() {
     const all = numbers();
     if (kind !== design.name + design.kind) {
       kind = design.name + design.kind;
-      rows.clear(); fill(parts.found);
+      rows.clear(); leave(parts.found); fill(parts.found);
       for (const own of all) { if (own.scatter && known.includes(own.scatter.dist)) { rows.set(own.path, { ...own.scatter }); delete rows.get(own.path).mean; } }
       if (!rows.size) {
         for (const own of all.filter((one) => /^strength\..*\.(phi|c)$/.test(one.path) && one.given && one.value > 0).slice(0, 2)) { rows.set(own.path, first(own, "normal")); }

@@ -2,6 +2,7 @@
 import { byId, el, fill } from "./dom.js";
 import { ask, on, tell } from "./link.js";
 import { quiet } from "./live.js";
+import { leave, now, outdate, watch } from "./fresh.js";
 import { faults, runJob } from "./jobs.js";
 
 let parts = null;
@@ -14,6 +15,7 @@ function optional(part, name) {
 async function run() {
   await quiet();
   parts.button.disabled = true;
+  const of = now();
   const found = await runJob("support", { fos: Number(parts.target.value), acts: parts.acts.value, ...optional("capacity", "bolt_capacity"), ...optional("spacing", "spacing") }, parts.job);
   parts.button.disabled = false;
   if (!found) { return; }
@@ -21,11 +23,13 @@ async function run() {
     (found.notices || []).map((one) => el("p", {}, el("code", {}, one.code), " ", one.text)),
     found.pattern || found.bolts?.length ? el("button", { type: "button", class: "main", id: "add-bolts", onclick: put }, "Put into the design") :
       el("p", { class: "soft" }, "There is no pattern to put into the design."));
+  watch(parts.found, of, "These bolts were found for an earlier design or another target: find them again.");
 }
 
 async function put() {
   const back = await ask("add_bolts");
-  if (back.faults?.length && !back.fos) { faults(parts.found, back.faults); return; }
+  if (back.faults?.length && !back.fos) { leave(parts.found); faults(parts.found, back.faults); return; }
+  leave(parts.found);
   fill(parts.found, el("p", { class: "good" }, "The bolts are in the design: the answer beside is with them. Undo takes them out."));
   tell("goto", "design");
 }
@@ -39,12 +43,13 @@ export function start() {
   const job = el("div", { class: "job" }), found = el("div", { class: "card-list" }), none = el("p", { class: "soft", hidden: true }, "This kind of design has no search for bolts.");
   fill(byId("screen-support"), el("h2", {}, "Bolts for a target"), none, el("div", { class: "form" }, el("label", {}, "factor of safety ", target),
     el("label", {}, "one bolt carries, kN ", capacity), el("label", {}, "spacing, m ", spacing), el("label", {}, "bolts act ", acts), button), job, found);
+  for (const one of [target, capacity, spacing, acts]) { one.addEventListener("input", () => outdate(found)); }
   parts = { target, capacity, spacing, acts, button, job, found };
   let rev = null;
   on("design", (design) => {
     const can = design.jobs.includes("support");
     none.hidden = can; button.disabled = !can;
-    if (rev !== null) { fill(found); }
+    if (rev !== null && rev !== design.rev) { leave(found); fill(found); }
     rev = design.rev;
   });
   on("answer", (answer) => {

@@ -1,6 +1,7 @@
 /* A joint survey: its poles on a net, its sets, every pair ranked; a pair becomes a design. */
 import { byId, el, factor, fill, svg, three } from "./dom.js";
 import { ask, tell } from "./link.js";
+import { leave, now, outdate, watch } from "./fresh.js";
 import { faults } from "./jobs.js";
 import { COLOURS, frame, place } from "./net.js";
 
@@ -14,10 +15,12 @@ function own(name) {  // a strength of the survey's own; empty: that of the desi
 async function read() {
   if (!file) { return; }
   fill(parts.job, el("p", { class: "soft" }, "reading …"));
+  const of = now();
   const found = await ask("survey", { name: file.name, text: file.text, ...own("c"), ...own("phi") });
-  if (!found.planes) { faults(parts.job, found.faults); return; }
+  if (!found.planes) { leave(parts.found); fill(parts.found); faults(parts.job, found.faults); return; }
   fill(parts.job);
   show(found);
+  watch(parts.found, of, "The pairs stand in the slope of an earlier design, or have another strength: press Again. Open takes them as they are here.");
   if (found.planes && found.faults?.length) { faults(parts.job, found.faults); }
 }
 
@@ -69,6 +72,7 @@ export function start() {
   drop.addEventListener("dragleave", () => drop.classList.remove("over"));
   drop.addEventListener("drop", (event) => { event.preventDefault(); drop.classList.remove("over"); taken(event.dataTransfer.files[0]); });
   const c = el("input", { type: "number", class: "box", min: 0, placeholder: "design's" }), phi = el("input", { type: "number", class: "box", min: 0, max: 89, placeholder: "design's" });
+  for (const one of [c, phi]) { one.addEventListener("input", () => outdate(parts.found)); }
   const job = el("div", { class: "job" }), found = el("div");
   fill(byId("screen-survey"), el("h2", {}, "Joint survey"), el("p", { class: "soft" }, "Every pair is set against the face and upper slope of the present design."), drop,
     el("div", { class: "form" }, el("label", {}, "cohesion, kPa ", c), el("label", {}, "friction angle, ° ", phi),
