@@ -116,7 +116,7 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
         low, high = answer.bracket
         if answer.gave_up:
             said.append(Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
-                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far beyond is not known"))  # fmt: skip
+                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far on is unknown"))  # fmt: skip
         elif not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
             said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
                                f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
