@@ -12,7 +12,7 @@ import trimesh
 import slopekit as sk
 from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
-from slopekit.kinds import cut
+from slopekit.kinds import cut, kind_of
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
@@ -442,3 +442,15 @@ def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
     assert (result.status, result.fos.limit) == ("not_converged", None)
     assert "do not by turns with the strength divided by 0.1994 to 0.2349, and no rest" in said["W371"]
     assert f"the static bound is {result.fos.static_bound:.4g}" in said["W371"]
+
+
+def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_does_not() -> None:
+    """Columns whose path ends in a peak, and no closed form: a sweep called them `agree`, the result DISAGREE."""
+    design = sk.load("templates/topple.yaml", set={"loads.seismic.k": 0.2})
+    result, quick = sk.run(design), kind_of(design).factors(design)
+    assert result.fos.closed_form is None
+    assert not quick.settled
+    assert quick.limit is None
+    assert (result.agree, quick.agree) == (False, False)
+    assert " % higher" in str(result.sheet)
+    assert "e+" not in next(line for line in str(result.sheet).splitlines() if " % higher" in line)

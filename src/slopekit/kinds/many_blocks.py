@@ -159,9 +159,10 @@ def kind_of_many_blocks(
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
         settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > design.stop_when)
-        factor = mechanisms[0].fos if mechanisms and settled else None
+        reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
+        factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(factor, status, closed, design.agree_within)
+        difference, agree = compare(reached, status, closed, design.agree_within)
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
 
     def parts(design: A, result: Result) -> tuple[Section, ...]:
