@@ -58,7 +58,8 @@ def main(wanted: int = 50, seed: int = 1) -> None:
         off.append(max(low / last - 1.0, last / high - 1.0, 0.0, key=abs))
         with_ = [key for key in ("water", "crack", "bolts") if key in given]
         print(f"{found.opened_share:7.2%} {found.rigid_limit:9.5f} {found.limit:9.5f} {last:9.5f}   "
-              f"{low:.5f} .. {high:.5f}  {off[-1]:8.1e}  {', '.join(with_)}", flush=True)  # fmt: skip
+              f"{low:.5f} .. {high:.5f}  {off[-1]:8.1e}  {', '.join(with_)}"
+              f"{', gave up' * found.gave_up}", flush=True)  # fmt: skip
     near = np.abs(off)
     print(f"{wanted} wedges, seed {seed}, {left_out} without one or beyond 1 < F < 5: within 3e-4 "
           f"{int((near <= 3e-4).sum())}, most {np.nanmax(near):.1e}, {int(np.isnan(near).sum())} without a state; "

@@ -6,6 +6,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 import slopekit as sk
+from slopekit.elastic import rest
 from slopekit.elastic.flexibility import Elements, Rock, flexibility
 from slopekit.elastic.meshing import cells_of, fanned, mesh_of, numbered, split_evenly
 from slopekit.elastic.model import with_blocks
@@ -16,6 +17,7 @@ from slopekit.kinds.wedge.design import wedge_design
 from slopekit.preie.contact import JointStiffness, tractions
 from slopekit.preie.equilibrium import equilibrium
 from slopekit.preie.model import local_axes
+from slopekit.studies.check.run import _elastic
 
 WEDGE = {"dips": ("45/105", "70/235"), "face": "65/185", "upper": "12/195", "height": 30, "c": (24, 48),
          "phi": (20, 30), "unit_weight": 25}  # fmt: skip
@@ -84,6 +86,25 @@ def test_the_limit_is_the_rigid_one_without_the_cohesion_that_is_pulled_open(mor
     assert low * (1.0 - 3e-4) <= found.limit_at_bracket <= high * (1.0 + 3e-4)
     assert found.limit <= found.rigid_limit
     assert found.limit == pytest.approx(found.limit_at_bracket, rel=0.02)
+
+
+def test_a_bracket_that_ran_out_of_steps_says_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is printed as at rest is so with all steps; the second factor is no end, and nothing is compared with it."""
+    whole = sk.wedge(**WEDGE, **COARSE, elastic_bracket=True)
+    monkeypatch.setattr(rest, "_MOST_OF_BRACKET", 10)
+    found = sk.wedge(**WEDGE, **COARSE, elastic_bracket=True)
+    low, high = found.elastic.bracket
+    said = {notice.code: notice.message for notice in found.warnings}
+    assert (whole.elastic.gave_up, found.elastic.gave_up) == (False, True)
+    assert low <= whole.elastic.bracket[0]
+    assert high > low
+    assert f"gave up at {high:.4f}" in said["W456"]
+    assert "W453" not in said
+    assert "W456" not in {notice.code for notice in whole.warnings}
+    assert f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}" in str(found.sheet)
+    assert _elastic(found).code == "W456"
+    assert _elastic(found).met is None
+    assert found.to_dict()["elastic"]["gave_up"]
 
 
 def test_the_oracle_sees_cohesion_go() -> None:

@@ -10,8 +10,9 @@ import pytest
 import trimesh
 
 import slopekit as sk
+from benchmarks import populations
 from slopekit.core.errors import DesignError, GeometryError
-from slopekit.kinds import cut
+from slopekit.kinds import cut, kind_of
 from slopekit.preie.blocks import Basis
 from slopekit.preie.passes import Outcome
 from slopekit.result import Result
@@ -307,6 +308,14 @@ def test_what_the_results_of_hard_scenes_say() -> None:
     assert "at any strength that was tried" in said(loads_last=True, carried=0.4, static_bound=None, **without)["W362"]
     assert said(**without)["W363"].endswith("not that they arise")
     assert said(loads_last=True, static_bound=None, **without)["W363"].endswith("no factor of safety is given")
+    gave_up = {"factor": None, "outcome": Outcome.NOT_CONVERGED, "basis": Basis.NONE, "static_bound": 1.75}
+    assert said(**gave_up)["W371"].endswith("whose forces balance within strength; the static bound is 1.75")
+    turns = said(loads_last=True, by_turns=(0.2, 0.25), **gave_up)["W371"]
+    assert "by turns with the strength divided by 0.2 to 0.25, and no rest" in turns
+    once = said(loads_last=True, by_turns=(0.2, 0.2001), **gave_up)["W371"]
+    assert "just all fit on with the strength divided by 0.2, and" in once
+    assert "by turns" not in once
+    assert said(spent=True, **gave_up).keys() == {"W360"}
     assert "19 % more" in said(static_bound=1.19 * part.limit.factor)["W341"]
     assert "W341" not in said(static_bound=1.09 * part.limit.factor)
     assert "by 1.5 %" in said(mesh_change=0.015)["W312"]
@@ -424,3 +433,24 @@ def test_displacements_at_full_strength_are_those_of_the_block_alone() -> None:
     })  # fmt: skip
     assert fails.fos.limit < 1.0
     assert (fails.at_factor_one, fails.scene.displacement) == (None, None)
+
+
+def test_a_wall_whose_load_fits_on_by_turns_says_so() -> None:
+    """Wall 44: at full strength 0.796 of its earthquake fit on, at some four times that 1.049, 0.954, 1.049 of it."""
+    result = sk.run(populations.wall(44))
+    said = {notice.code: notice.message for notice in result.warnings}
+    assert (result.status, result.fos.limit) == ("not_converged", None)
+    assert "do not by turns with the strength divided by 0.1994 to 0.2349, and no rest" in said["W371"]
+    assert f"the static bound is {result.fos.static_bound:.4g}" in said["W371"]
+
+
+def test_a_quick_factor_that_did_not_settle_agrees_with_nothing_that_the_result_does_not() -> None:
+    """Columns whose path ends in a peak, and no closed form: a sweep called them `agree`, the result DISAGREE."""
+    design = sk.load("templates/topple.yaml", set={"loads.seismic.k": 0.2})
+    result, quick = sk.run(design), kind_of(design).factors(design)
+    assert result.fos.closed_form is None
+    assert not quick.settled
+    assert quick.limit is None
+    assert (result.agree, quick.agree) == (False, False)
+    assert " % higher" in str(result.sheet)
+    assert "e+" not in next(line for line in str(result.sheet).splitlines() if " % higher" in line)

@@ -336,6 +336,13 @@ def test_wrong_input_is_said(arguments, code) -> None:
     assert done.stderr.startswith(code)
 
 
+def test_a_factor_just_below_one_is_not_said_to_be_one() -> None:
+    """Goodman & Bray's columns, 0.99995684."""
+    done = slopekit("quake", str(path_of("goodman-bray")), "sine:0.5g,1Hz")
+    assert done.stderr.startswith("E520 ")
+    assert "its factor of safety is 0.99995684\n" in done.stderr
+
+
 @pytest.mark.parametrize(("name", "arguments", "said"), [
     ("footing", (), "a footing has none"), ("footing", ("--toward", "90"), "a footing has none"),
     ("wall", (), "Give --toward 270"), ("wall", ("--toward", "45"), "--toward is 45"),

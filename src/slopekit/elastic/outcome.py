@@ -38,6 +38,7 @@ class ElasticBlocks:
     limit : the rigid limit without the cohesion of the pairs that elastic blocks pull open, `rigid_limit` that without
         what rigid ones pull open in the same state (a sliding block: nothing), on the same node pairs
     bracket : the last factor at which the elastic blocks come to rest and the first tried at which they do not;
+        `gave_up` : whether the search for it ran out of steps: the second was then not decided, rest may go farther;
         `limit_at_bracket` : the limit without what is open there; None where it was not asked for
     factor : the strength reduction factor of the state below: 1, or less than the limit where that is below 1
     opened_share, rigid_opened_share : of the area of all contacts; joints : by name
@@ -52,6 +53,7 @@ class ElasticBlocks:
     rigid_limit: float | None
     bracket: tuple[float, float] | None
     limit_at_bracket: float | None
+    gave_up: bool
     factor: float
     opened_share: float
     rigid_opened_share: float

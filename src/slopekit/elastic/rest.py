@@ -127,13 +127,18 @@ class Search:
                     return None
         return here
 
-    def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float]:
-        """The last state at rest, and a factor not farther on than `within` at which there is none."""
+    def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float, bool]:
+        """The last state at rest, a factor not farther on than `within` at which there is none, and if it gave up.
+
+        Where the steps that are allowed do not suffice it gave up: the factor is one that was not decided then.
+        """
         low, high = here, math.inf
         self.most = self.steps + _MOST_OF_BRACKET
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
         while not math.isfinite(high) or high - low.factor > within * low.factor:
             found = self.onward(low, target, within / 3.0)
+            if found is None and self.steps > self.most:
+                return low, target, True
             if found is None:
                 high = target
             else:
@@ -143,7 +148,7 @@ class Search:
             else:
                 far = 1e-3 if low.factor < guess * 1.01 else 0.05
                 target = max(guess * (1.0 + 5.0 * within), low.factor * (1.0 + far))
-        return low, high
+        return low, high, False
 
     # -- one factor ---------------------------------------------------------------------------------------------------
 
@@ -152,8 +157,8 @@ class Search:
         found = replace(here, factor=factor, residual=math.inf)
         tension = self.model.tension
         for _ in range(_RELEASES):
-            if self.steps > self.most:
-                break
+            if self.steps > self.most:  # no rest: pairs might still part
+                return replace(found, residual=math.inf)
             found, law = self._newton(found)
             if not found.stands and found.parted.any():  # what has parted slides on from where it is
                 memory = found.memory.copy()

@@ -89,12 +89,12 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         rigid_limit = min((one for one in (rigid_limit, without) if one is not None), default=None)
     other = limit is not None and rigid_limit is not None and limit > rigid_limit * (1.0 + _SAME)
     limit = rigid_limit if other else limit
-    ends, at_bracket = None, None
+    ends, at_bracket, gave_up = None, None, False
     if bracket and limit is not None:
         say("elastic bracket", head=True)
-        low, high = search.bracket(found, limit)
+        low, high, gave_up = search.bracket(found, limit)
         ends, at_bracket = (low.factor, high), scene.limit_without(low.parted)
-    answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, at_bracket, search.steps)
+    answer = _answer(design, scene, found, rigid, (limit, rigid_limit), ends, (at_bracket, gave_up), search.steps)
     notes = [*result.warnings, *_notices(result, answer)]
     if other:
         why = "without the cohesion that is pulled open another limit state is found, with a higher factor"
@@ -114,7 +114,10 @@ def _notices(result: Result, answer: ElasticBlocks) -> list[Notice]:
                            f"rigid one on its pairs, {_number(answer.rigid_limit)}, not with COHESION"))  # fmt: skip
     if answer.bracket is not None and answer.limit_at_bracket is not None:
         low, high = answer.bracket
-        if not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
+        if answer.gave_up:
+            said.append(Notice("W456", "the search for the factor at which elastic blocks no longer come to rest "
+                               f"gave up at {high:.4f}: at {low:.4f} they rest, how far on is unknown"))  # fmt: skip
+        elif not low * (1.0 - 1e-3) <= answer.limit_at_bracket <= high * (1.0 + 1e-3):
             said.append(Notice("W453", f"elastic blocks come to rest up to {low:.4f} .. {high:.4f}, the rigid limit "
                                f"without what they open is {answer.limit_at_bracket:.4f}: take the lower"))  # fmt: skip
     if isinstance(joint_stiffness(result.design).tangential, CloughDuncan):
@@ -485,7 +488,7 @@ def _rows(model: Any, pairs: int) -> tuple[Any, Floats]:
 
 def _answer(
     design: Design, scene: _Scene, found: Rest, rigid: Rest, limits: tuple[float | None, float | None],
-    bracket: tuple[float, float] | None, at_bracket: float | None, steps: int,
+    bracket: tuple[float, float] | None, at_bracket: tuple[float | None, bool], steps: int,
 ) -> ElasticBlocks:  # fmt: skip
     model, (rock, taken) = scene.model, _rock(design)
     area = model.area
@@ -504,7 +507,7 @@ def _answer(
     rigid_moved = _displacements(scene, model.rigid(), rigid)
     bodies: list[Flexibility | Bedrock] = [*scene.blocks, *([] if scene.bedrock is None else [scene.bedrock])]
     return ElasticBlocks(
-        limits[0], limits[1], bracket, at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
+        limits[0], limits[1], bracket, *at_bracket, found.factor, opened, rigid_opened, joints, frozen(moved[most]),
         frozen(rigid_moved[most]),
         scene.names[most] if scene.names else None, found.failed_pairs, len(area),
         sum(one.degrees for one in bodies) + 3 * len(area) + len(model.load),

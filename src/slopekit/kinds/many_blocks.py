@@ -85,6 +85,7 @@ _MOST_SEARCHED = 100  # moving blocks for which `check` looks for the all-pairs 
 _RATIOS = (0.1, 1.0)  # k_t / k_n of the path beside its own: where the limit depends on it, it is not the only one
 _BRACKET = 1e-4  # of the paper's criterion, in parts of its factor
 _SAME_K = 1e-6  # of k_y: the path in the load has the one that was found
+_ONE_PLACE = 1e-3  # of a factor: ends that lie nearer are one
 _FAR_ABOVE = 1.1  # a static bound so many times the limit: the limit lives on joints that do not dilate
 _ENDS = {
     "count": "more mechanisms were not asked for",
@@ -158,9 +159,10 @@ def kind_of_many_blocks(
         mechanisms = tuple(mechanism(failure, scene) for failure in ravelling.failures)
         status = mechanisms[0].status if mechanisms else "no_driving_force"
         settled = status != "not_converged" and not (mechanisms and mechanisms[0].change > design.stop_when)
-        factor = mechanisms[0].fos if mechanisms and settled else None
+        reached = mechanisms[0].fos if mechanisms else None  # compared as in a result, whether it settled or not
+        factor = reached if settled else None
         closed, _ = own.closed_form(design, mechanisms[0] if mechanisms else None)
-        difference, agree = compare(factor, status, closed, design.agree_within)
+        difference, agree = compare(reached, status, closed, design.agree_within)
         return Factors(status, factor, None, closed.factor, difference, agree, False, settled)
 
     def parts(design: A, result: Result) -> tuple[Section, ...]:
@@ -483,6 +485,8 @@ def _notices(
         yield _without_rest(limit)
     if limit.spent:
         yield _unsettled(limit)
+    elif limit.outcome is Outcome.NOT_CONVERGED:
+        yield _given_up(limit)
     if first.fos and first.static_bound is None:
         yield Notice("W309", "no static bound was found: its search gave up, the blocks are too many for it, or "
                      "joints free to dilate would lock them; the limit is held against no upper bound")  # fmt: skip
@@ -512,6 +516,19 @@ def _unsettled(limit: BlocksLimit) -> Notice:
         above = f", and no forces balance the loads beyond {limit.static_bound:.4g}, the static bound"
     return Notice("W360", "the limit of these blocks was not settled within the effort of one analysis (work is "
                   f"counted, not timed: every machine ends here): {rests}{above}")  # fmt: skip
+
+
+def _given_up(limit: BlocksLimit) -> Notice:
+    """Why a search ended without a limit although work was left."""
+    why = "the motion that was followed led to no state whose forces balance within strength"
+    if limit.by_turns is not None:
+        low, high = limit.by_turns
+        fit = f"fit on and do not by turns with the strength divided by {low:.4g} to {high:.4g}"
+        if high <= low * (1.0 + _ONE_PLACE):
+            fit = f"just all fit on with the strength divided by {low:.4g}"
+        why = f"the loads beside weight and water, coming on last, {fit}, and no rest under all of them was found there"
+    above = "" if limit.static_bound is None else f"; the static bound is {limit.static_bound:.4g}"
+    return Notice("W371", f"the search for the limit of these blocks gave up: {why}{above}")
 
 
 def _without_rest(limit: BlocksLimit) -> Notice:

@@ -90,6 +90,7 @@ class BlocksLimit:
     bonded : the factor with all bonds, where some are lost
     spent : whether there is no factor because the work that is allowed was done (`preie.effort`); `rested`: the factor
         at which all blocks were at rest last then, None where they were at none, or cohesion might yet be lost
+    by_turns : of a search that gave up, the factors between which loads that come last fit on and do not by turns
     group : blocks that were not held when it was found, 0 where none was; then all came to rest but for `width` of it
     """
 
@@ -113,6 +114,7 @@ class BlocksLimit:
     bonded: float | None = None
     spent: bool = False
     rested: float | None = None
+    by_turns: tuple[float, float] | None = None
 
 
 class Proposal(Protocol):
@@ -154,6 +156,7 @@ def _limit_within(model: AssemblyModel, ranged: bool, ratio: float, proposal: Pr
         found, factor=_times(found.factor, unit), static_bound=_times(found.static_bound, unit),
         lowest=_times(found.lowest, unit), highest=_times(found.highest, unit), bonded=_times(found.bonded, unit),
         rested=_times(found.rested, unit),
+        by_turns=None if found.by_turns is None else (unit * found.by_turns[0], unit * found.by_turns[1]),
     )  # fmt: skip
 
 
@@ -274,6 +277,9 @@ def _limit(
             top = factor  # its forces are admissible: the bound is no lower, to the accuracy of its search
         if path_end.outcome is PathOutcome.GAVE_UP or off > LIMIT_BALANCED or (top is not None and factor > top):
             outcome = Outcome.NOT_CONVERGED
+    by_turns: tuple[float, float] | None = None
+    if outcome is Outcome.NOT_CONVERGED and loads_last and factor is not None and path_end.reached:
+        by_turns = factor, 1.0 / path_end.reached
     if outcome is not Outcome.SLIDES or factor is None:
         factor, highest, basis = None, None, Basis.NONE
     elif highest is not None:
@@ -283,7 +289,7 @@ def _limit(
     return BlocksLimit(
         outcome, factor, basis, change, velocity, frozen(normal), frozen(path_end.friction), frozen(bond), top,
         None if highest is None else factor, highest, carried, loads_last, steps, bound.steps, path_end.group,
-        path_end.width,
+        path_end.width, by_turns=by_turns,
     )  # fmt: skip
 
 

@@ -2,10 +2,11 @@
 
 Mixed system of the paper (eq. 23) in node-pair forces f and block displacements γ:
 
-    C f - B γ = 0,   Bᵀ f + P = 0,   C = diag(1 / (A k))
+    C f + B γ = 0,   Bᵀ f + P = 0,   C = diag(1 / (A k))
 
 As printed, eqs. 24-27 do not have matching dimensions (K_ff carries G_γᵀ Wᵀ in front); the system here comes from
-the functional (19): C is diagonal with lumped control areas, so that f = C⁻¹ B γ and only γ is solved for.
+the functional (19): C is diagonal with lumped control areas, so that f = -C⁻¹ B γ and only γ is solved for.
+Forces are those on the plus side, compression positive; B γ is positive where a pair opens.
 
 Lengths are divided by the root mean square distance of the node pairs from the centroid, forces by the total load,
 control areas by their sum: a wedge of 1 mm and one of 100 km are the same model.

@@ -222,7 +222,9 @@ class Cases(Shown, Generic[Found]):
         elif first.margin is not None:
             found.append(Section("GOVERNS", [self.governing]))
         found.append(Section("NOTE", [str(notice) for notice in self.warnings if notice.code != INVENTED]))
-        return Sheet(head(self.design, f"{self.what}, {len(rows)} load cases"), found, {own_name: table})
+        return Sheet(
+            head(self.design, f"{self.what}, {len(rows)} load case{'s' * (len(rows) != 1)}"), found, {own_name: table}
+        )
 
     def files(self) -> dict[str, str]:
         """What the study found for all cases."""

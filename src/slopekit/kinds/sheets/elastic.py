@@ -35,6 +35,8 @@ def _bracket(found: ElasticBlocks) -> list[str]:
         return []
     low, high = found.bracket
     last = "" if found.limit_at_bracket is None else f"; rigid without what is open there {found.limit_at_bracket:.5f}"
+    if found.gave_up:
+        return [f"{low:.5f}  elastic blocks come to rest there; gave up at {high:.5f}{last}"]
     return [f"{low:.5f} .. {high:.5f}  elastic blocks come to rest up to the first, not at the second{last}"]
 
 

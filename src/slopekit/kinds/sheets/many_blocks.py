@@ -416,6 +416,11 @@ def _defaults(result: Result) -> list[str]:
     return [", ".join(names)] if names else []
 
 
+def _percent(part: float) -> str:
+    """A part in percent: two digits, or whole."""
+    return f"{part * 100:.2g}" if part < 0.995 else f"{part * 100:.0f}"
+
+
 def path_in_words(basis: str, ratio: float | None, fos: float | None = None, change: float = 0.0) -> str:
     """What a factor of many blocks is.
 
@@ -433,7 +438,7 @@ def path_in_words(basis: str, ratio: float | None, fos: float | None = None, cha
         return f"limit of {path}" + (", settled" if basis == "settled" else "")
     runs = ""
     if fos is not None and change > 0.0:
-        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {change * 100:.2g} % higher"
+        runs = f"; the blocks run at {factor_text(fos * (1.0 + change)).strip()}, {_percent(change)} % higher"
     return f"peak of {path}: last state at rest{runs}"
 
 

@@ -380,6 +380,9 @@ def _elastic(result: Result) -> Finding:
     if found.bracket is None or found.limit_at_bracket is None:
         return Finding(name, None, None, None, f"{words}; where they lose their rest was not found")
     low, high = found.bracket
+    if found.gave_up:
+        words = f"{words}; at rest at {low:.5f}, the search gave up at {high:.5f}"
+        return Finding(name, None, None, None, words, "W456")
     off = max(low / found.limit_at_bracket - 1.0, found.limit_at_bracket / high - 1.0, 0.0)
     words = f"{words}; at rest up to {low:.5f} .. {high:.5f}, rigid without what is open there"
     words = f"{words} {found.limit_at_bracket:.5f}"

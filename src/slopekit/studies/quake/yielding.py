@@ -116,7 +116,8 @@ def check_stands(static: Design) -> None:
         said = f"{point.code} {point.message}" if point.code else f"PRE-IE ends as {status_of(point, 'pre_ie')}"
         raise DesignError([Fault("E520", f"the design has no factor of safety without an earthquake: {said}")])
     if before <= 1.0:
-        message = f"the slope does not stand without an earthquake: its factor of safety is {before:.4g}"
+        shown = f"{before:.4g}" if before < 0.9995 else f"{before:.8g}"  # 0.99996 is not 1
+        message = f"the slope does not stand without an earthquake: its factor of safety is {shown}"
         raise DesignError([Fault("E520", message, "", "Give it strength or support that holds it first.")])
 
 

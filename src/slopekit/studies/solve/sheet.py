@@ -62,8 +62,13 @@ def _of_factor(solution: Solution) -> tuple[Section, ...]:
         Section("OTHERS", _others(solution), hang=13),
         Section("REACH", [f"{_name(one)} {_reach(key, one)}" for one in reached], hang=13),
         Section("REFUSED", _refused(solution)),
-        Section("ASKED", [", ".join(f"{BRIEF[one.method]} {one.evaluations} times" for one in _all(solution))]),
+        Section("ASKED", [", ".join(_often(one) for one in _all(solution))]),
     )
+
+
+def _often(one: Answers) -> str:
+    """How often a method was asked."""
+    return f"{BRIEF[one.method]} " + ("once" if one.evaluations == 1 else f"{one.evaluations} times")
 
 
 def _of_probability(solution: ProbabilitySolution) -> tuple[Section, ...]:
