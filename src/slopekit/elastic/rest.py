@@ -16,6 +16,7 @@ from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
+from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.model import ElasticModel
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 
@@ -74,6 +75,7 @@ class Search:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
+        self.condensed: Condensed | None = None
         self.start, self.first = self._linear()
         self.unit = math.sqrt(float(self.first @ self.first) / len(self.first)) or 1.0
 
@@ -263,6 +265,10 @@ class Search:
         law = sparse.bsr_matrix(
             (slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1)), shape=(size, size)
         ).tocsr()  # fmt: skip
+        self.condensed = self.condensed or Condensed(model)
+        short = self.condensed.step(law, off, balance, springs)
+        if short is not None:
+            return short
         bolts: Any = sparse.csr_matrix(-(model.bolt_rows.T * springs) @ model.bolt_rows) if len(springs) else None
         upper, right = sparse.identity(size, format="csr"), -model.rows
         if model.give is not None:
