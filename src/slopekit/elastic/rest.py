@@ -23,8 +23,10 @@ from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, break
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops
 _FULL, _DAMPED = 12, 40  # steps of Newton's method
-_RELEASES = 60  # rounds of pairs that part
+_RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
 _MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
+_MORE = 2  # times as many steps for many blocks, of which more part one after the other
+_WORK, _WORK_OF_BRACKET = 1.2e7, 3e7  # steps times rows: two minutes, and five, whatever the number of blocks
 _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
@@ -75,9 +77,18 @@ class Search:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
+        self.releases = _RELEASES
+        if not model.is_dense:
+            self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
+            self.releases *= _MORE
         self.condensed: Condensed | None = None
         self.start, self.first = self._linear()
         self.unit = math.sqrt(float(self.first @ self.first) / len(self.first)) or 1.0
+
+    @property
+    def spent(self) -> bool:
+        """Whether the steps of Newton's method that it may take are taken."""
+        return self.steps > self.most
 
     def _linear(self) -> tuple[Floats, Floats]:
         """Motion and relative displacements with springs at the pairs that neither slip nor part."""
@@ -132,7 +143,7 @@ class Search:
     def bracket(self, here: Rest, guess: float, within: float = 1e-4) -> tuple[Rest, float]:
         """The last state at rest, and a factor not farther on than `within` at which there is none."""
         low, high = here, math.inf
-        self.most = self.steps + _MOST_OF_BRACKET
+        self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
         while not math.isfinite(high) or high - low.factor > within * low.factor:
             found = self.onward(low, target, within / 3.0)
@@ -153,9 +164,9 @@ class Search:
         """Newton's method until forces balance, again while pairs part (Table 2); a bond once broken stays so."""
         found = replace(here, factor=factor, residual=math.inf)
         tension = self.model.tension
-        for _ in range(_RELEASES):
-            if self.steps > self.most:
-                break
+        for _ in range(self.releases):
+            if self.spent:
+                return replace(found, residual=math.inf)
             found, law = self._newton(found)
             if not found.stands and found.parted.any():  # what has parted slides on from where it is
                 memory = found.memory.copy()
@@ -169,9 +180,9 @@ class Search:
             memory = found.memory.copy()
             memory[new] = found.relative[new, 1:]
             found = replace(found, parted=found.parted | new, memory=memory)
-        if (
-            found.stands and (found.modes == ContactMode.DEBOND).any()
-        ):  # blocks that topple hang on springs of open pairs
+        else:  # pairs are in tension still
+            return replace(found, residual=math.inf)
+        if found.stands and (found.modes == ContactMode.DEBOND).any():  # what topples hangs on springs of open pairs
             return self._newton(found, self.bare)[0]
         return found
 
