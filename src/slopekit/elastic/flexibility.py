@@ -21,6 +21,7 @@ from slopekit.core.arrays import Floats, Ints, frozen
 from slopekit.core.records import dataclass
 
 _CHUNK = 2_000_000  # barycentric coordinates at a time
+_NO_SHAPE = 1e-7  # a shape function that is none: what coordinates of nine digits leave of nodes off a contact
 _COLUMNS = 64  # right sides at a time: they stay in the cache, all at once take twice as long
 
 
@@ -42,6 +43,8 @@ class Flexibility:
     by_force : (3m, 3m) relative displacement of its m pairs per force there, m/kN; by_load : (3m, u) per load
     seen_by_force : (3q, 3m), seen_by_load : (3q, u) displacement east, north, up: the block's mean, then of points
     degrees : unknowns of the finite elements; cells : their number
+    shapes : (3m, k) sparse, displacement of the pairs by the k unknowns of the elements there
+    stiffness : (k, k) kN/m, what is left of K once all other unknowns are eliminated
     """
 
     by_force: Floats
@@ -50,6 +53,8 @@ class Flexibility:
     seen_by_load: Floats
     degrees: int
     cells: int
+    shapes: Any
+    stiffness: Floats
 
 
 class Elements:
@@ -208,6 +213,17 @@ class Elements:
 
         return solve
 
+    def condensed(self, kept: Ints) -> Floats:
+        """What is left of K (k, k), symmetric, once all unknowns but those kept (k,) are eliminated."""
+        others = np.setdiff1d(np.arange(self.degrees), kept)
+        own, beside = self.stiffness[kept][:, kept].toarray(), self.stiffness[others][:, kept].toarray()
+        if len(others):
+            inner = self.stiffness[others][:, others].tocsc()
+            factor = splu(inner, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+            own = own - beside.T @ factor.solve(beside)
+        found: Floats = 0.5 * (own + own.T)
+        return found
+
     def held_at(self, fixed: Ints, points: Floats, axes: Floats) -> Floats:
         """D (3m, 3m): displacements at points (m, 3) in their local axes (m, 3, 3) per force there, held at `fixed`.
 
@@ -248,6 +264,15 @@ class Elements:
         return order
 
 
+def _cleaned(shapes: Any) -> Any:
+    """Shape functions (3q, degrees) of the nodes on a contact alone, their sum kept."""
+    out = shapes.copy()
+    out.data[np.abs(out.data) < _NO_SHAPE] = 0.0
+    out.eliminate_zeros()
+    whole, kept = (np.asarray(one.sum(axis=1)).ravel() for one in (shapes, out))
+    return sparse.diags(np.divide(whole, kept, out=np.ones_like(whole), where=kept != 0.0)) @ out
+
+
 def flexibility(
     elements: Elements, points: Floats, axes: Floats, rows: Floats, length: float, also: Floats | None = None
 ) -> Flexibility:
@@ -265,6 +290,8 @@ def flexibility(
     seen = elements.mean() if also is None else sparse.vstack([elements.mean(), elements.shapes(also)]).tocsr()
     solve = elements.held(elements.supports())
     by_force, by_load = solve(at_pairs.T.toarray()), solve(elements.spread(length))
+    near = local @ _cleaned(elements.shapes(points))
+    kept = np.unique(near.tocoo().col)
     normal = np.linalg.pinv(rows)  # (BᵀB)⁻¹ Bᵀ
     there = elements.rigid(wanted, elements.centroid_point(), length)
 
@@ -280,5 +307,5 @@ def flexibility(
     return Flexibility(
         frozen(0.5 * (projected + projected.T)), frozen(give_load + give @ balancing),
         frozen(seen_give - (seen_give @ rows) @ normal), frozen(seen_load + seen_give @ balancing),
-        elements.degrees, int(elements.mesh.t.shape[1]),
+        elements.degrees, int(elements.mesh.t.shape[1]), near[:, kept], frozen(elements.condensed(kept)),
     )  # fmt: skip

@@ -16,14 +16,17 @@ from scipy.sparse.linalg import splu
 
 from slopekit.core.arrays import Bools, Floats, Ints
 from slopekit.core.records import dataclass
+from slopekit.elastic.condensed import Condensed
 from slopekit.elastic.model import ElasticModel
 from slopekit.preie.contact import ContactMode, JointStiffness, Tractions, breaks, tractions
 
 BALANCED = 1e-8  # residual, in parts of the load and of the first displacement, that counts as rest
 _AIM = 1e-10  # where Newton's method stops
 _FULL, _DAMPED = 12, 40  # steps of Newton's method
-_RELEASES = 60  # rounds of pairs that part
+_RELEASES = 60  # rounds, of many blocks _MORE times as many, of pairs that part
 _MOST_STEPS, _MOST_OF_BRACKET = 300, 3000  # of Newton's method, to a state at rest and to the ends of a bracket
+_MORE = 2  # times as many steps for many blocks, of which more part one after the other
+_WORK, _WORK_OF_BRACKET = 1.2e7, 3e7  # steps times rows: two minutes, and five, whatever the number of blocks
 _LOST = 1e7  # a residual that has nothing to do with the answer any more
 _FIRST = (1.0, 0.6, 0.3, 0.1, 0.03)  # of the factor: where to begin, with more strength than asked for
 _HARDLY = 1e-9  # of the normal stiffness: springs of open pairs on the way to rest
@@ -74,8 +77,18 @@ class Search:
         self.weight = float(np.sqrt(model.load @ model.load)) + float(model.bolt_capacity.sum())
         self.rounding = 1e-9 * self.weight / float(model.area.sum())
         self.steps, self.most = 0, _MOST_STEPS
+        self.releases = _RELEASES
+        if not model.is_dense:
+            self.most = int(min(_MORE * _MOST_STEPS, _WORK / model.rows.shape[0]))
+            self.releases *= _MORE
+        self.condensed: Condensed | None = None
         self.start, self.first = self._linear()
         self.unit = math.sqrt(float(self.first @ self.first) / len(self.first)) or 1.0
+
+    @property
+    def spent(self) -> bool:
+        """Whether the steps of Newton's method that it may take are taken."""
+        return self.steps > self.most
 
     def _linear(self) -> tuple[Floats, Floats]:
         """Motion and relative displacements with springs at the pairs that neither slip nor part."""
@@ -133,11 +146,11 @@ class Search:
         Where the steps that are allowed do not suffice it gave up: the factor is one that was not decided then.
         """
         low, high = here, math.inf
-        self.most = self.steps + _MOST_OF_BRACKET
+        self.most = self.steps + int(min(_MOST_OF_BRACKET, _WORK_OF_BRACKET / self.model.rows.shape[0]))
         target = max(guess * (1.0 - 5.0 * within), here.factor * (1.0 + within))
         while not math.isfinite(high) or high - low.factor > within * low.factor:
             found = self.onward(low, target, within / 3.0)
-            if found is None and self.steps > self.most:
+            if found is None and self.spent:
                 return low, target, True
             if found is None:
                 high = target
@@ -156,8 +169,8 @@ class Search:
         """Newton's method until forces balance, again while pairs part (Table 2); a bond once broken stays so."""
         found = replace(here, factor=factor, residual=math.inf)
         tension = self.model.tension
-        for _ in range(_RELEASES):
-            if self.steps > self.most:  # no rest: pairs might still part
+        for _ in range(self.releases):
+            if self.spent:  # no rest: pairs might still part
                 return replace(found, residual=math.inf)
             found, law = self._newton(found)
             if not found.stands and found.parted.any():  # what has parted slides on from where it is
@@ -172,9 +185,9 @@ class Search:
             memory = found.memory.copy()
             memory[new] = found.relative[new, 1:]
             found = replace(found, parted=found.parted | new, memory=memory)
-        if (
-            found.stands and (found.modes == ContactMode.DEBOND).any()
-        ):  # blocks that topple hang on springs of open pairs
+        else:  # pairs are in tension still
+            return replace(found, residual=math.inf)
+        if found.stands and (found.modes == ContactMode.DEBOND).any():  # what topples hangs on springs of open pairs
             return self._newton(found, self.bare)[0]
         return found
 
@@ -268,6 +281,10 @@ class Search:
         law = sparse.bsr_matrix(
             (slopes, np.arange(len(slopes)), np.arange(len(slopes) + 1)), shape=(size, size)
         ).tocsr()  # fmt: skip
+        self.condensed = self.condensed or Condensed(model)
+        short = self.condensed.step(law, off, balance, springs)
+        if short is not None:
+            return short
         bolts: Any = sparse.csr_matrix(-(model.bolt_rows.T * springs) @ model.bolt_rows) if len(springs) else None
         upper, right = sparse.identity(size, format="csr"), -model.rows
         if model.give is not None:

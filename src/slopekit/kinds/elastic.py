@@ -52,6 +52,7 @@ _HALVED = {"one": 3, "section": 2, "space": 1}  # how often the longest edge of 
 _MOST_REFINED = 5
 _BELOW = 0.95  # of a limit below 1: where the state is looked at
 _LINES = 12  # rounds of strength lines that follow the normal forces
+_WORK_OF_LINES = 2.4e7  # steps of Newton's method times rows of the model: four minutes
 _LINES_STEADY = 1e-6
 _SAME = 1e-6
 
@@ -79,7 +80,9 @@ def with_elastic(kind: Kind[Any], result: Result, bracket: bool) -> Result:
         if found.stands:
             break
     else:
-        said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g}")
+        pairs = f"{int(found.parted.sum())} of {len(found.parted)} node pairs pulled open"
+        how = f"in {search.steps} steps, {pairs}" if search.spent else f"({pairs})"
+        said = Notice("W451", f"no elastic blocks: Newton's method finds no rest at F = {factor:.4g} {how}")
         return replace(result, warnings=(*result.warnings, said), timing_s=_timed(result, began))
     _, rigid = _at_rest(scene, scene.model.rigid(), factor)
     limit = rigid_limit = scene.rigid_limit
@@ -180,6 +183,7 @@ def _at_rest(scene: _Scene, model: ElasticModel, factor: float) -> tuple[Search,
     """Rest at a factor, where laws are curved on the lines of its own normal forces."""
     search = Search(model, scene.stiffness)
     found = search.rest(factor)
+    steps = search.steps
     for _ in range(_LINES if scene.redrawn is not None else 0):
         if not found.stands or scene.redrawn is None:
             break
@@ -189,6 +193,9 @@ def _at_rest(scene: _Scene, model: ElasticModel, factor: float) -> tuple[Search,
         model = replace(model, tan_friction=friction)
         search = Search(model, scene.stiffness)
         found = search.rest(factor)
+        steps += search.steps
+        if steps * len(found.forces) > _WORK_OF_LINES:
+            return search, replace(found, residual=math.inf)
     return search, found
 
 
