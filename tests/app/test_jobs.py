@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
+from slopekit.app.desk import jobs_of
 from slopekit.app.jobs import WHAT, Jobs, run_job
-from slopekit.app.server import jobs_of
 from slopekit.app.session import Session
 from slopekit.core.errors import DesignError
 from slopekit.design.files import with_values

@@ -8,7 +8,9 @@ import shlex
 
 import pytest
 
-from slopekit.app.server import HEADERS, LARGEST, LARGEST_SURVEY, Desk, parsed
+from slopekit.app.desk import Desk
+from slopekit.app.messages import LARGEST, LARGEST_SURVEY, parsed
+from slopekit.app.server import HEADERS
 from slopekit.app.session import opened_file
 from slopekit.core.errors import DesignError
 from slopekit.design.templates import path_of
