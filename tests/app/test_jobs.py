@@ -70,6 +70,9 @@ def test_a_scatter_of_the_design_can_be_taken_out():
     names = [one["label"] for one in found["sensitivity"]]
     assert not any("clay" in name for name in names)
     assert any("rough" in name for name in names)
+    means = with_values(moment.design, {"strength.clay.phi": 24.0, "strength.clay.c": 15.0})  # as the template has them
+    assert found["pf"] == prob(means, 200, confirm=0).leading.probability
+    assert found["histogram"]["edges"] == prob(means, 200, confirm=0).to_dict()["histogram"]["edges"]
 
 
 def test_bolts_are_those_of_the_study():
