@@ -65,6 +65,14 @@ def test_corners_carry_pairs_so_that_hinges_are_exact(refine) -> None:
     assert pairs.control_areas.min() > 0.0
 
 
+@pytest.mark.parametrize("refine", [0, 1, 2, 3])
+def test_each_refinement_splits_a_triangle_in_four(refine) -> None:
+    """Corners of the small triangles, shared by them, and a middle of each."""
+    polygon, _, _ = lifted(TRIANGLE, Plane(60, 100))
+    n = 2**refine
+    assert len(node_pairs({0: polygon}, refine)) == (n + 1) * (n + 2) // 2 + n * n
+
+
 def test_normals_point_into_the_block() -> None:
     """The polygon runs anticlockwise seen from outside: its vector area points out of the block."""
     polygon, _, _ = lifted(SQUARE, Plane(20, 300))
