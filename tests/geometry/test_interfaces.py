@@ -11,6 +11,9 @@ from slopekit.geometry import cutting, interfaces
 from slopekit.geometry.cutting import cut_wedge
 from slopekit.geometry.interfaces import node_pairs
 from slopekit.geometry.rockmass import J1, J2, UPPER, RockMass, wedge_rock_mass
+from slopekit.preie.patch_pairs import _fan
+from slopekit.studies.prob.sources import _series
+from slopekit.views.stereonet import cells
 
 TRIANGLE = [(0.0, 0.0), (4.0, 0.0), (1.0, 3.0)]
 SQUARE = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -167,3 +170,9 @@ def test_wedges_that_are_nearly_equal_are_never_taken_for_each_other(change) -> 
     assert others == 6 or change in ("zeros", "corner")  # the corners say where to look, not what is there
     with ThreadPoolExecutor(4) as threads:
         assert list(threads.map(lambda rock: all_of(rock, cut_wedge, node_pairs), asked[::-1])) == new[::-1]
+
+
+def test_no_array_that_is_remembered_can_be_written() -> None:
+    """Several designs, studies and threads hold the same one."""
+    for array in (*_fan(4, 1), _series(100), *cells("area")):
+        assert not array.flags.writeable
